@@ -1,0 +1,1 @@
+"""Neve: a snow laboratory."""
