@@ -1,0 +1,10 @@
+"""The explicit snow step of Stomakhin et al. 2013 in plain NumPy and float64: the oracle for the core.
+
+Nothing here is fast and nothing here is shared with the core: the formulas were written down a second time,
+from the paper's section 4.1 and its notation, so that a slip in either shows up as a difference.
+
+* `splines`  weights of a particle at the nodes around it, and their gradients
+* `snow`     energy, stress, return map and hardening
+* `contact`  signed distances of the collider shapes and the three contact laws
+* `step`     the ten stages, in the paper's order
+"""

@@ -1,0 +1,176 @@
+"""One explicit step in the ten stages of Stomakhin et al. 2013, section 4.1.
+
+The dense grid covers the particles' bounding box: `Nodes.mass[i, j, k]` belongs to the node at
+(low + (i, j, k)) dx. Two transfers: "flip" is the paper's (force from the weights' gradients, PIC/FLIP
+blend), "apic" carries the affine velocity C = B D^-1 and takes the force in the MLS form, Q = -dt V0 D^-1 tau.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference import contact, snow, splines
+from reference.snow import Snow
+
+
+@dataclass
+class Particles:
+    """Everything a particle carries; `law` holds its material, one value per particle or one for all."""
+
+    x: np.ndarray  # position [m] (n, 3)
+    v: np.ndarray  # velocity [m/s] (n, 3)
+    C: np.ndarray  # affine velocity [1/s] (n, 3, 3), used by "apic" only
+    F_E: np.ndarray  # elastic deformation gradient [1] (n, 3, 3)
+    J_P: np.ndarray  # determinant of the plastic part [1] (n,)
+    m: np.ndarray  # mass [kg] (n,)
+    V0: np.ndarray  # volume at rest [m3] (n,)
+    law: Snow
+
+    @classmethod
+    def at_rest(cls, x, m, V0, law, v=None):
+        n = len(x)
+        return cls(
+            x=np.array(x, dtype=float),
+            v=np.zeros((n, 3)) if v is None else np.array(v, dtype=float),
+            C=np.zeros((n, 3, 3)),
+            F_E=np.tile(np.eye(3), (n, 1, 1)),
+            J_P=np.ones(n),
+            m=np.broadcast_to(np.asarray(m, dtype=float), n).copy(),
+            V0=np.broadcast_to(np.asarray(V0, dtype=float), n).copy(),
+            law=law,
+        )
+
+
+@dataclass
+class Nodes:
+    """A dense box of grid nodes, scratch for one step."""
+
+    low: np.ndarray  # number of the first node (3,)
+    mass: np.ndarray  # [kg] (nx, ny, nz)
+    v: np.ndarray  # velocity before forces [m/s] (nx, ny, nz, 3)
+    v_new: np.ndarray  # after forces, gravity and collisions
+    x: np.ndarray  # node positions [m]
+
+
+@dataclass(frozen=True)
+class Method:
+    """The choices that one run makes."""
+
+    dx: float
+    spline: str = "quadratic"
+    transfer: str = "apic"
+    alpha: float = 0.95
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+
+
+def step(p, method, dt, bodies=(), first=False):
+    """Advance the particles by dt [s] in place and return the grid used.
+
+    `first` marks the first step of a run, which takes V0 from the grid's density.
+    """
+    ijk, w, grad_w = splines.stencil(method.spline, p.x, method.dx)
+    nodes = rasterize(p, method, ijk, w)  # 1
+    at = tuple(np.moveaxis(ijk - nodes.low, -1, 0))
+    if first:
+        p.V0 = volumes(p, method, nodes, at, w)  # 2
+    f = forces(p, method, nodes, at, ijk, w, grad_w)  # 3
+    update_grid_velocities(nodes, method, f, dt)  # 4
+    collide_nodes(nodes, bodies)  # 5
+    # 6: explicit, v^{n+1} = v*
+    grad_v = update_deformation(p, method, nodes, at, ijk, w, grad_w, dt)  # 7
+    update_velocities(p, method, nodes, at, w, grad_v)  # 8
+    p.v = contact.respond(p.v, p.x, bodies)  # 9
+    p.x = p.x + dt * p.v  # 10
+    return nodes
+
+
+def scatter(nodes, at, values):
+    """Sum values (n, K, ...) of particle-node pairs onto the grid."""
+    out = np.zeros(nodes.mass.shape + values.shape[2:])
+    np.add.at(out, at, values)
+    return out
+
+
+def rasterize(p, method, ijk, w):
+    """Stage 1. m_i = sum w m_p and v_i = sum w m_p (v_p + C_p (x_i - x_p)) / m_i; without C for "flip"."""
+    low, high = ijk.min((0, 1)), ijk.max((0, 1))
+    shape = tuple(high - low + 1)
+    grid_x = method.dx * (low + np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1))
+    nodes = Nodes(low, np.zeros(shape), np.zeros((*shape, 3)), np.zeros((*shape, 3)), grid_x)
+    at = tuple(np.moveaxis(ijk - low, -1, 0))
+    nodes.mass = scatter(nodes, at, w * p.m[:, None])
+    v_ip = np.broadcast_to(p.v[:, None, :], ijk.shape)
+    if method.transfer == "apic":
+        v_ip = v_ip + np.einsum("pab,pkb->pka", p.C, method.dx * ijk - p.x[:, None, :])
+    momentum = scatter(nodes, at, (w * p.m[:, None])[..., None] * v_ip)
+    nodes.v = momentum / np.where(nodes.mass > 0, nodes.mass, 1.0)[..., None]
+    return nodes
+
+
+def volumes(p, method, nodes, at, w):
+    """Stage 2. V0_p = m_p / rho_p with rho_p = sum_i w m_i / dx^3."""
+    return p.m * method.dx**3 / (w * nodes.mass[at]).sum(1)
+
+
+def forces(p, method, nodes, at, ijk, w, grad_w):
+    """Stage 3. f_i = -sum V0 tau grad_w; in the MLS form grad_w is replaced by w D^-1 (x_i - x_p)."""
+    if method.transfer == "apic":
+        D = splines.MOMENT[method.spline] * method.dx**2
+        grad_w = w[..., None] * (method.dx * ijk - p.x[:, None, :]) / D
+    tau = snow.kirchhoff(p.F_E, p.J_P, p.law)
+    return -scatter(nodes, at, np.einsum("p,pab,pkb->pka", p.V0, tau, grad_w))
+
+
+def update_grid_velocities(nodes, method, f, dt):
+    """Stage 4. v* = v + dt (f / m + g) where there is mass."""
+    has_mass = nodes.mass > 0
+    nodes.v_new = nodes.v.copy()
+    acceleration = f[has_mass] / nodes.mass[has_mass, None] + np.asarray(method.gravity)
+    nodes.v_new[has_mass] += dt * acceleration
+
+
+def collide_nodes(nodes, bodies):
+    """Stage 5. The contact law at every node inside a collider."""
+    flat = nodes.v_new.reshape(-1, 3)
+    nodes.v_new = contact.respond(flat, nodes.x.reshape(-1, 3), bodies).reshape(nodes.v_new.shape)
+
+
+def update_deformation(p, method, nodes, at, ijk, w, grad_w, dt):
+    """Stage 7. F_E trial = (I + dt grad v) F_E, then the return map. Return grad v, the new C for "apic"."""
+    v_i = nodes.v_new[at]
+    if method.transfer == "apic":
+        D = splines.MOMENT[method.spline] * method.dx**2
+        B = np.einsum("pk,pka,pkb->pab", w, v_i, method.dx * ijk - p.x[:, None, :])
+        grad_v = B / D
+    else:
+        grad_v = np.einsum("pka,pkb->pab", v_i, grad_w)
+    p.F_E, p.J_P = snow.return_map((np.eye(3) + dt * grad_v) @ p.F_E, p.J_P, p.law)
+    return grad_v
+
+
+def update_velocities(p, method, nodes, at, w, grad_v):
+    """Stage 8. (1 - alpha) PIC + alpha FLIP, or PIC with the affine part beside it."""
+    pic = np.einsum("pk,pka->pa", w, nodes.v_new[at])
+    if method.transfer == "apic":
+        p.v, p.C = pic, grad_v
+    else:
+        change = np.einsum("pk,pka->pa", w, nodes.v_new[at] - nodes.v[at])
+        p.v = (1 - method.alpha) * pic + method.alpha * (p.v + change)
+
+
+def momentum(p):
+    """sum m v [kg m/s] (3,)."""
+    return (p.m[:, None] * p.v).sum(0)
+
+
+def angular_momentum(p, method):
+    """sum x cross m v [kg m2/s] (3,), and for "apic" the part that the affine velocity carries, B = C D."""
+    L = np.cross(p.x, p.m[:, None] * p.v).sum(0)
+    if method.transfer == "apic":
+        B = p.C * (splines.MOMENT[method.spline] * method.dx**2)
+        axial = np.stack([B[:, 2, 1] - B[:, 1, 2], B[:, 0, 2] - B[:, 2, 0], B[:, 1, 0] - B[:, 0, 1]], -1)
+        L = L + (p.m[:, None] * axial).sum(0)
+    return L
+
+
+__all__ = ["Method", "Nodes", "Particles", "angular_momentum", "momentum", "step"]
