@@ -1,0 +1,5 @@
+"""Say in one sentence what is wrong with a scene."""
+
+
+class SceneError(ValueError):
+    """Report a scene that cannot be used, in one sentence: file, key, value, and what is allowed."""

@@ -1,0 +1,209 @@
+"""Describe a whole scene: what the user asked for, plain checked data in SI units, z up, no arrays."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import model_validator
+
+from neve.scene.colliders import Body, Box, Collider, Cylinder, Keyframe, Plane, Sphere
+from neve.scene.fields import Color, Overrides, Part, Real, Step, Switch, Vec3, Whole, entry, length, wrong
+from neve.scene.sources import (
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowSource,
+    SnowSphere,
+    SnowText,
+    Source,
+    StiffnessNoise,
+)
+
+__all__ = [
+    "Body", "Box", "Camera", "Collider", "Cylinder", "Keyframe", "Light", "Numerics", "Overrides", "Part",
+    "Plane", "Run", "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowSource", "SnowSphere",
+    "SnowText", "Source", "Sphere", "StiffnessNoise", "World",
+]  # fmt: skip
+
+SSCTS = "Stomakhin et al. 2013 (as quoted in public codes)"
+
+
+class World(Part):
+    """Describe what surrounds the snow."""
+
+    gravity: Vec3 = entry(
+        (0.0, 0.0, -9.81), "Acceleration of everything.", "m/s2", "standard gravity, rounded"
+    )
+
+
+class Numerics(Part):
+    """Choose how the equations are solved."""
+
+    dx: Real = entry(
+        0.05, "Distance between grid nodes; halve it for eight times the particles.", "m", gt=0, le=1000
+    )
+    spline: Literal["quadratic", "cubic"] = entry(
+        "quadratic",
+        "B-spline between particles and grid: 27 or 64 nodes a particle.",
+        "",
+        "cubic: Stomakhin et al. 2013 (as quoted in public codes); quadratic: our choice",
+    )
+    transfer: Literal["apic", "flip"] = entry(
+        "apic",
+        'How velocities go to the grid and back: "apic" keeps angular momentum, "flip" blends FLIP and PIC.',
+        "",
+        "flip: Stomakhin et al. 2013, apic: Jiang et al. 2015 (as quoted in public codes)",
+    )
+    flip_alpha: Real = entry(0.95, "Share of FLIP in the blend; used by flip only.", "1", SSCTS, ge=0, le=1)
+    dt: Literal["auto"] | Step = entry(
+        "auto", 'Time step, or "auto" to take the largest that is stable.', "s"
+    )
+    cfl: Real = entry(
+        0.4, "Share of a cell that a wave or a particle may cross in one automatic step.", "1", gt=0, le=1
+    )
+    dt_max: Real = entry(1e-2, "Largest automatic time step.", "s", gt=0, le=1)
+    precision: Literal["float32", "float64"] = entry("float32", "Number format of particles and grid.", "")
+    particles_per_cell: Whole = entry(
+        8,
+        "Particles in a cell that is full of snow.",
+        "1",
+        "8 is two along each axis; our choice",
+        ge=1,
+        le=512,
+    )
+    sampling: Literal["jittered", "poisson"] = entry(
+        "jittered",
+        'How particles are placed: "jittered" moves each point of a lattice at random; "poisson" places '
+        "them at random with a least distance between any two.",
+        "",
+        "poisson: Bridson 2007 names the goal; the algorithm is ours",
+    )
+    seed: Whole = entry(0, "Seed of everything random.", "1", ge=0, lt=2**32)
+    initial_volume: Literal["grid", "sampled"] = entry(
+        "grid",
+        'Volume of a particle: "grid" measures the density on the grid in the first step, "sampled" shares '
+        "out the volume of the shape.",
+        "",
+        "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes)",
+    )
+
+
+class Snow(Part):
+    """Describe the snow of all sources that do not say otherwise."""
+
+    law: Literal["stomakhin2013"] = entry(
+        "stomakhin2013",
+        "Constitutive law: fixed-corotated elasticity, clamped stretches, hardening.",
+        "",
+        SSCTS,
+    )
+    rho0: Real = entry(400.0, "Density.", "kg/m3", SSCTS, gt=0, le=2000)
+    E0: Real = entry(
+        1.4e5, "Young's modulus of snow that is not hardened; larger is icier.", "Pa", SSCTS, gt=0, le=1e12
+    )
+    nu: Real = entry(0.2, "Poisson's ratio.", "1", SSCTS, ge=0, lt=0.5)
+    xi: Real = entry(10.0, "Hardening coefficient; larger is more brittle.", "1", SSCTS, ge=0, le=100)
+    theta_c: Real = entry(
+        2.5e-2,
+        "Critical compression, beyond which snow is crushed for good; smaller is powdery.",
+        "1",
+        SSCTS,
+        ge=0,
+        lt=1,
+    )
+    theta_s: Real = entry(
+        7.5e-3,
+        "Critical stretch, beyond which snow tears; smaller is powdery.",
+        "1",
+        SSCTS,
+        ge=0,
+        le=1,
+    )
+    J_P_min: Real = entry(
+        0.6,
+        "Lower bound of J_P inside the hardening factor exp(xi (1 - J_P)) only.",
+        "1",
+        "bounds of the public 88-line MLS-MPM program",
+        gt=0,
+        lt=1,
+    )
+    J_P_max: Real = entry(
+        20.0,
+        "Upper bound of J_P inside the hardening factor only.",
+        "1",
+        "bounds of the public 88-line MLS-MPM program",
+        gt=1,
+        le=1e6,
+    )
+
+
+class Camera(Part):
+    """Place the camera of the film."""
+
+    position: Vec3 = entry((4.0, -6.0, 2.0), "Where the camera stands.", "m")
+    target: Vec3 = entry((0.0, 0.0, 0.5), "What is in the middle of the picture.", "m")
+    fov: Real = entry(35.0, "Vertical angle of view.", "degrees", gt=1, lt=170)
+    up: Vec3 = entry((0.0, 0.0, 1.0), "Direction that is upward in the picture.", "1")
+
+    @model_validator(mode="after")
+    def _check(self) -> Camera:
+        view = tuple(b - a for a, b in zip(self.position, self.target, strict=True))
+        x, y, z = view
+        a, b, c = self.up
+        if length(view) < 1e-9:
+            raise wrong("target", "must differ from camera.position")
+        if length((y * c - z * b, z * a - x * c, x * b - y * a)) <= 1e-6 * length(view) * length(self.up):
+            raise wrong(
+                "up", "must not be zero or point along the view from camera.position to camera.target"
+            )
+        return self
+
+
+class Light(Part):
+    """Set the sun and the sky of the film."""
+
+    sun_elevation: Real = entry(30.0, "Height of the sun above the horizon.", "degrees", gt=0, le=90)
+    sun_azimuth: Real = entry(
+        200.0, "Direction in which the sun stands: 0 is +x, 90 is +y.", "degrees", ge=-360, le=360
+    )
+    sun_strength: Real = entry(1.0, "Brightness of the sun; 1 is a clear day.", "1", ge=0, le=100)
+    sky_strength: Real = entry(1.0, "Brightness of the sky; 1 is a clear day.", "1", ge=0, le=100)
+    sun_color: Color = entry((1.0, 0.94, 0.85), "Red, green and blue of the sun.", "1")
+    sky_color: Color = entry((0.62, 0.76, 1.0), "Red, green and blue of the sky.", "1")
+
+
+class Run(Part):
+    """Say how long to simulate and what to keep."""
+
+    duration: Real = entry(3.0, "Simulated time.", "s", gt=0, le=86400)
+    fps: Whole = entry(30, "Frames per simulated second.", "1/s", ge=1, le=10000)
+    film: Switch = entry(True, "Whether to make a film.", "")
+
+
+class Scene(Part):
+    """Hold everything a user asked for.
+
+    Errors: pydantic.ValidationError; `neve.scene.load.load` turns it into one sentence.
+    """
+
+    about: str = entry("", "What happens, in one line.", "")
+    world: World = entry(World(), "Surroundings.", "")
+    numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
+    snow: Snow = entry(Snow(), "Snow of all sources.", "")
+    sources: tuple[Source, ...] = entry((), "Where snow is at the start: one or more.", "")
+    colliders: tuple[Collider, ...] = entry((), "Bodies that snow meets.", "")
+    camera: Camera = entry(Camera(), "Camera of the film.", "")
+    light: Light = entry(Light(), "Light of the film.", "")
+    run: Run = entry(Run(), "Length of the run.", "")
+
+    @model_validator(mode="after")
+    def _check(self) -> Scene:
+        if not self.sources:
+            raise wrong(
+                "sources", 'needs at least one entry: [[sources]] with shape = "box" or another shape'
+            )
+        return self
+
+    def snow_of(self, source: SnowSource) -> Snow:
+        """Return the snow of `source`: the scene's snow with the overrides of the source."""
+        return self.snow.model_copy(update=source.snow.model_dump(exclude_none=True))
