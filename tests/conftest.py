@@ -1,1 +1,34 @@
 """Shared by all tests. Standing here also puts tests/ on the path, so that `reference` can be imported."""
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture(params=["float32", "float64"])
+def precision(request):
+    """Number format of particles and grid, a value of `numerics.precision`."""
+    return request.param
+
+
+@pytest.fixture
+def core(precision):
+    """The compiled functions of one precision."""
+    from neve import _core
+
+    return {"float32": _core.f32, "float64": _core.f64}[precision]
+
+
+@pytest.fixture
+def eps(precision):
+    """Distance from 1 to the next number."""
+    return float(np.finfo(precision).eps)
+
+
+@pytest.fixture(params=["quadratic", "cubic"])
+def spline(request):
+    return request.param
+
+
+@pytest.fixture(params=["apic", "flip"])
+def transfer(request):
+    return request.param

@@ -1,8 +1,9 @@
 """One explicit step in the ten stages of Stomakhin et al. 2013, section 4.1.
 
 The dense grid covers the particles' bounding box: `Nodes.mass[i, j, k]` belongs to the node at
-(low + (i, j, k)) dx. Two transfers: "flip" is the paper's (force from the weights' gradients, PIC/FLIP
-blend), "apic" carries the affine velocity C = B D^-1 and takes the force in the MLS form, Q = -dt V0 D^-1 tau.
+(low + (i, j, k)) dx. Two transfers: "flip" is the paper's (force from the gradients of the weights, PIC/FLIP
+blend); "apic" carries the affine velocity C = B D^-1 and takes the force in the MLS form,
+Q = -dt V0 D^-1 tau.
 """
 
 from dataclasses import dataclass

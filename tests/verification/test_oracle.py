@@ -64,7 +64,7 @@ def test_polar_svd_of_reflections():
 
 
 def test_oedometer_table():
-    """The Cauchy stress of METHODS section 12, test 13, at its printed precision."""
+    """The Cauchy stress sigma_33 of a confined column compressed to s, in whole pascals."""
     table = {0.99: -1556, 0.975: -3889, 0.95: -5158, 0.9: -9092, 0.85: -16077, 0.8: -28526, 0.7: -90921}
     for s, expected in table.items():
         F_E, J_P = snow.return_map(np.diag([1.0, 1.0, s])[None], np.ones(1), Snow())

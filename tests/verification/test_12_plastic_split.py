@@ -1,0 +1,55 @@
+"""Known answer 12: the return map moves deformation from F_E to F_P and loses none."""
+
+import numpy as np
+from reference.snow import Snow
+from verification.material import DEFAULT, near_identity, respond, transpose
+
+
+def test_plastic_split(core, precision, eps):
+    """sigma(F_E) in [1 - theta_c, 1 + theta_s], J_E J_P = det F, F_P = F_E^-1 F_trial is symmetric.
+
+    F_trial = U Sigma V^T and F_E = U clamp(Sigma) V^T give F_E^-1 F_trial = V (Sigma / clamp) V^T,
+    symmetric. The stretches carry a few eps each and det multiplies three of them: 30 eps.
+    """
+    F = near_identity(2000, 0.05, seed=8).astype(precision)
+    F_E, J_P, _, _ = respond(core, F, 1.0, DEFAULT, precision)
+    sigma = np.linalg.svd(F_E, compute_uv=False)
+    assert sigma.max() <= 1 + DEFAULT.theta_s + 10 * eps
+    assert sigma.min() >= 1 - DEFAULT.theta_c - 10 * eps
+    F = F.astype(float)
+    np.testing.assert_allclose(np.linalg.det(F_E) * J_P, np.linalg.det(F), rtol=0, atol=30 * eps)
+    F_P = np.linalg.solve(F_E, F)
+    np.testing.assert_allclose(F_P, transpose(F_P), atol=60 * eps)
+    assert (sigma.max(1) > 1 + DEFAULT.theta_s - 10 * eps).any()
+    assert (sigma.min(1) < 1 - DEFAULT.theta_c + 10 * eps).any()
+
+
+def test_elastic_range_is_left_alone(core, precision, eps):
+    """Inside the limits F_E is the trial and J_P does not move: to the bit for J_P, to 10 eps for F_E."""
+    F = near_identity(500, 1e-3, seed=9).astype(precision)
+    J_P_0 = np.asarray(0.93, precision)
+    F_E, J_P, _, _ = respond(core, F, J_P_0, DEFAULT, precision)
+    np.testing.assert_allclose(F_E, F, atol=10 * eps, rtol=0)
+    np.testing.assert_allclose(J_P, float(J_P_0), rtol=10 * eps)
+
+
+def test_idempotent(core, precision, eps):
+    """A second return map changes nothing: clamp(clamp(sigma)) = clamp(sigma), to the rounding of F_E."""
+    F = near_identity(500, 0.05, seed=10).astype(precision)
+    F_E, J_P, tau, _ = respond(core, F, 1.0, DEFAULT, precision)
+    again = respond(core, F_E, J_P, DEFAULT, precision)
+    np.testing.assert_allclose(again[0], F_E, atol=20 * eps, rtol=0)
+    np.testing.assert_allclose(again[1], J_P, rtol=20 * eps)
+    scale = (DEFAULT.M_c * DEFAULT.hardening(J_P))[:, None, None]
+    np.testing.assert_allclose(again[2] / scale, tau / scale, atol=60 * eps)
+
+
+def test_hardening_is_bounded_only_in_the_exponent(core, precision, eps):
+    """J_P itself goes on below J_P_min = 0.6; the stress stays at exp(xi (1 - 0.6))."""
+    law = Snow(xi=10.0)
+    F = np.tile(np.diag([1.0, 1.0, 0.9]), (2, 1, 1))
+    _, J_P, tau, _ = respond(core, F, [0.5, 0.3], law, precision)
+    s = 1 - law.theta_c
+    np.testing.assert_allclose(J_P, np.array([0.5, 0.3]) * 0.9 / s, rtol=30 * eps)
+    expected = np.exp(law.xi * (1 - law.J_P_min)) * law.M_c * (s - 1) * s
+    np.testing.assert_allclose(tau[:, 2, 2], expected, rtol=30 * eps / law.theta_c)
