@@ -1,3 +1,77 @@
+// neve._core: the compiled core.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+
+#include "mpm/particles.hpp"
+
 namespace nb = nanobind;
-NB_MODULE(_core, m) { m.doc() = "Neve's compiled core."; }
+
+namespace neve::bind {
+void bind_f32(nb::module_& m);
+void bind_f64(nb::module_& m);
+}  // namespace neve::bind
+
+namespace {
+
+const char* simd_name() {
+#if defined(__AVX512F__)
+  return "avx512";
+#elif defined(__AVX2__)
+  return "avx2";
+#elif defined(__AVX__)
+  return "avx";
+#elif defined(__SSE2__)
+  return "sse2";
+#elif defined(__ARM_NEON)
+  return "neon";
+#else
+  return "none";
+#endif
+}
+
+nb::dict build_info() {
+  nb::dict info;
+  info["simd"] = simd_name();
+  info["lanes_f32"] = neve::lane_count<float>;
+  info["lanes_f64"] = neve::lane_count<double>;
+#if defined(__clang__)
+  info["compiler"] = "clang " __clang_version__;
+#else
+  info["compiler"] = "gcc " __VERSION__;
+#endif
+#if defined(_OPENMP)
+  info["openmp"] = true;
+#else
+  info["openmp"] = false;
+#endif
+  info["threads"] = neve::thread_count();
+  return info;
+}
+
+}  // namespace
+
+NB_MODULE(_core, m) {
+  m.doc() = "Neve's compiled core: the stages of the material point method in float32 and float64.";
+  m.def("build_info", &build_info, "Compiler, instruction set, lanes and threads of this build.");
+  m.def("set_threads", &neve::set_thread_count, nb::arg("n"), "Use n threads from now on.");
+  m.def("threads", &neve::thread_count, "Threads in use.");
+  nb::class_<neve::Report>(m, "Report", "What a pass over the particles found.")
+      .def_ro("wave", &neve::Report::wave, "Largest elastic wave speed [m/s].")
+      .def_ro("speed", &neve::Report::speed, "Largest particle speed [m/s].")
+      .def_ro("fastest", &neve::Report::fastest, "Largest sum of both on one particle [m/s].")
+      .def_ro("finite", &neve::Report::finite)
+      .def_ro("drifted", &neve::Report::drifted);
+  nb::class_<neve::Totals>(m, "Totals", "Sums over all particles, in double.")
+      .def_ro("mass", &neve::Totals::mass)
+      .def_prop_ro("momentum",
+                   [](const neve::Totals& t) {
+                     return std::array<double, 3>{t.momentum[0], t.momentum[1], t.momentum[2]};
+                   })
+      .def_ro("kinetic", &neve::Totals::kinetic)
+      .def_ro("elastic", &neve::Totals::elastic)
+      .def_ro("potential", &neve::Totals::potential);
+  auto f32 = m.def_submodule("f32", "Single precision.");
+  neve::bind::bind_f32(f32);
+  auto f64 = m.def_submodule("f64", "Double precision, for verification and wide worlds.");
+  neve::bind::bind_f64(f64);
+}

@@ -1,0 +1,45 @@
+// NumPy views of the core's memory, without a copy.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "mpm/state.hpp"
+
+namespace neve::bind {
+
+namespace nb = nanobind;
+
+template <class E>
+using View = nb::ndarray<nb::numpy, E>;
+template <class T, class... Shape>
+using In = nb::ndarray<const T, Shape..., nb::c_contig, nb::device::cpu>;
+
+// (n,) (n, 3) or (n, 3, 3) views of a field's columns. The owner keeps the memory alive.
+template <class T, int Components>
+View<T> view(Field<T, Components>& f, std::size_t n, nb::handle owner) {
+  const auto s = static_cast<std::int64_t>(f.stride());
+  if constexpr (Components == 1) {
+    return View<T>(f.column(0), {n}, owner, {1});
+  } else if constexpr (Components == 9) {
+    return View<T>(f.column(0), {n, 3, 3}, owner, {1, s, 3 * s});
+  } else {
+    return View<T>(f.column(0), {n, std::size_t(Components)}, owner, {1, s});
+  }
+}
+template <class E>
+View<E> view(Column<E>& c, std::size_t n, nb::handle owner) {
+  return View<E>(c.data(), {n}, owner, {1});
+}
+
+// A fresh array of the given shape, owned by Python.
+template <class T>
+View<T> fresh(T*& data, std::initializer_list<std::size_t> shape) {
+  std::size_t size = 1;
+  for (std::size_t n : shape) size *= n;
+  data = new T[size > 0 ? size : 1]();
+  nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
+  return View<T>(data, shape, owner);
+}
+
+}  // namespace neve::bind

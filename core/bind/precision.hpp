@@ -1,0 +1,220 @@
+// The objects and stages of one precision: neve._core.f32 and neve._core.f64 are the same templates.
+#pragma once
+
+#include <nanobind/stl/string.h>
+
+#include "bind/arrays.hpp"
+#include "bind/material_point.hpp"
+#include "grid/sort.hpp"
+#include "mpm/dispatch.hpp"
+
+namespace neve::bind {
+
+template <class T>
+Vec3<T> vec(const In<double, nb::shape<3>>& a) {
+  return {T(a.data()[0]), T(a.data()[1]), T(a.data()[2])};
+}
+
+template <class E>
+E word(const std::string& given, std::initializer_list<std::pair<const char*, E>> words, const char* what) {
+  for (const auto& [name, value] : words) {
+    if (given == name) return value;
+  }
+  throw nb::value_error((std::string(what) + " '" + given + "' is not known").c_str());
+}
+
+inline Spline spline_of(const std::string& s) {
+  return word<Spline>(s, {{"quadratic", Spline::quadratic}, {"cubic", Spline::cubic}}, "spline");
+}
+inline Transfer transfer_of(const std::string& s) {
+  return word<Transfer>(s, {{"apic", Transfer::apic}, {"flip", Transfer::flip}}, "transfer");
+}
+
+template <class T>
+void bind_model(nb::module_& m) {
+  using M = Model<T>;
+  nb::class_<M>(m, "Model", "The constants of one run.")
+      .def(
+          "__init__",
+          [](M* self, double dx, const std::string& spline, const std::string& transfer, double flip_alpha,
+             const In<double, nb::shape<3>>& gravity) {
+            new (self) M{dx, spline_of(spline), transfer_of(transfer), flip_alpha, vec<T>(gravity), {}, {}};
+          },
+          nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"))
+      .def(
+          "add_snow",
+          [](M& self, const In<double, nb::shape<8>>& q) {
+            const double* a = q.data();
+            self.snows.push_back({a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]});
+          },
+          "Add a row to the material table: E0 nu xi theta_c theta_s rho0 J_P_min J_P_max.")
+      .def(
+          "add_solid",
+          [](M& self, const std::string& shape, const In<double, nb::shape<3>>& half, const std::string& mode,
+             double mu_c) {
+            const Shape s = word<Shape>(
+                shape,
+                {{"plane", Shape::plane}, {"box", Shape::box}, {"sphere", Shape::sphere}, {"cylinder", Shape::cylinder}},
+                "shape");
+            const Contact c = word<Contact>(
+                mode, {{"sticky", Contact::sticky}, {"slip", Contact::slip}, {"separate", Contact::separate}}, "mode");
+            self.solids.push_back({s, c, T(mu_c), vec<T>(half), {}, identity<T>(), {}, {}});
+          },
+          nb::arg("shape"), nb::arg("half"), nb::arg("mode"), nb::arg("mu_c"))
+      .def(
+          "place_solid",
+          [](M& self, std::size_t i, const In<double, nb::shape<3>>& centre, const In<double, nb::shape<3, 3>>& rotation,
+             const In<double, nb::shape<3>>& velocity, const In<double, nb::shape<3>>& omega) {
+            Solid<T>& s = self.solids.at(i);
+            s.centre = vec<T>(centre);
+            for (int k = 0; k < 9; ++k) s.rotation(k / 3, k % 3) = T(rotation.data()[k]);
+            s.velocity = vec<T>(velocity);
+            s.omega = vec<T>(omega);
+          },
+          nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
+      .def_ro("dx", &M::dx);
+}
+
+template <class T>
+void bind_state(nb::module_& m) {
+  using S = State<T>;
+  nb::class_<S> c(m, "State", "Everything per particle; arrays are views of the core's memory, valid until resize().");
+  c.def("__init__", [](S* self, std::size_t count) {
+    new (self) S();
+    self->resize(count);
+  });
+  c.def("resize", &S::resize, "Keep the first particles, add fresh ones (F_E = I, J_P = 1) at the end.");
+  c.def_ro("count", &S::count);
+  c.def_prop_ro("bytes", &S::bytes);
+#define NEVE_FIELD(name) \
+  c.def_prop_ro(#name, [](nb::handle self) { \
+    S& s = nb::cast<S&>(self); \
+    return view(s.name, s.count, self); \
+  })
+  NEVE_FIELD(x);
+  NEVE_FIELD(v);
+  NEVE_FIELD(C);
+  NEVE_FIELD(F_E);
+  NEVE_FIELD(tau);
+  NEVE_FIELD(J_P);
+  NEVE_FIELD(m);
+  NEVE_FIELD(V0);
+  NEVE_FIELD(stiffness);
+  NEVE_FIELD(material);
+  NEVE_FIELD(id);
+#undef NEVE_FIELD
+}
+
+// The nodes that carry mass: indices (n, 3), mass (n,), the three other numbers (n, 3).
+template <class T>
+nb::tuple nodes(Grid<T>& grid) {
+  const auto each = [&](auto&& f) {
+    for (std::size_t b = 0; b < grid.blocks.size(); ++b) {
+      const T* node = grid.node(static_cast<std::int32_t>(b));
+      const BlockCoord at = grid.blocks[b];
+      for (int i = 0; i < 64; ++i) {
+        if (node[4 * i + 3] > T(0)) f(4 * at.x + i / 16, 4 * at.y + i / 4 % 4, 4 * at.z + i % 4, node + 4 * i);
+      }
+    }
+  };
+  std::size_t n = 0;
+  each([&](int, int, int, const T*) { ++n; });
+  std::int32_t* ijk;
+  T *mass, *v;
+  auto a = fresh<std::int32_t>(ijk, {n, 3});
+  auto b = fresh<T>(mass, {n});
+  auto c = fresh<T>(v, {n, 3});
+  each([&](int i, int j, int k, const T* node) {
+    *ijk++ = i, *ijk++ = j, *ijk++ = k;
+    *mass++ = node[3];
+    for (int d = 0; d < 3; ++d) *v++ = node[d];
+  });
+  return nb::make_tuple(a, b, c);
+}
+
+template <class T>
+void bind_grid(nb::module_& m) {
+  using G = Grid<T>;
+  nb::class_<G>(m, "Grid", "The sparse grid: scratch, rebuilt in each step.")
+      .def(nb::init<>())
+      .def_prop_ro("current", [](const G& g) { return g.current; }, "No particle has left its home since sort().")
+      .def_prop_ro("blocks", [](const G& g) { return g.blocks.size(); }, "Allocated blocks of 64 nodes.")
+      .def_prop_ro("homes", [](const G& g) { return g.homes.size(); }, "Blocks that own particles.")
+      .def_prop_ro("bytes", &G::bytes)
+      .def("nodes", &nodes<T>, "(ijk (n, 3), mass (n,), momentum after p2g or velocity after grid_update (n, 3)).");
+}
+
+template <class T>
+void require_sorted(const Model<T>& model, const State<T>& state, const Grid<T>& grid) {
+  if (!grid.current || grid.count != state.count || grid.has_change != (model.transfer == Transfer::flip)) {
+    throw nb::value_error("the grid does not hold this state: call sort() first");
+  }
+}
+template <class T>
+void require_snow(const Model<T>& model, const State<T>& state) {
+  for (std::size_t p = 0; p < state.count; ++p) {
+    if (state.material[p] >= model.snows.size()) throw nb::value_error("a particle names a material that the model lacks");
+  }
+}
+
+template <class T>
+void bind_stages(nb::module_& m) {
+  const auto free_gil = nb::call_guard<nb::gil_scoped_release>();
+  m.def("sort", &sort<T>, free_gil);
+  m.def(
+      "refresh",
+      [](const Model<T>& model, State<T>& state) {
+        require_snow(model, state);
+        return refresh<T, Law>(model, state);
+      },
+      free_gil);
+  m.def(
+      "p2g",
+      [](const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {
+        require_sorted(model, state, grid);
+        with_spline(model.spline, [&](auto spline) {
+          with_transfer(model.transfer, [&](auto transfer) {
+            p2g<T, decltype(spline), decltype(transfer)>(model, state, grid, dt);
+          });
+        });
+      },
+      free_gil);
+  m.def(
+      "volumes_from_grid",
+      [](const Model<T>& model, State<T>& state, Grid<T>& grid) {
+        require_sorted(model, state, grid);
+        with_spline(model.spline, [&](auto spline) { volumes_from_grid<T, decltype(spline)>(model, state, grid); });
+      },
+      free_gil);
+  m.def("grid_update", &grid_update<T>, free_gil);
+  m.def(
+      "g2p",
+      [](const Model<T>& model, State<T>& state, Grid<T>& grid, double dt) {
+        require_sorted(model, state, grid);
+        return with_spline(model.spline, [&](auto spline) {
+          return with_transfer(model.transfer, [&](auto transfer) {
+            return g2p<T, decltype(spline), decltype(transfer), Law>(model, state, grid, dt);
+          });
+        });
+      },
+      free_gil);
+  m.def(
+      "totals",
+      [](const Model<T>& model, const State<T>& state) {
+        require_snow(model, state);
+        return totals<T, Law>(model, state);
+      },
+      free_gil);
+  m.def("first_not_finite", &first_not_finite<T>, free_gil);
+}
+
+template <class T>
+void bind_precision(nb::module_& m) {
+  bind_model<T>(m);
+  bind_state<T>(m);
+  bind_grid<T>(m);
+  bind_stages<T>(m);
+  bind_material_point<T>(m);
+}
+
+}  // namespace neve::bind

@@ -1,0 +1,105 @@
+// The sparse grid: blocks of 4x4x4 nodes, allocated where particles are, in a domain without bounds.
+//
+// Two kinds of blocks share one lattice. A *home* is the block that owns a particle; the particle's stencil may
+// reach into the home's seven upper neighbours, so each home reads and writes a tile of 2x2x2 node blocks, 8x8x8
+// nodes. A *node block* stores 64 nodes of four numbers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mpm/state.hpp"
+
+namespace neve {
+
+struct BlockCoord {
+  std::int32_t x, y, z;
+};
+
+// 21 bits an axis: +-2^20 blocks, so 4 million cells each way from the origin.
+inline constexpr std::int32_t block_limit = 1 << 20;
+using BlockKey = std::uint64_t;
+
+inline BlockKey key_of(BlockCoord b) {
+  const auto u = [](std::int32_t a) { return static_cast<BlockKey>(a + block_limit); };
+  return (u(b.x) << 42) | (u(b.y) << 21) | u(b.z);
+}
+inline BlockCoord coord_of(BlockKey key) {
+  const auto i = [](BlockKey a) { return static_cast<std::int32_t>(a & ((1u << 21) - 1)) - block_limit; };
+  return {i(key >> 42), i(key >> 21), i(key)};
+}
+
+// Key -> index, by open addressing.
+class BlockMap {
+ public:
+  static constexpr std::int32_t none = -1;
+
+  explicit BlockMap(std::size_t expected = 64) { rehash(expected * 2); }
+
+  // The index of the key; a new key gets the next free index.
+  std::int32_t insert(BlockKey key) {
+    if ((keys_.size() + 1) * 2 > slots_.size()) rehash(slots_.size() * 2);
+    std::int32_t& slot = find_slot(key);
+    if (slot == none) {
+      slot = static_cast<std::int32_t>(keys_.size());
+      keys_.push_back(key);
+    }
+    return slot;
+  }
+  std::int32_t find(BlockKey key) { return find_slot(key); }
+  const std::vector<BlockKey>& keys() const { return keys_; }
+
+ private:
+  std::int32_t& find_slot(BlockKey key) {
+    std::size_t i = (key * 0x9E3779B97F4A7C15ull) >> shift_;
+    while (slots_[i] != none && keys_[static_cast<std::size_t>(slots_[i])] != key) i = (i + 1) & (slots_.size() - 1);
+    return slots_[i];
+  }
+  void rehash(std::size_t wanted) {
+    int bits = 6;
+    while ((std::size_t(1) << bits) < wanted) ++bits;
+    shift_ = 64 - bits;
+    slots_.assign(std::size_t(1) << bits, none);
+    for (std::size_t k = 0; k < keys_.size(); ++k) find_slot(keys_[k]) = static_cast<std::int32_t>(k);
+  }
+  std::vector<BlockKey> keys_;
+  std::vector<std::int32_t> slots_;
+  int shift_ = 0;
+};
+
+// A home: the particles [begin, begin + count) and the eight node blocks of its tile, index 4 dx + 2 dy + dz.
+struct Home {
+  BlockCoord at;
+  std::uint32_t begin, count;
+  std::array<std::int32_t, 8> nodes;
+};
+
+inline constexpr int block_values = 64 * 4;
+
+template <class T>
+struct Grid {
+  std::vector<Home> homes;                    // by rising key, so neighbours in memory are neighbours in space
+  std::array<std::vector<std::int32_t>, 8> colours;  // homes of one parity per axis: their tiles never overlap
+  std::vector<BlockCoord> blocks;             // node blocks, by rising key
+  Column<T> momentum;                         // 4 per node: (m v, m) after p2g, (v, m) after grid_update
+  Column<T> change;                           // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
+  std::size_t count = 0;                      // particles sorted
+  bool current = false;                       // the homes still hold all their particles
+  bool has_change = false;
+
+  T* node(std::int32_t block) { return momentum.data() + std::size_t(block) * block_values; }
+  T* node_change(std::int32_t block) { return change.data() + std::size_t(block) * block_values; }
+  std::size_t bytes() const {
+    return (momentum.size() + change.size()) * sizeof(T) + homes.size() * sizeof(Home) +
+           blocks.size() * sizeof(BlockCoord) + order.size() * sizeof(std::uint32_t) + spare.size() +
+           home_of.size() * sizeof(std::int32_t);
+  }
+
+  // scratch of sort()
+  std::vector<std::uint32_t> order;
+  std::vector<std::int32_t> home_of;
+  Column<char> spare;
+};
+
+}  // namespace neve

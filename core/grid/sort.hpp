@@ -1,0 +1,220 @@
+// Sort the particles by home block, then by cell, and lay out the blocks.
+//
+// A stable counting sort: its result depends on the particles alone, not on the number of threads. It runs only when
+// a particle has drifted out of its home's tile (every few to tens of steps).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "grid/blocks.hpp"
+#include "mpm/model.hpp"
+#include "threads.hpp"
+
+namespace neve {
+
+namespace detail {
+
+// Where particle p lives: s = x / dx - shift, its home block and its cell in the block.
+template <class T>
+struct Placing {
+  T inv_dx, shift, margin;
+
+  T lattice(T x) const { return x * inv_dx - shift; }
+  static std::int32_t block(T u) { return static_cast<std::int32_t>(std::floor(u * T(0.25))); }
+  // false for a position that is not finite or beyond the lattice
+  bool home(const State<T>& s, std::size_t p, BlockKey& key) const {
+    std::int32_t b[3];
+    for (int k = 0; k < 3; ++k) {
+      const T u = lattice(s.x.column(k)[p]) - margin;
+      if (!(std::abs(u) < T(4.0 * (block_limit - 2)))) return false;
+      b[k] = block(u);
+    }
+    key = key_of({b[0], b[1], b[2]});
+    return true;
+  }
+  int cell(const State<T>& s, std::size_t p, BlockCoord at) const {
+    const std::int32_t origin[3] = {at.x, at.y, at.z};
+    int c = 0;
+    for (int k = 0; k < 3; ++k) {
+      const int base = static_cast<int>(std::floor(lattice(s.x.column(k)[p]) - T(4 * origin[k])));
+      c = c * 6 + std::clamp(base, 0, 5);
+    }
+    return c;
+  }
+};
+
+template <class T>
+Placing<T> placing_of(const Model<T>& model) {
+  const auto make = [&](auto spline) {
+    using S = decltype(spline);
+    return Placing<T>{T(1 / model.dx), T(S::shift), T(S::margin)};
+  };
+  return model.spline == Spline::quadratic ? make(Quadratic{}) : make(Cubic{});
+}
+
+// The homes' keys in rising order; grid.home_of[p] becomes the rank of p's home.
+template <class T>
+std::vector<BlockKey> find_homes(const State<T>& state, const Placing<T>& placing, Grid<T>& grid) {
+  const int threads = thread_count();
+  std::vector<BlockMap> maps(static_cast<std::size_t>(threads));
+  std::vector<std::int64_t> lost(static_cast<std::size_t>(threads), -1);
+  grid.home_of.resize(state.count);
+  each_chunk(state.count, [&](int chunk, std::size_t begin, std::size_t end) {
+    BlockMap& map = maps[static_cast<std::size_t>(chunk)];
+    BlockKey last = ~BlockKey(0), key = 0;
+    std::int32_t index = 0;
+    for (std::size_t p = begin; p < end; ++p) {
+      if (!placing.home(state, p, key)) {
+        lost[static_cast<std::size_t>(chunk)] = static_cast<std::int64_t>(p);
+        return;
+      }
+      if (key != last) index = map.insert(key), last = key;
+      grid.home_of[p] = index;
+    }
+  });
+  for (std::int64_t p : lost) {
+    if (p >= 0) throw std::domain_error("particle " + std::to_string(state.id[static_cast<std::size_t>(p)]) +
+                                        " has a position that is not finite or beyond the lattice");
+  }
+  std::vector<BlockKey> keys;
+  for (const BlockMap& map : maps) keys.insert(keys.end(), map.keys().begin(), map.keys().end());
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  each_chunk(state.count, [&](int chunk, std::size_t begin, std::size_t end) {
+    const auto& local = maps[static_cast<std::size_t>(chunk)].keys();
+    std::vector<std::int32_t> rank(local.size());
+    for (std::size_t k = 0; k < local.size(); ++k) {
+      rank[k] = static_cast<std::int32_t>(std::lower_bound(keys.begin(), keys.end(), local[k]) - keys.begin());
+    }
+    for (std::size_t p = begin; p < end; ++p) {
+      grid.home_of[p] = rank[static_cast<std::size_t>(grid.home_of[p])];
+    }
+  });
+  return keys;
+}
+
+// Fill grid.order with the particles by home, and the homes' ranges.
+template <class T>
+void order_by_home(const State<T>& state, const std::vector<BlockKey>& keys, Grid<T>& grid) {
+  const std::size_t homes = keys.size();
+  const auto threads = static_cast<std::size_t>(thread_count());
+  std::vector<std::uint32_t> next(threads * homes, 0);
+  each_chunk(state.count, [&](int chunk, std::size_t begin, std::size_t end) {
+    std::uint32_t* count = next.data() + static_cast<std::size_t>(chunk) * homes;
+    for (std::size_t p = begin; p < end; ++p) ++count[grid.home_of[p]];
+  });
+  grid.homes.resize(homes);
+  std::uint32_t at = 0;
+  for (std::size_t h = 0; h < homes; ++h) {
+    grid.homes[h].at = coord_of(keys[h]);
+    grid.homes[h].begin = at;
+    for (std::size_t t = 0; t < threads; ++t) {
+      const std::uint32_t n = next[t * homes + h];
+      next[t * homes + h] = at;
+      at += n;
+    }
+    grid.homes[h].count = at - grid.homes[h].begin;
+  }
+  grid.order.resize(state.count);
+  each_chunk(state.count, [&](int chunk, std::size_t begin, std::size_t end) {
+    std::uint32_t* slot = next.data() + static_cast<std::size_t>(chunk) * homes;
+    for (std::size_t p = begin; p < end; ++p) {
+      grid.order[slot[grid.home_of[p]]++] = static_cast<std::uint32_t>(p);
+    }
+  });
+}
+
+// Within each home, order by cell: neighbours in memory then share a stencil.
+template <class T>
+void order_by_cell(const State<T>& state, const Placing<T>& placing, Grid<T>& grid) {
+  each_index(grid.homes.size(), [&](std::size_t h) {
+    const Home& home = grid.homes[h];
+    std::array<std::uint32_t, 217> next{};
+    std::vector<std::uint8_t> cell(home.count);
+    const std::vector<std::uint32_t> before(grid.order.begin() + home.begin,
+                                            grid.order.begin() + home.begin + home.count);
+    for (std::uint32_t k = 0; k < home.count; ++k) {
+      cell[k] = static_cast<std::uint8_t>(placing.cell(state, before[k], home.at));
+      ++next[cell[k] + 1u];
+    }
+    for (std::size_t c = 1; c < next.size(); ++c) next[c] += next[c - 1];
+    for (std::uint32_t k = 0; k < home.count; ++k) grid.order[home.begin + next[cell[k]]++] = before[k];
+  });
+}
+
+// Move every column into the new order, one at a time through one spare column: addresses stay valid.
+template <class T>
+void permute(State<T>& state, Grid<T>& grid) {
+  if (grid.spare.size() < state.count * sizeof(T)) grid.spare.resize(state.count * sizeof(T));
+  state.each_column([&](auto* column) {
+    auto* spare = reinterpret_cast<decltype(column)>(grid.spare.data());
+    each_chunk(state.count, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) spare[p] = column[grid.order[p]];
+    });
+    each_chunk(state.count, [&](int, std::size_t begin, std::size_t end) {
+      std::memcpy(column + begin, spare + begin, (end - begin) * sizeof(*column));
+    });
+  });
+}
+
+// Allocate the node blocks that the homes' tiles cover, and colour the homes.
+template <class T>
+void lay_out_blocks(Grid<T>& grid) {
+  BlockMap map(grid.homes.size() * 2 + 8);
+  const auto corner = [](BlockCoord at, int k) {
+    return key_of({at.x + (k >> 2), at.y + ((k >> 1) & 1), at.z + (k & 1)});
+  };
+  for (const Home& home : grid.homes) {
+    for (int k = 0; k < 8; ++k) map.insert(corner(home.at, k));
+  }
+  const std::size_t n = map.keys().size();
+  std::vector<std::int32_t> by_key(n), rank(n);
+  for (std::size_t k = 0; k < n; ++k) by_key[k] = static_cast<std::int32_t>(k);
+  std::sort(by_key.begin(), by_key.end(), [&](std::int32_t a, std::int32_t b) {
+    return map.keys()[static_cast<std::size_t>(a)] < map.keys()[static_cast<std::size_t>(b)];
+  });
+  grid.blocks.resize(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto old = static_cast<std::size_t>(by_key[k]);
+    rank[old] = static_cast<std::int32_t>(k);
+    grid.blocks[k] = coord_of(map.keys()[old]);
+  }
+  for (auto& colour : grid.colours) colour.clear();
+  for (std::size_t h = 0; h < grid.homes.size(); ++h) {
+    Home& home = grid.homes[h];
+    for (int k = 0; k < 8; ++k) {
+      home.nodes[static_cast<std::size_t>(k)] = rank[static_cast<std::size_t>(map.find(corner(home.at, k)))];
+    }
+    const int colour = (home.at.x & 1) * 4 + (home.at.y & 1) * 2 + (home.at.z & 1);
+    grid.colours[static_cast<std::size_t>(colour)].push_back(static_cast<std::int32_t>(h));
+  }
+  for (auto& colour : grid.colours) {  // the largest first: threads finish a colour together
+    std::stable_sort(colour.begin(), colour.end(), [&](std::int32_t a, std::int32_t b) {
+      return grid.homes[static_cast<std::size_t>(a)].count > grid.homes[static_cast<std::size_t>(b)].count;
+    });
+  }
+}
+
+}  // namespace detail
+
+// Sort the state's particles and lay out the grid for them. Throws std::domain_error on a lost particle.
+template <class T>
+void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
+  grid.current = false;
+  const detail::Placing<T> placing = detail::placing_of(model);
+  const std::vector<BlockKey> keys = detail::find_homes(state, placing, grid);
+  detail::order_by_home(state, keys, grid);
+  detail::order_by_cell(state, placing, grid);
+  detail::permute(state, grid);
+  detail::lay_out_blocks(grid);
+  const std::size_t values = grid.blocks.size() * block_values;
+  grid.has_change = model.transfer == Transfer::flip;
+  if (grid.momentum.size() < values) grid.momentum.resize(values + values / 4);
+  if (grid.has_change && grid.change.size() < values) grid.change.resize(values + values / 4);
+  grid.count = state.count;
+  grid.current = true;
+}
+
+}  // namespace neve

@@ -1,0 +1,62 @@
+// B-spline shape functions in units of cells: weights and their derivatives (Steffen et al. 2008; METHODS 0).
+#pragma once
+
+#include "math/lanes.hpp"
+
+namespace neve {
+
+// s = x / dx - shift splits into the first node `base = floor(s)` and the fraction f = s - base in [0, 1).
+struct Quadratic {
+  static constexpr int nodes = 3;
+  static constexpr double shift = 0.5;
+  static constexpr double inverse_inertia = 4;  // D^-1 dx^2: D = dx^2 / 4
+  // A block owns particles with s - 4 block in [margin, margin + 4) when sorted and keeps them in [0, reach).
+  static constexpr double margin = 1;
+  static constexpr double reach = 6;
+
+  template <class R>
+  static void weights(R f, R* w, R* dw) {
+    using T = scalar_t<R>;
+    const R a = T(1) - f, b = f - T(0.5);
+    w[0] = T(0.5) * a * a;
+    w[1] = T(0.75) - b * b;
+    w[2] = T(0.5) * f * f;
+    dw[0] = -a;
+    dw[1] = T(-2) * b;
+    dw[2] = f;
+  }
+  // x_i - x_p in cells, of the k-th node.
+  template <class R>
+  static R offset(R f, int k) {
+    return scalar_t<R>(k - 0.5) - f;
+  }
+};
+
+struct Cubic {
+  static constexpr int nodes = 4;
+  static constexpr double shift = 1;
+  static constexpr double inverse_inertia = 3;  // D = dx^2 / 3
+  static constexpr double margin = 0.5;
+  static constexpr double reach = 5;
+
+  template <class R>
+  static void weights(R f, R* w, R* dw) {
+    using T = scalar_t<R>;
+    const R a = T(1) - f;
+    const T sixth = T(1) / T(6), two_thirds = T(2) / T(3);
+    w[0] = sixth * a * a * a;
+    w[1] = (T(0.5) * f - T(1)) * f * f + two_thirds;
+    w[2] = (T(0.5) * a - T(1)) * a * a + two_thirds;
+    w[3] = sixth * f * f * f;
+    dw[0] = T(-0.5) * a * a;
+    dw[1] = (T(1.5) * f - T(2)) * f;
+    dw[2] = (T(2) - T(1.5) * a) * a;
+    dw[3] = T(0.5) * f * f;
+  }
+  template <class R>
+  static R offset(R f, int k) {
+    return scalar_t<R>(k - 1) - f;
+  }
+};
+
+}  // namespace neve

@@ -1,0 +1,275 @@
+// Lane packs: a fixed number of numbers that move together, one per SIMD lane.
+//
+// The physics is written once for a real type R that is a plain `float` or `double`, or a pack of them
+// (GNU vector extensions: GCC and Clang, x86 and Arm; a pack wider than the machine's registers is split
+// by the compiler). The functions below are all that arithmetic operators do not give.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
+namespace neve {
+
+template <class T, int N>
+struct PackOf {
+  typedef T type __attribute__((vector_size(N * sizeof(T))));
+};
+template <class T, int N>
+using Pack = typename PackOf<T, N>::type;
+
+// Particles per batch: one cache line of scalars.
+template <class T>
+inline constexpr int lane_count = 64 / static_cast<int>(sizeof(T));
+template <class T>
+using Lanes = Pack<T, lane_count<T>>;
+
+template <class R>
+struct Scalar {
+  using type = std::remove_cvref_t<decltype(std::declval<R>()[0])>;
+};
+template <>
+struct Scalar<float> {
+  using type = float;
+};
+template <>
+struct Scalar<double> {
+  using type = double;
+};
+template <class R>
+using scalar_t = typename Scalar<R>::type;
+template <class R>
+inline constexpr bool is_pack = !std::is_arithmetic_v<R>;
+template <class R>
+inline constexpr int width = static_cast<int>(sizeof(R) / sizeof(scalar_t<R>));
+
+template <class R>
+inline R splat(scalar_t<R> a) {
+  if constexpr (is_pack<R>) {
+    return R{} + a;
+  } else {
+    return a;
+  }
+}
+
+template <class R, class M>
+inline R select(M mask, R yes, R no) {
+  return mask ? yes : no;
+}
+
+template <class M>
+inline bool any(M mask) {
+  if constexpr (std::is_same_v<M, bool>) {
+    return mask;
+  } else {
+    auto bits = mask[0];
+    for (int i = 1; i < width<M>; ++i) bits |= mask[i];
+    return bits != 0;
+  }
+}
+
+template <class R>
+inline R min(R a, R b) {
+  return select(a < b, a, b);
+}
+template <class R>
+inline R max(R a, R b) {
+  return select(a > b, a, b);
+}
+template <class R>
+inline R clamp(R a, R low, R high) {
+  return min(max(a, low), high);
+}
+template <class R>
+inline R abs(R a) {
+  return max(a, -a);
+}
+
+template <class R>
+inline scalar_t<R> max_lane(R a) {
+  if constexpr (is_pack<R>) {
+    scalar_t<R> best = a[0];
+    for (int i = 1; i < width<R>; ++i) best = a[i] > best ? a[i] : best;
+    return best;
+  } else {
+    return a;
+  }
+}
+
+template <class R>
+inline R sqrt(R a) {
+  if constexpr (!is_pack<R>) {
+    return std::sqrt(a);
+#if defined(__AVX512F__)
+  } else if constexpr (std::is_same_v<R, Pack<float, 16>>) {
+    return reinterpret_cast<R>(_mm512_sqrt_ps(reinterpret_cast<__m512>(a)));
+  } else if constexpr (std::is_same_v<R, Pack<double, 8>>) {
+    return reinterpret_cast<R>(_mm512_sqrt_pd(reinterpret_cast<__m512d>(a)));
+#endif
+  } else {
+    for (int i = 0; i < width<R>; ++i) a[i] = std::sqrt(a[i]);
+    return a;
+  }
+}
+
+// Return 1/sqrt(a) for a > 0, to rounding in double and within 2 ulp in float.
+template <class R>
+inline R rsqrt(R a) {
+#if defined(__AVX512F__)
+  if constexpr (std::is_same_v<R, Pack<float, 16>>) {
+    const R y = reinterpret_cast<R>(_mm512_rsqrt14_ps(reinterpret_cast<__m512>(a)));
+    return y * (1.5f - (0.5f * a) * y * y);  // one Newton step: 14 bits to 24
+  }
+#endif
+  return scalar_t<R>(1) / sqrt(a);
+}
+
+template <class R>
+inline R floor(R a) {
+  if constexpr (!is_pack<R>) {
+    return std::floor(a);
+#if defined(__AVX512F__)
+  } else if constexpr (std::is_same_v<R, Pack<float, 16>>) {
+    return reinterpret_cast<R>(_mm512_floor_ps(reinterpret_cast<__m512>(a)));
+  } else if constexpr (std::is_same_v<R, Pack<double, 8>>) {
+    return reinterpret_cast<R>(_mm512_floor_pd(reinterpret_cast<__m512d>(a)));
+#endif
+  } else {
+    for (int i = 0; i < width<R>; ++i) a[i] = std::floor(a[i]);
+    return a;
+  }
+}
+
+// Return exp(a). In float lanes: a = n ln 2 + r, |r| <= ln 2 / 2, a degree-6 polynomial in r, error < 2e-7.
+template <class R>
+inline R exp(R a) {
+  if constexpr (!is_pack<R>) {
+    return std::exp(a);
+  } else if constexpr (std::is_same_v<scalar_t<R>, float>) {
+    a = clamp(a, splat<R>(-87.0f), splat<R>(88.0f));
+    const R n = floor(a * 1.44269504f + 0.5f);
+    const R r = (a - n * 0.693359375f) + n * 2.12194440e-4f;
+    R p = splat<R>(1.0f / 720);
+    for (float c : {1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f, 1.0f, 1.0f}) p = p * r + c;
+    using Ints = Pack<std::int32_t, width<R>>;
+    const Ints bits = (__builtin_convertvector(n, Ints) + 127) << 23;
+    return p * reinterpret_cast<R>(bits);
+  } else {
+    for (int i = 0; i < width<R>; ++i) a[i] = std::exp(a[i]);
+    return a;
+  }
+}
+
+// ---- memory ----
+
+// Load `count` lanes; the lanes beyond stay zero.
+template <class R>
+inline R load(const scalar_t<R>* from, int count = width<R>) {
+  R r{};
+  if (count == width<R>) {
+    std::memcpy(&r, from, sizeof(R));
+  } else {
+    std::memcpy(&r, from, static_cast<std::size_t>(count) * sizeof(scalar_t<R>));
+  }
+  return r;
+}
+
+template <class R>
+inline void store(scalar_t<R>* to, R a, int count = width<R>) {
+  if (count == width<R>) {
+    std::memcpy(to, &a, sizeof(R));
+  } else {
+    std::memcpy(to, &a, static_cast<std::size_t>(count) * sizeof(scalar_t<R>));
+  }
+}
+
+// The mask of the first `count` lanes.
+template <class R>
+inline auto first_lanes(int count) {
+  R index{};
+  for (int i = 0; i < width<R>; ++i) index[i] = static_cast<scalar_t<R>>(i);
+  return index < static_cast<scalar_t<R>>(count);
+}
+
+namespace detail {
+template <class R, int Start, std::size_t... I>
+inline R interleave_from(R a, R b, std::index_sequence<I...>) {
+  return __builtin_shufflevector(a, b, (Start + static_cast<int>(I) / 2 + (I % 2) * sizeof...(I))...);
+}
+template <class R, int Start, std::size_t... I>
+inline R pairs_from(R a, R b, std::index_sequence<I...>) {
+  return __builtin_shufflevector(
+      a, b, (Start + 2 * (static_cast<int>(I) / 4) + static_cast<int>(I) % 2 + ((I / 2) % 2) * sizeof...(I))...);
+}
+template <class R, int Start, std::size_t... I>
+inline R every_other(R a, R b, std::index_sequence<I...>) {
+  return __builtin_shufflevector(a, b, (Start + 2 * static_cast<int>(I))...);
+}
+}  // namespace detail
+
+// Write four packs as an array of `width` quadruples: out[4 l + k] = k-th pack's lane l.
+template <class R>
+inline void store_quads(scalar_t<R>* out, R a, R b, R c, R d) {
+  constexpr int n = width<R>;
+  constexpr auto seq = std::make_index_sequence<n>{};
+  const R ab0 = detail::interleave_from<R, 0>(a, b, seq), ab1 = detail::interleave_from<R, n / 2>(a, b, seq);
+  const R cd0 = detail::interleave_from<R, 0>(c, d, seq), cd1 = detail::interleave_from<R, n / 2>(c, d, seq);
+  store(out, detail::pairs_from<R, 0>(ab0, cd0, seq));
+  store(out + n, detail::pairs_from<R, n / 2>(ab0, cd0, seq));
+  store(out + 2 * n, detail::pairs_from<R, 0>(ab1, cd1, seq));
+  store(out + 3 * n, detail::pairs_from<R, n / 2>(ab1, cd1, seq));
+}
+
+// Read back what store_quads wrote.
+template <class R>
+inline void load_quads(const scalar_t<R>* in, R& a, R& b, R& c, R& d) {
+  constexpr int n = width<R>;
+  constexpr auto seq = std::make_index_sequence<n>{};
+  const R p0 = load<R>(in), p1 = load<R>(in + n), p2 = load<R>(in + 2 * n), p3 = load<R>(in + 3 * n);
+  const R ac0 = detail::every_other<R, 0>(p0, p1, seq), bd0 = detail::every_other<R, 1>(p0, p1, seq);
+  const R ac1 = detail::every_other<R, 0>(p2, p3, seq), bd1 = detail::every_other<R, 1>(p2, p3, seq);
+  a = detail::every_other<R, 0>(ac0, ac1, seq);
+  c = detail::every_other<R, 1>(ac0, ac1, seq);
+  b = detail::every_other<R, 0>(bd0, bd1, seq);
+  d = detail::every_other<R, 1>(bd0, bd1, seq);
+}
+
+// ---- rows: four neighbouring nodes of four numbers each ----
+
+template <class T>
+using Row = Pack<T, 16>;
+
+template <class T>
+inline Row<T> row_of_quad(const T* q) {
+  Pack<T, 4> a;
+  std::memcpy(&a, q, sizeof(a));
+  return __builtin_shufflevector(a, a, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
+}
+template <class T>
+inline Row<T> row_of_weights(const T* w) {
+  Pack<T, 4> a;
+  std::memcpy(&a, w, sizeof(a));
+  return __builtin_shufflevector(a, a, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+}
+template <class T>
+inline Row<T> last_of_quads(Row<T> a) {
+  return __builtin_shufflevector(a, a, 3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15);
+}
+// Sum the four nodes of each of four rows: the result holds the sums of a, b, c, d as four quads.
+template <class T>
+inline Row<T> sum_nodes(Row<T> a, Row<T> b, Row<T> c, Row<T> d) {
+  const Row<T> ab = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
+                    __builtin_shufflevector(a, b, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
+  const Row<T> cd = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
+                    __builtin_shufflevector(c, d, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
+  return __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27) +
+         __builtin_shufflevector(ab, cd, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30, 31);
+}
+
+}  // namespace neve

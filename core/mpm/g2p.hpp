@@ -1,0 +1,202 @@
+// Grid to particles: deformation, plastic flow, hardening, velocities, particle collisions, positions
+// (Stomakhin et al. 2013, section 4.1, steps 7 to 10), and the stress for the next step.
+#pragma once
+
+#include "constitutive/stomakhin2013.hpp"
+#include "mpm/grid_update.hpp"
+#include "mpm/time_step.hpp"
+#include "mpm/transfer/apic.hpp"
+#include "mpm/transfer/flip.hpp"
+
+namespace neve {
+
+namespace detail {
+
+// The law's parameters of a batch. A batch of one snow, the usual case, is one row of the table.
+template <class T, class Law>
+auto parameters_of(const Model<T>& model, const State<T>& state, std::size_t p, int count) {
+  using R = Lanes<T>;
+  const auto* material = state.material.data() + p;
+  const R stiffness = load<R>(state.stiffness.column(0) + p, count);
+  auto q = Law::parameters(model.snows[material[0]], stiffness);
+  bool uniform = true;
+  for (int l = 1; l < count; ++l) uniform = uniform && material[l] == material[0];
+  if (!uniform) {
+    using P = decltype(q);
+    constexpr int entries = sizeof(P) / sizeof(R);
+    R table[entries];
+    std::memcpy(table, &q, sizeof(q));
+    for (int l = 1; l < count; ++l) {
+      const P one = Law::parameters(model.snows[material[l]], stiffness);
+      R row[entries];
+      std::memcpy(row, &one, sizeof(one));
+      for (int e = 0; e < entries; ++e) table[e][l] = row[e][l];
+    }
+    std::memcpy(&q, table, sizeof(q));
+  }
+  return q;
+}
+
+// F_E of a batch; lanes without a particle hold the identity, which costs the SVD nothing.
+template <class R>
+Mat3<R> load_deformation(const State<scalar_t<R>>& state, std::size_t p, int count) {
+  Mat3<R> F = load_matrix<R>(state.F_E, p, count);
+  if (count < width<R>) F = select(first_lanes<R>(count), F, identity<R>());
+  return F;
+}
+
+template <class R>
+Report report_of(const Vec3<R>& v, const Mat3<R>& F_E, const Vec3<R>& x, R modulus, R m, R V0, int count) {
+  using T = scalar_t<R>;
+  const auto here = first_lanes<R>(count);
+  const R mass = select(m > T(0), m, splat<R>(1));
+  const R wave = select(here, sqrt(modulus * V0 / mass), R{});
+  const R speed = select(here, sqrt(dot(v, v)), R{});
+  const Vec3<R> f = F_E.c0 + F_E.c1 + F_E.c2 + v + x;
+  const R sum = select(here, f.x + f.y + f.z + modulus, R{});
+  Report r;
+  r.wave = static_cast<double>(max_lane(wave));
+  r.speed = static_cast<double>(max_lane(speed));
+  r.fastest = static_cast<double>(max_lane(wave + speed));
+  r.finite = !any(sum - sum != R{});
+  return r;
+}
+
+template <class T, class S, class X, class Law>
+class HomeGather {
+  using R = Lanes<T>;
+  static constexpr int L = width<R>;
+
+ public:
+  HomeGather(const Model<T>& model, State<T>& state, Grid<T>& grid, const Home& home, double dt)
+      : model_(model), state_(state), home_(home), dt_(T(dt)), frame_(TileFrame<T>::template of<S>(model.dx, home.at)),
+        from_(tile_), from_change_(change_) {
+    tile_.load_from(grid, home, &Grid<T>::node);
+    if constexpr (X::has_change) change_.load_from(grid, home, &Grid<T>::node_change);
+    const auto dx = static_cast<T>(model.dx);
+    const Vec3<T> corner = node_position(model, home.at, 0, 0, 0), half{T(3.5) * dx, T(3.5) * dx, T(3.5) * dx};
+    solids_ = solids_near(model.solids, corner + half, T(6.1) * dx);
+  }
+
+  Report run() {
+    Report report;
+    for (std::uint32_t done = 0; done < home_.count; done += L) {
+      const int count = std::min<int>(L, static_cast<int>(home_.count - done));
+      report.merge(batch(home_.begin + done, count));
+    }
+    return report;
+  }
+
+ private:
+  Report batch(std::size_t p, int count) {
+    Vec3<R> x = load_vector<R>(state_.x, p, count);
+    stencils_.template fill<X>(frame_, x);
+    gather(count);
+    Vec3<R> pic, dv{};
+    Mat3<R> G;
+    R unused;
+    load_quads(sums_[0], pic.x, pic.y, pic.z, unused);
+    load_quads(sums_[1], G.c0.x, G.c0.y, G.c0.z, unused);
+    load_quads(sums_[2], G.c1.x, G.c1.y, G.c1.z, unused);
+    load_quads(sums_[3], G.c2.x, G.c2.y, G.c2.z, unused);
+    if constexpr (X::has_change) load_quads(sums_[4], dv.x, dv.y, dv.z, unused);
+    const Mat3<R> grad_v = X::template velocity_gradient<S>(G, model_.dx);
+
+    // 7. deformation, plastic flow, hardening; and the stress of the new state
+    const Mat3<R> F = load_deformation<R>(state_, p, count);
+    const R J_P = load<R>(state_.J_P.column(0) + p, count);
+    const auto q = parameters_of<T, Law>(model_, state_, p, count);
+    const Mapped<R> mapped = Law::return_map(F + scaled(grad_v * F, dt_), J_P, q);
+
+    // 8. velocities, 9. particle collisions, 10. positions
+    Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, model_.flip_alpha);
+    if (!solids_.empty()) collide_lanes(x, v, count);
+    x = x + v * dt_;
+
+    store_vector(state_.x, p, x, count);
+    store_vector(state_.v, p, v, count);
+    store_matrix(state_.F_E, p, mapped.F_E, count);
+    store(state_.J_P.column(0) + p, mapped.J_P, count);
+    store_symmetric(state_.tau, p, mapped.stress.tau, count);
+    X::keep(state_, p, count, grad_v);
+    return check(p, count, x, v, mapped);
+  }
+
+  void gather(int count) {
+    for (int l = 0; l < count; ++l) {
+      from_.move_to(stencils_.cell[l]);
+      const Row<T> s = from_.sums(stencils_, l);
+      for (int k = 0; k < 4; ++k) std::memcpy(sums_[k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
+    }
+    if constexpr (X::has_change) {
+      for (int l = 0; l < count; ++l) {
+        from_change_.move_to(stencils_.cell[l]);
+        const Row<T> s = from_change_.sum(stencils_, l);
+        std::memcpy(sums_[4] + 4 * l, &s, 4 * sizeof(T));
+      }
+    }
+  }
+
+  void collide_lanes(const Vec3<R>& x, Vec3<R>& v, int count) const {
+    for (int l = 0; l < count; ++l) {
+      const Vec3<T> after = collide(solids_, Vec3<T>{x.x[l], x.y[l], x.z[l]}, Vec3<T>{v.x[l], v.y[l], v.z[l]});
+      for (int k = 0; k < 3; ++k) v[k][l] = after[k];
+    }
+  }
+
+  Report check(std::size_t p, int count, const Vec3<R>& x, const Vec3<R>& v, const Mapped<R>& mapped) const {
+    const R m = load<R>(state_.m.column(0) + p, count), V0 = load<R>(state_.V0.column(0) + p, count);
+    Report r = report_of(v, mapped.F_E, x, mapped.stress.modulus, m, V0, count);
+    const auto here = first_lanes<R>(count);
+    for (int a = 0; a < 3; ++a) {
+      const R u = frame_.local(x[a], a);
+      r.drifted = r.drifted || any(here & ((u < T(0)) | (u >= T(S::reach))));
+    }
+    return r;
+  }
+
+  const Model<T>& model_;
+  State<T>& state_;
+  const Home& home_;
+  T dt_;
+  TileFrame<T> frame_;
+  Tile<T> tile_, change_;
+  Gather<T, S> from_, from_change_;
+  std::vector<Solid<T>> solids_;
+  Stencils<T, S> stencils_;
+  alignas(64) T sums_[X::has_change ? 5 : 4][4 * L];
+};
+
+// Merge what each index reports; the merge is a maximum, so its order does not matter.
+template <class F>
+Report each_reported(std::size_t n, F&& f) {
+  Report total;
+#if defined(_OPENMP)
+#pragma omp parallel
+#endif
+  {
+    Report mine;
+#if defined(_OPENMP)
+#pragma omp for schedule(dynamic, 4) nowait
+#endif
+    for (std::int64_t i = 0; i < static_cast<std::int64_t>(n); ++i) mine.merge(f(static_cast<std::size_t>(i)));
+#if defined(_OPENMP)
+#pragma omp critical
+#endif
+    total.merge(mine);
+  }
+  return total;
+}
+
+}  // namespace detail
+
+template <class T, class S, class X, class Law>
+Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt) {
+  const Report r = detail::each_reported(grid.homes.size(), [&](std::size_t h) {
+    return detail::HomeGather<T, S, X, Law>(model, state, grid, grid.homes[h], dt).run();
+  });
+  if (r.drifted) grid.current = false;
+  return r;
+}
+
+}  // namespace neve

@@ -1,0 +1,117 @@
+// Particles to grid: mass, momentum and force (Stomakhin et al. 2013, section 4.1, steps 1 and 3).
+#pragma once
+
+#include "mpm/stencil.hpp"
+#include "mpm/transfer/apic.hpp"
+#include "mpm/transfer/flip.hpp"
+#include "threads.hpp"
+
+namespace neve {
+
+namespace detail {
+
+// What a batch scatters, as quads per particle.
+template <class T>
+struct Carried {
+  static constexpr int L = lane_count<T>;
+  alignas(64) T q[4 * L], ax[4 * L], ay[4 * L], az[4 * L];
+
+  void set_momentum(const Vec3<Lanes<T>>& mv, Lanes<T> m) { store_quads(q, mv.x, mv.y, mv.z, m); }
+  void set_matrix(const Mat3<Lanes<T>>& A) {
+    const auto zero = splat<Lanes<T>>(0);
+    store_quads(ax, A.c0.x, A.c0.y, A.c0.z, zero);
+    store_quads(ay, A.c1.x, A.c1.y, A.c1.z, zero);
+    store_quads(az, A.c2.x, A.c2.y, A.c2.z, zero);
+  }
+};
+
+template <class T, class S>
+void scatter_affine(const Stencils<T, S>& st, const Carried<T>& c, int count, Scatter<T, S>& to) {
+  for (int l = 0; l < count; ++l) {
+    to.move_to(st.cell[l]);
+    to.add(st, l, row_of_quad(c.q + 4 * l), row_of_quad(c.ax + 4 * l), row_of_quad(c.ay + 4 * l),
+           row_of_quad(c.az + 4 * l));
+  }
+}
+template <class T, class S>
+void scatter_plain(const Stencils<T, S>& st, const Carried<T>& c, int count, Scatter<T, S>& to) {
+  for (int l = 0; l < count; ++l) {
+    to.move_to(st.cell[l]);
+    to.add(st, l, row_of_quad(c.q + 4 * l));
+  }
+}
+template <class T, class S>
+void scatter_matrix(const Stencils<T, S>& st, const Carried<T>& c, int count, Scatter<T, S>& to) {
+  for (int l = 0; l < count; ++l) {
+    to.move_to(st.cell[l]);
+    to.add(st, l, Row<T>{}, row_of_quad(c.ax + 4 * l), row_of_quad(c.ay + 4 * l), row_of_quad(c.az + 4 * l));
+  }
+}
+
+template <class T, class S, class X>
+void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const Home& home, double dt) {
+  using R = Lanes<T>;
+  Tile<T> tile, force;
+  tile.clear();
+  if constexpr (X::has_change) force.clear();
+  const auto frame = TileFrame<T>::template of<S>(model.dx, home.at);
+  Scatter<T, S> to(tile), to_force(force);
+  Stencils<T, S> st;
+  Carried<T> carried;
+  for (std::uint32_t done = 0; done < home.count; done += width<R>) {
+    const std::size_t p = home.begin + done;
+    const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
+    st.template fill<X>(frame, load_vector<R>(state.x, p, count));
+    const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
+    carried.set_momentum(load_vector<R>(state.v, p, count) * m, m);
+    if constexpr (X::has_change) {
+      carried.set_matrix(X::template force_matrix<R>(state, p, count, model.dx, V0));
+      scatter_plain(st, carried, count, to);
+      scatter_matrix(st, carried, count, to_force);
+    } else {
+      carried.set_matrix(X::template affine_momentum<S, R>(state, p, count, model.dx, dt, m, V0));
+      scatter_affine(st, carried, count, to);
+    }
+  }
+  to.flush();
+  tile.add_to(grid, home, &Grid<T>::node);
+  if constexpr (X::has_change) {
+    to_force.flush();
+    force.add_to(grid, home, &Grid<T>::node_change);
+  }
+}
+
+}  // namespace detail
+
+// Fill the grid from the particles. Eight passes, one per colour of home: within a pass no two tiles share a node,
+// and the order in which a node receives its sums is that of the colours, whatever the threads do.
+template <class T, class S, class X>
+void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {
+#if defined(_OPENMP)
+#pragma omp parallel
+#endif
+  {
+    const auto blocks = static_cast<std::int64_t>(grid.blocks.size());
+#if defined(_OPENMP)
+#pragma omp for schedule(static)
+#endif
+    for (std::int64_t b = 0; b < blocks; ++b) {
+      std::memset(grid.node(static_cast<std::int32_t>(b)), 0, block_values * sizeof(T));
+      if constexpr (X::has_change) {
+        std::memset(grid.node_change(static_cast<std::int32_t>(b)), 0, block_values * sizeof(T));
+      }
+    }
+    for (const auto& colour : grid.colours) {
+      const auto homes = static_cast<std::int64_t>(colour.size());
+#if defined(_OPENMP)
+#pragma omp for schedule(dynamic, 1)
+#endif
+      for (std::int64_t k = 0; k < homes; ++k) {
+        const auto h = static_cast<std::size_t>(colour[static_cast<std::size_t>(k)]);
+        detail::p2g_home<T, S, X>(model, state, grid, grid.homes[h], dt);
+      }
+    }
+  }
+}
+
+}  // namespace neve

@@ -1,0 +1,145 @@
+// State: everything per particle that changes or travels with the particle, as a structure of arrays.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <stdexcept>
+
+#include "math/mat3.hpp"
+
+namespace neve {
+
+// An array on cache lines that may be read one line past its end (lane packs load whole lines).
+template <class E>
+class Column {
+ public:
+  void resize(std::size_t n) {
+    const std::size_t bytes = ((n * sizeof(E) + 63) / 64 + 2) * 64;
+    E* fresh = static_cast<E*>(std::aligned_alloc(64, bytes));
+    if (!fresh) throw std::bad_alloc();
+    std::memset(static_cast<void*>(fresh), 0, bytes);
+    if (data_) std::memcpy(static_cast<void*>(fresh), data_.get(), std::min(n, size_) * sizeof(E));
+    data_.reset(fresh);
+    size_ = n;
+  }
+  E* data() { return data_.get(); }
+  const E* data() const { return data_.get(); }
+  std::size_t size() const { return size_; }
+  E& operator[](std::size_t i) { return data_.get()[i]; }
+  const E& operator[](std::size_t i) const { return data_.get()[i]; }
+
+ private:
+  struct Free {
+    void operator()(E* p) const { std::free(p); }
+  };
+  std::unique_ptr<E[], Free> data_;
+  std::size_t size_ = 0;
+};
+
+// Components of one quantity, `stride` apart, so that a vector is columns x, y, z of one allocation.
+template <class T, int Components>
+class Field {
+ public:
+  void resize(std::size_t n) {
+    const std::size_t stride = (n + 15) / 16 * 16 + 16;
+    Column<T> fresh;
+    fresh.resize(stride * Components);
+    for (int k = 0; k < Components; ++k) {
+      if (stride_) std::memcpy(fresh.data() + k * stride, column(k), std::min(n, count_) * sizeof(T));
+    }
+    values_ = std::move(fresh);
+    stride_ = stride;
+    count_ = n;
+  }
+  T* column(int k) { return values_.data() + k * stride_; }
+  const T* column(int k) const { return values_.data() + k * stride_; }
+  std::size_t stride() const { return stride_; }
+  std::size_t bytes() const { return values_.size() * sizeof(T); }
+
+ private:
+  Column<T> values_;
+  std::size_t stride_ = 0, count_ = 0;
+};
+
+template <class T>
+struct State {
+  std::size_t count = 0;
+  Field<T, 3> x, v;       // position [m], velocity [m/s]
+  Field<T, 9> C, F_E;     // affine velocity [1/s], elastic deformation gradient [1]; component 3 j + i is row i, column j
+  Field<T, 6> tau;        // Kirchhoff stress [Pa]: xx yy zz xy xz yz; follows from F_E and J_P, see refresh()
+  Field<T, 1> J_P;        // plastic volume change [1]
+  Field<T, 1> m, V0;      // mass [kg], rest volume [m3]
+  Field<T, 1> stiffness;  // factor on E0 [1]
+  Column<std::uint16_t> material;  // row of the material table
+  Column<std::uint32_t> id;        // birth number: the row order of the sources
+
+  // Call f(column) for each column that a particle owns: what sorting permutes.
+  template <class F>
+  void each_column(F&& f) {
+    each_field([&](auto& field, int components) {
+      for (int k = 0; k < components; ++k) f(field.column(k));
+    });
+    f(material.data());
+    f(id.data());
+  }
+
+  void resize(std::size_t n) {
+    each_field([&](auto& field, int) { field.resize(n); });
+    material.resize(n);
+    id.resize(n);
+    for (std::size_t p = count; p < n; ++p) {
+      J_P.column(0)[p] = stiffness.column(0)[p] = T(1);
+      for (int k : {0, 4, 8}) F_E.column(k)[p] = T(1);
+      id[p] = static_cast<std::uint32_t>(p);
+    }
+    count = n;
+  }
+
+  std::size_t bytes() {
+    std::size_t sum = material.size() * sizeof(std::uint16_t) + id.size() * sizeof(std::uint32_t);
+    each_field([&](auto& field, int) { sum += field.bytes(); });
+    return sum;
+  }
+
+ private:
+  template <class F>
+  void each_field(F&& f) {
+    f(x, 3), f(v, 3), f(C, 9), f(F_E, 9), f(tau, 6), f(J_P, 1), f(m, 1), f(V0, 1), f(stiffness, 1);
+  }
+};
+
+// ---- lanes of a field ----
+
+template <class R>
+inline Vec3<R> load_vector(const Field<scalar_t<R>, 3>& f, std::size_t p, int count) {
+  return {load<R>(f.column(0) + p, count), load<R>(f.column(1) + p, count), load<R>(f.column(2) + p, count)};
+}
+template <class R>
+inline void store_vector(Field<scalar_t<R>, 3>& f, std::size_t p, const Vec3<R>& a, int count) {
+  for (int k = 0; k < 3; ++k) store(f.column(k) + p, a[k], count);
+}
+template <class R>
+inline Mat3<R> load_matrix(const Field<scalar_t<R>, 9>& f, std::size_t p, int count) {
+  Mat3<R> a;
+  for (int k = 0; k < 9; ++k) a(k % 3, k / 3) = load<R>(f.column(k) + p, count);
+  return a;
+}
+template <class R>
+inline void store_matrix(Field<scalar_t<R>, 9>& f, std::size_t p, const Mat3<R>& a, int count) {
+  for (int k = 0; k < 9; ++k) store(f.column(k) + p, a(k % 3, k / 3), count);
+}
+template <class R>
+inline Sym3<R> load_symmetric(const Field<scalar_t<R>, 6>& f, std::size_t p, int count) {
+  return {load<R>(f.column(0) + p, count), load<R>(f.column(1) + p, count), load<R>(f.column(2) + p, count),
+          load<R>(f.column(3) + p, count), load<R>(f.column(4) + p, count), load<R>(f.column(5) + p, count)};
+}
+template <class R>
+inline void store_symmetric(Field<scalar_t<R>, 6>& f, std::size_t p, const Sym3<R>& a, int count) {
+  const R* entry[6] = {&a.xx, &a.yy, &a.zz, &a.xy, &a.xz, &a.yz};
+  for (int k = 0; k < 6; ++k) store(f.column(k) + p, *entry[k], count);
+}
+
+}  // namespace neve

@@ -1,0 +1,198 @@
+// The weights of a batch of particles, and the two row operations that all transfers are made of.
+//
+// A transfer carries, from each particle to each node of its stencil, the numbers
+//     w_i q + g_i . A        (q: four numbers, A: a 3 x 4 matrix, one row per axis)
+// and back the sums sum_i w_i u_i and sum_i g_i u_i^T. `w` are the spline's weights; `g` is the transfer's choice of
+// second weights: w (x_i - x_p) for affine transfers, grad w for classic ones. Both factor over the axes,
+//     g_x = s_x w_y w_z,  g_y = w_x s_y w_z,  g_z = w_x w_y s_z     (s: second weights of one axis),
+// so a row of nodes in z is one vector, and x and y are two short loops around it.
+#pragma once
+
+#include "grid/blocks.hpp"
+#include "math/bspline.hpp"
+
+namespace neve {
+
+inline constexpr int tile_width = 8;
+inline constexpr int tile_values = tile_width * tile_width * tile_width * 4;
+
+// A home's 8x8x8 nodes; one row of slack, since a row operation reads and writes four nodes for a stencil of three.
+template <class T>
+struct Tile {
+  alignas(64) T value[tile_values + 16];
+
+  void clear() { std::memset(value, 0, sizeof(value)); }
+  // Call f(pointer into the tile, pointer into the node block) for each row of four nodes.
+  template <class F>
+  void each_row(const Home& home, F&& f, T* (Grid<T>::*block)(std::int32_t), Grid<T>& grid) {
+    for (int k = 0; k < 8; ++k) {
+      T* nodes = (grid.*block)(home.nodes[static_cast<std::size_t>(k)]);
+      T* corner = value + (((k >> 2) * 4 * tile_width + ((k >> 1) & 1) * 4) * tile_width + (k & 1) * 4) * 4;
+      for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 4; ++j) f(corner + (i * tile_width + j) * tile_width * 4, nodes + (i * 4 + j) * 16);
+      }
+    }
+  }
+  void load_from(Grid<T>& grid, const Home& home, T* (Grid<T>::*block)(std::int32_t)) {
+    each_row(home, [](T* mine, T* theirs) { std::memcpy(mine, theirs, 16 * sizeof(T)); }, block, grid);
+    std::memset(value + tile_values, 0, 16 * sizeof(T));
+  }
+  void add_to(Grid<T>& grid, const Home& home, T* (Grid<T>::*block)(std::int32_t)) {
+    const auto add = [](T* mine, T* theirs) { store(theirs, load<Row<T>>(theirs) + load<Row<T>>(mine)); };
+    each_row(home, add, block, grid);
+  }
+};
+
+// The place of a home's tile in units of cells: s = x inv_dx - shift - 4 block.
+template <class T>
+struct TileFrame {
+  T inv_dx;
+  T origin[3];
+
+  template <class S>
+  static TileFrame of(double dx, BlockCoord at) {
+    return {T(1 / dx), {T(4 * at.x) + T(S::shift), T(4 * at.y) + T(S::shift), T(4 * at.z) + T(S::shift)}};
+  }
+  template <class R>
+  R local(R x, int axis) const {
+    return x * inv_dx - origin[axis];
+  }
+};
+
+// Weights of up to lane_count particles.
+template <class T, class S>
+struct Stencils {
+  static constexpr int K = S::nodes, L = lane_count<T>;
+  alignas(64) T wx[K][L], sx[K][L], wy[K][L], sy[K][L];
+  alignas(64) T wz[4 * L], sz[4 * L];  // quads per particle, zero-padded
+  alignas(64) std::int32_t cell[L];    // index of the stencil's first value in the tile
+
+  // X gives the second weights of one axis.
+  template <class X>
+  void fill(const TileFrame<T>& frame, const Vec3<Lanes<T>>& x) {
+    using R = Lanes<T>;
+    R w[3][4], s[3][4];
+    R index = splat<R>(0);
+    for (int a = 0; a < 3; ++a) {
+      // a drifted particle is caught by g2p; the clamp keeps even a wrong call inside the tile
+      const R u = clamp(frame.local(x[a], a), splat<R>(0), splat<R>(T(S::reach) - T(1e-3)));
+      const R base = floor(u), f = u - base;
+      R dw[4];
+      S::weights(f, w[a], dw);
+      X::template second_weights<S>(f, w[a], dw, s[a]);
+      index = index * T(tile_width) + base;
+    }
+    for (int k = 0; k < K; ++k) {
+      store(wx[k], w[0][k]), store(sx[k], s[0][k]);
+      store(wy[k], w[1][k]), store(sy[k], s[1][k]);
+    }
+    if constexpr (K == 3) w[2][3] = s[2][3] = splat<R>(0);
+    store_quads(wz, w[2][0], w[2][1], w[2][2], w[2][3]);
+    store_quads(sz, s[2][0], s[2][1], s[2][2], s[2][3]);
+    const auto cells = __builtin_convertvector(index * T(4), Pack<std::int32_t, L>);
+    std::memcpy(cell, &cells, sizeof(cells));
+  }
+};
+
+// Offset in the tile of the stencil's row (i, j).
+inline constexpr int row_offset(int i, int j) { return (i * tile_width + j) * tile_width * 4; }
+
+// Sums particles into the tile; particles of one cell, being neighbours in memory, meet in registers.
+template <class T, class S>
+class Scatter {
+ public:
+  explicit Scatter(Tile<T>& tile) : tile_(tile.value) {}
+
+  void move_to(int cell) {
+    if (cell == cell_) return;
+    flush();
+    cell_ = cell;
+  }
+
+  // Add w q of the batch's lane l.
+  [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q) {
+    const Row<T> p = row_of_weights(st.wz + 4 * l) * q;
+    for (int i = 0; i < S::nodes; ++i) {
+      const Row<T> r = st.wx[i][l] * p;
+      for (int j = 0; j < S::nodes; ++j) sum_[i][j] += st.wy[j][l] * r;
+    }
+  }
+
+  // Add w q + g . A, with the rows ax, ay, az of A.
+  [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q, Row<T> ax, Row<T> ay, Row<T> az) {
+    const Row<T> wz = row_of_weights(st.wz + 4 * l), sz = row_of_weights(st.sz + 4 * l);
+    const Row<T> p = wz * q + sz * az, px = wz * ax, py = wz * ay;
+    for (int i = 0; i < S::nodes; ++i) {
+      const Row<T> r = st.wx[i][l] * p + st.sx[i][l] * px, y = st.wx[i][l] * py;
+      for (int j = 0; j < S::nodes; ++j) sum_[i][j] += st.wy[j][l] * r + st.sy[j][l] * y;
+    }
+  }
+
+  void flush() {
+    if (cell_ < 0) return;
+    for (int i = 0; i < S::nodes; ++i) {
+      for (int j = 0; j < S::nodes; ++j) {
+        T* row = tile_ + cell_ + row_offset(i, j);
+        store(row, load<Row<T>>(row) + sum_[i][j]);
+        sum_[i][j] = Row<T>{};
+      }
+    }
+    cell_ = -1;
+  }
+
+ private:
+  T* tile_;
+  int cell_ = -1;
+  Row<T> sum_[S::nodes][S::nodes] = {};
+};
+
+// Reads sums over a stencil from the tile; the stencil's rows stay in registers while the cell does not change.
+template <class T, class S>
+class Gather {
+ public:
+  explicit Gather(const Tile<T>& tile) : tile_(tile.value) {}
+
+  void move_to(int cell) {
+    if (cell == cell_) return;
+    cell_ = cell;
+    for (int i = 0; i < S::nodes; ++i) {
+      for (int j = 0; j < S::nodes; ++j) row_[i][j] = load<Row<T>>(tile_ + cell + row_offset(i, j));
+    }
+  }
+
+  // Four quads: sum w u, sum g_x u, sum g_y u, sum g_z u, of lane l.
+  [[gnu::always_inline]] Row<T> sums(const Stencils<T, S>& st, int l) const {
+    Row<T> a{}, ax{}, ay{};
+    for (int i = 0; i < S::nodes; ++i) {
+      Row<T> r{}, ry{};
+      for (int j = 0; j < S::nodes; ++j) {
+        r += st.wy[j][l] * row_[i][j];
+        ry += st.sy[j][l] * row_[i][j];
+      }
+      a += st.wx[i][l] * r;
+      ax += st.sx[i][l] * r;
+      ay += st.wx[i][l] * ry;
+    }
+    const Row<T> wz = row_of_weights(st.wz + 4 * l), sz = row_of_weights(st.sz + 4 * l);
+    return sum_nodes<T>(wz * a, wz * ax, wz * ay, sz * a);
+  }
+
+  // The quad sum w u alone.
+  [[gnu::always_inline]] Row<T> sum(const Stencils<T, S>& st, int l) const {
+    Row<T> a{};
+    for (int i = 0; i < S::nodes; ++i) {
+      Row<T> r{};
+      for (int j = 0; j < S::nodes; ++j) r += st.wy[j][l] * row_[i][j];
+      a += st.wx[i][l] * r;
+    }
+    a *= row_of_weights(st.wz + 4 * l);
+    return sum_nodes<T>(a, a, a, a);
+  }
+
+ private:
+  const T* tile_;
+  int cell_ = -1;
+  Row<T> row_[S::nodes][S::nodes] = {};
+};
+
+}  // namespace neve

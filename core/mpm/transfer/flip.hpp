@@ -1,0 +1,44 @@
+// The PIC/FLIP blend of Stomakhin et al. 2013 (section 4.1, steps 3 and 8), with the classic force.
+//
+//   f_i = -sum_p V0_p tau_p grad w_ip,   grad v_p = sum_i v_i grad w_ip^T
+//   v_p = (1 - alpha) sum_i w_ip v_i + alpha (v_p + sum_i w_ip (v_i - v_i^n))
+//
+// Force and momentum stay apart on the grid, so that no force means a change of exactly zero.
+#pragma once
+
+#include "mpm/model.hpp"
+#include "mpm/state.hpp"
+
+namespace neve {
+
+struct Flip {
+  static constexpr bool has_change = true;
+
+  template <class S, class R>
+  static void second_weights(R, const R*, const R* dw, R* s) {
+    for (int k = 0; k < S::nodes; ++k) s[k] = dw[k];
+  }
+
+  // The matrix -V0 tau of the force scatter, per cell.
+  template <class R>
+  static Mat3<R> force_matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+    return scaled(full(load_symmetric<R>(state.tau, p, count)), V0 * scalar_t<R>(-1 / dx));
+  }
+
+  template <class S, class R>
+  static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
+    return scaled(G, scalar_t<R>(1 / dx));
+  }
+
+  template <class R>
+  static Vec3<R> velocity(const Vec3<R>& v, const Vec3<R>& pic, const Vec3<R>& change, double alpha) {
+    using T = scalar_t<R>;
+    const Vec3<R> flip = v + change;
+    return pic * T(1 - alpha) + flip * T(alpha);
+  }
+
+  template <class R>
+  static void keep(State<scalar_t<R>>&, std::size_t, int, const Mat3<R>&) {}
+};
+
+}  // namespace neve
