@@ -1,0 +1,185 @@
+// One level of a sparse scalar grid: blocks of 8x8x8 cells, found through a hash table. Memory follows the
+// occupied blocks, so one flake ten kilometres away costs one block.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "look/vec.hpp"
+
+namespace neve::look {
+
+struct Int3 {
+  int32_t x = 0, y = 0, z = 0;
+  bool operator==(const Int3&) const = default;
+};
+
+class Blocks {
+ public:
+  static constexpr int side = 8;
+  // Each block also keeps the first cells of the blocks after it, so that a trilinear sample reads one block.
+  static constexpr int stride = side + 1;
+  static constexpr int cells = stride * stride * stride;
+
+  explicit Blocks(float cell_size) : h_(cell_size), inv_h_(1.0f / cell_size), table_(64, Slot{{}, -1}) {}
+
+  float cell_size() const { return h_; }
+  int count() const { return int(where_.size()); }
+  Int3 where(int block) const { return where_[size_t(block)]; }
+  float* values(int block) { return values_.data() + size_t(block) * cells; }
+  const float* values(int block) const { return values_.data() + size_t(block) * cells; }
+  static int at(int i, int j, int k) { return (i * stride + j) * stride + k; }
+  Vec3 low() const { return low_; }
+  Vec3 high() const { return high_; }
+
+  /// Return the index of the block at `b`, or -1.
+  int find(Int3 b) const {
+    const uint32_t mask = uint32_t(table_.size() - 1);
+    for (uint32_t slot = hash(b) & mask;; slot = (slot + 1) & mask) {
+      const Slot& s = table_[slot];
+      if (s.block < 0 || s.key == b) return s.block;
+    }
+  }
+
+  /// Return the index of the block at `b`, made of zeros if it was not there.
+  int require(Int3 b) {
+    const int found = find(b);
+    if (found >= 0) return found;
+    if (2 * (where_.size() + 1) > table_.size()) grow();
+    const int block = count();
+    where_.push_back(b);
+    values_.resize(values_.size() + cells, 0.0f);
+    insert(b, block);
+    return block;
+  }
+
+  /// Make the grid ready for samples: add the empty blocks that a sample next to an occupied one reads, copy the
+  /// shared cells, and find the bounds.
+  void close() {
+    add_borders();
+    const int n = count();
+#pragma omp parallel for schedule(static)
+    for (int b = 0; b < n; ++b) copy_border(b);
+    low_ = {1e30f, 1e30f, 1e30f};
+    high_ = {-1e30f, -1e30f, -1e30f};
+    for (const Int3& b : where_) {   // the sample points of block b, in metres
+      const Vec3 corner = Vec3{float(b.x), float(b.y), float(b.z)} * (side * h_) + Vec3{h_, h_, h_} * 0.5f;
+      low_ = {std::min(low_.x, corner.x), std::min(low_.y, corner.y), std::min(low_.z, corner.z)};
+      const Vec3 end = corner + Vec3{h_, h_, h_} * side;
+      high_ = {std::max(high_.x, end.x), std::max(high_.y, end.y), std::max(high_.z, end.z)};
+    }
+  }
+
+  /// Interpolate between cell centres at the point p [m]; zero where there is no block.
+  float sample(Vec3 p) const {
+    if (!inside(p)) return 0.0f;
+    const Vec3 q = cell_of(p);
+    const float fi = std::floor(q.x), fj = std::floor(q.y), fk = std::floor(q.z);
+    const int32_t i = int32_t(fi), j = int32_t(fj), k = int32_t(fk);
+    const int block = find({i >> 3, j >> 3, k >> 3});
+    if (block < 0) return 0.0f;
+    const float* v = values(block) + at(i & 7, j & 7, k & 7);
+    const float a = q.x - fi, b = q.y - fj, c = q.z - fk;
+    constexpr int di = stride * stride, dj = stride;
+    const float v00 = mix(v[0], v[1], c), v01 = mix(v[dj], v[dj + 1], c);
+    const float v10 = mix(v[di], v[di + 1], c), v11 = mix(v[di + dj], v[di + dj + 1], c);
+    return mix(mix(v00, v01, b), mix(v10, v11, b), a);
+  }
+
+  /// Say whether samples around p can be anything but zero.
+  bool occupied(Vec3 p) const {
+    if (!inside(p)) return false;
+    const Vec3 q = cell_of(p);
+    return find({int32_t(std::floor(q.x)) >> 3, int32_t(std::floor(q.y)) >> 3, int32_t(std::floor(q.z)) >> 3}) >= 0;
+  }
+
+  /// Narrow [near, far], lengths [m] from p along the unit vector `dir`, to the bounds of all blocks.
+  void clip(Vec3 p, Vec3 dir, float& near, float& far) const {
+    clip_axis(p.x, dir.x, low_.x, high_.x, near, far);
+    clip_axis(p.y, dir.y, low_.y, high_.y, near, far);
+    clip_axis(p.z, dir.z, low_.z, high_.z, near, far);
+  }
+
+  /// Length [m] from p along the unit vector `dir` to the end of the block around p.
+  float exit(Vec3 p, Vec3 dir) const {
+    const Vec3 q = cell_of(p);
+    return std::min({exit_axis(q.x, dir.x), exit_axis(q.y, dir.y), exit_axis(q.z, dir.z)}) * h_;
+  }
+
+ private:
+  struct Slot {
+    Int3 key;
+    int32_t block;
+  };
+
+  static uint32_t hash(Int3 b) {
+    return scramble(uint32_t(b.x) * 73856093u ^ uint32_t(b.y) * 19349663u ^ uint32_t(b.z) * 83492791u);
+  }
+  Vec3 cell_of(Vec3 p) const { return {p.x * inv_h_ - 0.5f, p.y * inv_h_ - 0.5f, p.z * inv_h_ - 0.5f}; }
+  bool inside(Vec3 p) const {
+    return p.x >= low_.x && p.y >= low_.y && p.z >= low_.z && p.x < high_.x && p.y < high_.y && p.z < high_.z;
+  }
+  static void clip_axis(float p, float d, float low, float high, float& near, float& far) {
+    const float inv = 1.0f / (std::abs(d) > 1e-12f ? d : std::copysign(1e-12f, d));
+    const float a = (low - p) * inv, b = (high - p) * inv;
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  static float exit_axis(float q, float d) {
+    if (std::abs(d) < 1e-6f) return 1e30f;
+    const float block = std::floor(q / side);
+    return ((d > 0 ? block + 1 : block) * side - q) / d;
+  }
+  void insert(Int3 b, int block) {
+    const uint32_t mask = uint32_t(table_.size() - 1);
+    uint32_t slot = hash(b) & mask;
+    while (table_[slot].block >= 0) slot = (slot + 1) & mask;
+    table_[slot] = {b, block};
+  }
+  void grow() {
+    table_.assign(table_.size() * 2, Slot{{}, -1});
+    for (int b = 0; b < count(); ++b) insert(where_[size_t(b)], b);
+  }
+
+  /// A sample just before an occupied block reads that block's first cells: it needs a block to read them from.
+  void add_borders() {
+    const int n = count();
+    for (int b = 0; b < n; ++b) {
+      const Int3 w = where(b);
+      for (int side_bits = 1; side_bits < 8; ++side_bits) {
+        const Int3 before{w.x - (side_bits & 1), w.y - (side_bits >> 1 & 1), w.z - (side_bits >> 2)};
+        if (first_cells_occupied(b, side_bits) && find(before) < 0) require(before);
+      }
+    }
+  }
+  bool first_cells_occupied(int block, int side_bits) const {
+    const float* v = values(block);
+    const int ni = side_bits & 1 ? 1 : side, nj = side_bits & 2 ? 1 : side, nk = side_bits & 4 ? 1 : side;
+    for (int i = 0; i < ni; ++i)
+      for (int j = 0; j < nj; ++j)
+        for (int k = 0; k < nk; ++k)
+          if (v[at(i, j, k)] != 0.0f) return true;
+    return false;
+  }
+  void copy_border(int block) {
+    float* v = values(block);
+    const Int3 w = where(block);
+    for (int side_bits = 1; side_bits < 8; ++side_bits) {
+      const int di = side_bits & 1, dj = side_bits >> 1 & 1, dk = side_bits >> 2;
+      const int next = find({w.x + di, w.y + dj, w.z + dk});
+      if (next < 0) continue;
+      const float* from = values(next);
+      for (int i = 0; i < (di ? 1 : side); ++i)
+        for (int j = 0; j < (dj ? 1 : side); ++j)
+          for (int k = 0; k < (dk ? 1 : side); ++k)
+            v[at(di ? side : i, dj ? side : j, dk ? side : k)] = from[at(i, j, k)];
+    }
+  }
+
+  float h_, inv_h_;
+  std::vector<Slot> table_;
+  std::vector<Int3> where_;
+  std::vector<float> values_;
+  Vec3 low_{}, high_{};
+};
+
+}  // namespace neve::look
