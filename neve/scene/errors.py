@@ -3,3 +3,7 @@
 
 class SceneError(ValueError):
     """Report a scene that cannot be used, in one sentence: file, key, value, and what is allowed."""
+
+    def __init__(self, sentence: str) -> None:
+        """Take the sentence, with or without its full stop."""
+        super().__init__(f"{sentence.rstrip('.')}.")

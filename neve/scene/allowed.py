@@ -1,0 +1,103 @@
+"""Say in words what a field of a scene may hold."""
+
+from __future__ import annotations
+
+import types
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+COUNT = {2: "two", 3: "three"}
+LIMITS = (("gt", "greater than"), ("ge", "at least"), ("lt", "less than"), ("le", "at most"))
+
+
+def unit(field: FieldInfo) -> str:
+    """Return the unit of `field`: "1" for a pure number, "" for a word."""
+    extra = field.json_schema_extra
+    return str(extra["unit"]) if isinstance(extra, dict) else ""
+
+
+def source(field: FieldInfo) -> str:
+    """Return where the default of `field` comes from."""
+    extra = field.json_schema_extra
+    return str(extra["source"]) if isinstance(extra, dict) else ""
+
+
+def words(choices: tuple[str, ...] | list[str]) -> str:
+    """Join `choices` as `"a", "b" or "c"`."""
+    quoted = [f'"{choice}"' for choice in choices]
+    return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}"
+
+
+def allowed(field: FieldInfo) -> str:
+    """Return what `field` may hold, such as `a number greater than 0 and at most 1 [s]`."""
+    text = _kind(field.annotation, field.metadata)
+    label = unit(field)
+    return f"{text} [{label}]" if label not in ("", "1") else text
+
+
+def choices(field: FieldInfo) -> tuple[str, ...]:
+    """Return the words that `field` may hold; nothing if it holds no words."""
+    found: list[str] = []
+    for part in (field.annotation, *get_args(field.annotation)):
+        if get_origin(part) is Literal:
+            found += get_args(part)
+    return tuple(found)
+
+
+def shapes(annotation: Any) -> dict[str, type[BaseModel]]:
+    """Return the models of a list of shapes by the word that picks them; nothing for any other annotation."""
+    if get_origin(annotation) is not tuple:
+        return {}
+    item = get_args(annotation)[0]
+    if get_origin(item) is not Annotated:
+        return {}
+    union = get_args(item)[0]
+    return {model.model_fields["shape"].default: model for model in get_args(union)}
+
+
+def part(annotation: Any) -> type[BaseModel] | None:
+    """Return `annotation` if it is a part of a scene with keys of its own."""
+    return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+
+
+def _kind(annotation: Any, metadata: list[Any]) -> str:
+    origin = get_origin(annotation)
+    if origin is Annotated:
+        inner, *more = get_args(annotation)
+        flat = [m for extra in more for m in (extra.metadata if isinstance(extra, FieldInfo) else [extra])]
+        return _kind(inner, flat)
+    if origin is Literal:
+        return words(get_args(annotation))
+    if origin in (Union, types.UnionType):
+        kinds = [_kind(part, metadata) for part in get_args(annotation) if part is not type(None)]
+        return " or ".join(kinds)
+    if origin is tuple:
+        return _list(get_args(annotation))
+    simple = {bool: "true or false", str: "text in quotes"}
+    if annotation in simple:
+        return simple[annotation]
+    if annotation in (int, float):
+        name = "whole number" if annotation is int else "number"
+        return f"a {name}{_limits(metadata)}"
+    return "a table"
+
+
+def _list(items: tuple[Any, ...]) -> str:
+    if items[-1] is Ellipsis:
+        return "a list of tables"
+    plural = _kind(items[0], []).replace("a number", "numbers")
+    return f"a list of {COUNT[len(items)]} {plural}"
+
+
+def _limits(metadata: list[Any]) -> str:
+    found = {name: getattr(m, name) for m in metadata for name, _ in LIMITS if hasattr(m, name)}
+    if set(found) == {"ge", "le"}:
+        return f" from {_number(found['ge'])} to {_number(found['le'])}"
+    parts = [f"{words} {_number(found[name])}" for name, words in LIMITS if name in found]
+    return f" {' and '.join(parts)}" if parts else ""
+
+
+def _number(value: float) -> str:
+    return str(value) if isinstance(value, int) else f"{value:g}"
