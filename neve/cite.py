@@ -1,0 +1,125 @@
+"""What to cite: each method that a scene can use, with the works that describe it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from neve.scene.scene import Scene
+
+# Works by BibTeX key. Only what is certain stands here: authors, title, venue, pages, DOI.
+WORKS: Mapping[str, str] = {
+    "stomakhin2013": """@article{stomakhin2013,
+  author  = {Stomakhin, Alexey and Schroeder, Craig and Chai, Lawrence and Teran, Joseph and Selle, Andrew},
+  title   = {A material point method for snow simulation},
+  journal = {ACM Transactions on Graphics},
+  volume  = {32},
+  number  = {4},
+  year    = {2013},
+  doi     = {10.1145/2461912.2461948}
+}""",
+    "sulsky1994": """@article{sulsky1994,
+  author  = {Sulsky, Deborah and Chen, Zhen and Schreyer, Howard L.},
+  title   = {A particle method for history-dependent materials},
+  journal = {Computer Methods in Applied Mechanics and Engineering},
+  volume  = {118},
+  number  = {1--2},
+  pages   = {179--196},
+  year    = {1994},
+  doi     = {10.1016/0045-7825(94)90112-0}
+}""",
+    "sulsky1995": """@article{sulsky1995,
+  author  = {Sulsky, Deborah and Zhou, Shi-Jian and Schreyer, Howard L.},
+  title   = {Application of a particle-in-cell method to solid mechanics},
+  journal = {Computer Physics Communications},
+  volume  = {87},
+  number  = {1--2},
+  pages   = {236--252},
+  year    = {1995},
+  doi     = {10.1016/0010-4655(94)00170-7}
+}""",
+    "steffen2008": """@article{steffen2008,
+  author  = {Steffen, Michael and Kirby, Robert M. and Berzins, Martin},
+  title   = {Analysis and reduction of quadrature errors in the material point method ({MPM})},
+  journal = {International Journal for Numerical Methods in Engineering},
+  volume  = {76},
+  number  = {6},
+  pages   = {922--948},
+  year    = {2008},
+  doi     = {10.1002/nme.2360}
+}""",
+    "jiang2015": """@article{jiang2015,
+  author  = {Jiang, Chenfanfu and Schroeder, Craig and Selle, Andrew and Teran, Joseph and Stomakhin, Alexey},
+  title   = {The affine particle-in-cell method},
+  journal = {ACM Transactions on Graphics},
+  volume  = {34},
+  number  = {4},
+  year    = {2015},
+  doi     = {10.1145/2766996}
+}""",
+    "hu2018": """@article{hu2018,
+  author  = {Hu, Yuanming and Fang, Yu and Ge, Ziheng and Qu, Ziyin and Zhu, Yixin and Pradhana, Andre
+             and Jiang, Chenfanfu},
+  title   = {A moving least squares material point method with displacement discontinuity and two-way rigid
+             body coupling},
+  journal = {ACM Transactions on Graphics},
+  volume  = {37},
+  number  = {4},
+  year    = {2018},
+  doi     = {10.1145/3197517.3201293}
+}""",
+    "brackbill1986": """@article{brackbill1986,
+  author  = {Brackbill, J. U. and Ruppel, H. M.},
+  title   = {{FLIP}: A method for adaptively zoned, particle-in-cell calculations of fluid flows in two
+             dimensions},
+  journal = {Journal of Computational Physics},
+  volume  = {65},
+  number  = {2},
+  pages   = {314--343},
+  year    = {1986},
+  doi     = {10.1016/0021-9991(86)90211-1}
+}""",
+    "zhu2005": """@article{zhu2005,
+  author  = {Zhu, Yongning and Bridson, Robert},
+  title   = {Animating sand as a fluid},
+  journal = {ACM Transactions on Graphics},
+  volume  = {24},
+  number  = {3},
+  pages   = {965--972},
+  year    = {2005},
+  doi     = {10.1145/1073204.1073298}
+}""",
+}
+
+# Method -> works that describe it. A method's name is the word that chooses it in a scene.
+METHODS: Mapping[str, tuple[str, ...]] = {
+    "mpm": ("sulsky1994", "sulsky1995"),
+    "stomakhin2013": ("stomakhin2013",),
+    "quadratic": ("steffen2008",),
+    "cubic": ("steffen2008",),
+    "apic": ("jiang2015", "hu2018"),
+    "flip": ("brackbill1986", "zhu2005"),
+}
+
+
+def methods(scene: Scene) -> list[str]:
+    """Return the names of the methods that `scene` uses, in the order of the data path."""
+    laws = [scene.snow_of(source).law for source in scene.sources] or [scene.snow.law]
+    return list(dict.fromkeys(["mpm", *laws, scene.numerics.spline, scene.numerics.transfer]))
+
+
+def bibtex(scene: Scene) -> str:
+    """Return BibTeX entries for Neve and for every work behind the methods of `scene`."""
+    keys = dict.fromkeys(key for method in methods(scene) for key in METHODS[method])
+    return "\n\n".join([_neve(), *(WORKS[key] for key in keys)]) + "\n"
+
+
+def _neve() -> str:
+    import neve
+
+    return f"""@software{{neve,
+  author  = {{{{The Neve developers}}}},
+  title   = {{Neve: a snow laboratory}},
+  version = {{{neve.__version__}}}
+}}"""

@@ -1,0 +1,233 @@
+"""The command line: list, run, bench, info, cite.
+
+Exit code 0 is success, 2 is bad input or a run that could not go on (one sentence on standard error), 130 is
+Ctrl-C. Everything but click is imported inside the command that needs it, so that `neve --help` is instant.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+# Errors whose text is a sentence for the user, by module, so that asking for them imports nothing.
+USER_ERRORS = (
+    ("neve.scene.errors", "SceneError"),
+    ("neve.io.errors", "RunError"),
+    ("neve.mpm.solver", "Blowup"),
+)
+
+
+class WholeNumber(click.ParamType):
+    """A whole number of 1 or more."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Read the number; complain with what is allowed."""
+        text = str(value)
+        if not (text.isascii() and text.isdigit() and int(text) >= 1):
+            self.fail(f"{text} is not a whole number of 1 or more", param, ctx)
+        return int(text)
+
+
+class Commands(click.Group):
+    """A group whose complaint about a command names the nearest one."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that the first argument names."""
+        name = args[0]
+        if not name.startswith("-") and self.get_command(ctx, name) is None:
+            near = difflib.get_close_matches(name, self.commands, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"the commands are {', '.join(self.commands)}"
+            raise click.UsageError(f"there is no command {name} ({hint})", ctx)
+        return super().resolve_command(ctx, args)
+
+
+@click.group(
+    cls=Commands, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.option("--version", is_flag=True, help="Show the version and exit.")
+@click.pass_context
+def cli(ctx: click.Context, version: bool) -> None:
+    """Neve, a snow laboratory: simulate snow and film it."""
+    if version:
+        import neve
+
+        click.echo(f"neve {neve.__version__}")
+        ctx.exit()
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+@cli.command("list")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def list_scenes(as_json: bool) -> None:
+    """List the scenes that come with Neve."""
+    from neve.scene.load import preset_about, presets
+
+    about = {name: preset_about(name) for name in presets()}
+    if as_json:
+        click.echo(json.dumps([{"name": name, "about": text} for name, text in about.items()], indent=2))
+        return
+    width = max((len(name) for name in about), default=0)
+    for name, text in about.items():
+        click.echo(f"{name:{width}}  {text}")
+
+
+@cli.command()
+@click.argument("scene")
+@click.option("--out", metavar="DIR", help="Run folder; runs/NAME by default.")
+@click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
+@click.option("--frames", metavar="N", type=WholeNumber(), help="Stop after frame N.")
+@click.option("--threads", metavar="N", type=WholeNumber(), help="Number of threads; all by default.")
+@click.option("--resume", is_flag=True, help="Go on in the run from its checkpoint.")
+@click.option("--force", is_flag=True, help="Replace the run that lies in the folder.")
+@click.option("--quiet", is_flag=True, help="Show nothing but errors.")
+def run(
+    scene: str,
+    out: str | None,
+    changes: tuple[str, ...],
+    frames: int | None,
+    threads: int | None,
+    resume: bool,
+    force: bool,
+    quiet: bool,
+) -> None:
+    """Simulate SCENE and film it.
+
+    SCENE is the name of a scene that comes with Neve (`neve list`), a TOML file, or a run folder, whose scene
+    is run again or, with --resume, gone on with.
+    """
+    folder = _run_folder(scene, out, resume)
+    from neve.io.run_folder import RunFolder
+    from neve.scene.load import load
+
+    if not resume:  # a folder that refuses is told before a scene is read; a resume reads the folder's scene
+        RunFolder(folder).check(resume, force)
+    wish = load(scene, changes)
+    from neve.run import run_scene
+
+    run_scene(wish, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
+
+
+def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
+    """Return the folder to run in: `out`, the run itself when it is resumed, or runs/NAME."""
+    from neve.scene.load import presets
+
+    place = Path(scene)
+    if resume and scene not in presets() and place.is_dir():
+        if out is not None and Path(out).resolve() != place.resolve():
+            raise click.UsageError(f"--resume goes on in {scene} itself: leave out --out {out}")
+        return place
+    if out is not None:
+        return Path(out)
+    return Path("runs") / (scene if scene in presets() else place.resolve().stem)
+
+
+@cli.command()
+@click.argument("cases", metavar="[CASE]...", nargs=-1)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def bench(cases: tuple[str, ...], as_json: bool) -> None:
+    """Measure the speed of the step on this machine."""
+    from neve import bench as benchmark
+
+    benchmark.run(list(cases), as_json)
+
+
+@cli.command()
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def info(as_json: bool) -> None:
+    """Show the version and what the core was built for."""
+    import platform
+
+    import neve
+    from neve import _core
+
+    facts: dict[str, Any] = {
+        "version": neve.__version__,
+        **_core.build_info(),
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+    }
+    if as_json:
+        click.echo(json.dumps(facts, indent=2))
+        return
+    for name, value in facts.items():
+        click.echo(f"{name}: {value}")
+
+
+@cli.command()
+@click.argument("scene")
+def cite(scene: str) -> None:
+    """Print BibTeX entries of the methods that SCENE uses."""
+    from neve.cite import bibtex
+    from neve.scene.load import load
+
+    click.echo(bibtex(load(scene)), nl=False)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with its code."""
+    try:
+        code = cli.main(args=arguments, prog_name="neve", standalone_mode=False)
+    except (click.Abort, KeyboardInterrupt) as stop:
+        cause = stop.__cause__ if isinstance(stop, click.Abort) else stop
+        _complain(str(cause) if cause is not None and str(cause) else "stopped")
+        sys.exit(130)
+    except click.ClickException as error:
+        _complain(_usage(error))
+        sys.exit(2)
+    except (MemoryError, RuntimeError, ValueError) as error:
+        sentence = _user_error(error)
+        if sentence is None:
+            raise
+        _complain(sentence)
+        sys.exit(2)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _complain(sentence: str) -> None:
+    click.echo(f"neve: {' '.join(sentence.split())}", err=True)
+
+
+def _user_error(error: Exception) -> str | None:
+    """Return the sentence for an error that the user can mend, None for a mistake in Neve."""
+    if isinstance(error, MemoryError):
+        return "this needs more memory than the machine has: choose a larger numerics.dx or less snow."
+    for module, name in USER_ERRORS:
+        known = getattr(sys.modules.get(module), name, None)
+        if known is not None and isinstance(error, known):
+            return str(error)
+    return None
+
+
+def _usage(error: click.ClickException) -> str:
+    """Put click's complaint into one sentence with the nearest right spelling."""
+    if isinstance(error, click.NoSuchOption):
+        parameters = error.ctx.command.params if error.ctx else []
+        known = [name for parameter in parameters for name in parameter.opts if name.startswith("--")]
+        near = difflib.get_close_matches(error.option_name, known, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"the options are {', '.join(known)}"
+        return f"there is no option {error.option_name} ({hint})"
+    if isinstance(error, click.MissingParameter) and error.param is not None:
+        return f"{(error.param.name or '').upper()} is missing: see {_command(error)} --help"
+    if isinstance(error, click.BadParameter) and error.param is not None:
+        return f"{error.param.opts[0]}: {error.message}"
+    message = error.format_message().rstrip(".")
+    return message[:1].lower() + message[1:] if message[:1].isupper() and message[1:2].islower() else message
+
+
+def _command(error: click.UsageError) -> str:
+    return error.ctx.command_path if error.ctx else "neve"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+"""The checkpoint of a run: all that an exact resume needs, in one file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from neve.io.atomic import replacing
+from neve.io.errors import RunError, cannot_read
+from neve.io.npz import read_npz, write_npz
+
+FORMAT = 1
+"""Version of the checkpoint's layout; a resume needs the same one."""
+
+_PREFIX = "state."
+_ANEW = "start anew with --force"
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """The state of a run at the end of a frame."""
+
+    frame: int  # number of the last frame that is complete on disk
+    scene: str  # the scene as TOML, as the state was computed with it
+    neve: str  # version of Neve that wrote the file
+    arrays: dict[str, Any]  # what Simulation.restore takes: arrays, and scalars as Python numbers
+
+
+def write_checkpoint(path: Path, frame: int, scene: str, neve: str, arrays: Mapping[str, Any]) -> None:
+    """Write the state as of the end of `frame`; the file is replaced as a whole.
+
+    Errors: RunError if the disk refuses.
+    """
+    head = {"checkpoint_format": FORMAT, "frame": frame, "scene": scene, "neve": neve}
+    with replacing(path) as file:
+        write_npz(file, head | {_PREFIX + name: value for name, value in arrays.items()})
+
+
+def read_checkpoint(path: Path) -> Checkpoint:
+    """Read a checkpoint back, every array with its bits.
+
+    Errors: RunError if the file is missing, damaged, or of another format version.
+    """
+    try:
+        raw = read_npz(path)
+        version = int(raw["checkpoint_format"])
+    except FileNotFoundError as error:
+        raise RunError(
+            f"{path} does not exist, so there is nothing to go on from; start anew with --force."
+        ) from error
+    except OSError as error:
+        raise cannot_read(path, error) from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise RunError(
+            f"{path} is damaged (cut short or altered) and cannot be resumed; start anew with --force."
+        ) from error
+    if version != FORMAT:
+        older = "an older" if version < FORMAT else "a newer"
+        raise RunError(
+            f"{path} was written by {older} version of Neve (checkpoint format {version}; this one reads"
+            f" {FORMAT}): go on with that version or {_ANEW}."
+        )
+    try:
+        arrays = {name.removeprefix(_PREFIX): raw[name] for name in raw if name.startswith(_PREFIX)}
+        return Checkpoint(
+            frame=int(raw["frame"]),
+            scene=str(raw["scene"]),
+            neve=str(raw["neve"]),
+            arrays={name: value.item() if value.ndim == 0 else value for name, value in arrays.items()},
+        )
+    except (KeyError, ValueError, TypeError) as error:
+        raise RunError(
+            f"{path} lacks parts of its state and cannot be resumed; start anew with --force."
+        ) from error

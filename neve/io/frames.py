@@ -1,0 +1,90 @@
+"""The frames of a run: `frames/NNNNNN.npz`, one file for each moment shown in the film."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.io.atomic import replacing
+from neve.io.errors import RunError, cannot_read
+from neve.io.npz import read_npz, write_npz
+
+_NAME = re.compile(r"(\d{6,})\.npz")
+
+
+class Frame(NamedTuple):
+    """What a frame file holds; particles in the order of their id, a row is the same one in every frame."""
+
+    x: NDArray[np.float32]  # positions [m], (n, 3)
+    v: NDArray[np.float32]  # velocities [m/s], (n, 3)
+    J_P: NDArray[np.float32]  # plastic volume ratio [1], (n,)
+    id: NDArray[Any]  # name of the particle for the whole run, (n,)
+    material: NDArray[Any]  # index of the particle's snow source's material, (n,)
+    body_position: NDArray[np.float32]  # position of each collider [m], (b, 3)
+    body_rotation: NDArray[np.float32]  # rotation matrix of each collider, (b, 3, 3)
+    time: float  # [s]
+
+
+def frame_path(folder: Path, frame: int) -> Path:
+    """Return the path of frame number `frame` in the folder `frames` of a run."""
+    return folder / f"{frame:06d}.npz"
+
+
+def frame_numbers(folder: Path) -> list[int]:
+    """Return the numbers of the frames that lie in `folder`, in order."""
+    if not folder.is_dir():
+        return []
+    return sorted(int(match[1]) for path in folder.iterdir() if (match := _NAME.fullmatch(path.name)))
+
+
+def make_frame(
+    x: NDArray[Any],
+    v: NDArray[Any],
+    J_P: NDArray[Any],
+    id: NDArray[Any],
+    material: NDArray[Any],
+    bodies: Iterable[tuple[NDArray[Any], NDArray[Any]]],
+    time: float,
+) -> Frame:
+    """Copy a moment as a frame: particles sorted by id, float32; `bodies` are (position, rotation)."""
+    order = np.argsort(id, kind="stable")
+    poses = list(bodies)
+    return Frame(
+        x=x[order].astype(np.float32, copy=False),
+        v=v[order].astype(np.float32, copy=False),
+        J_P=J_P[order].astype(np.float32, copy=False),
+        id=id[order],
+        material=material[order],
+        body_position=np.array([position for position, _ in poses], np.float32).reshape(-1, 3),
+        body_rotation=np.array([rotation for _, rotation in poses], np.float32).reshape(-1, 3, 3),
+        time=time,
+    )
+
+
+def write_frame(folder: Path, frame: int, content: Frame) -> None:
+    """Write one frame as a file that `np.load` opens.
+
+    Errors: RunError if the disk refuses.
+    """
+    with replacing(frame_path(folder, frame)) as file:
+        write_npz(file, content._asdict())
+
+
+def read_frame(folder: Path, frame: int) -> Frame:
+    """Read one frame back.
+
+    Errors: RunError if the file is missing, damaged, or no frame.
+    """
+    path = frame_path(folder, frame)
+    try:
+        arrays = read_npz(path)
+        return Frame(**{name: arrays[name] for name in Frame._fields[:-1]}, time=float(arrays["time"]))
+    except OSError as error:
+        raise cannot_read(path, error) from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise RunError(f"{path} is damaged or is no frame of a Neve run.") from error

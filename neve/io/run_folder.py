@@ -1,0 +1,158 @@
+"""The folder of a run: what lies where in it, how it is recognised, made, gone on in and replaced."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from neve.io.atomic import sweep, write_text
+from neve.io.errors import RunError, cannot_read, cannot_write
+from neve.io.frames import frame_numbers, frame_path
+
+FORMAT = 1
+"""Version of the folder's layout; `run.json` carries it."""
+
+
+class RunFolder:
+    """Name the files of a run and keep folders that are no run from being touched.
+
+    A folder is a run if it holds `run.json`. Nothing but the files named here is ever deleted.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        self.card = self.path / "run.json"  # format version and the Neve that made the run
+        self.scene = self.path / "scene.toml"
+        self.log = self.path / "log.csv"
+        self.frames = self.path / "frames"
+        self.checkpoint = self.path / "checkpoint"
+        self.film = self.path / "preview.mp4"
+        self.picture = self.path / "preview.png"
+
+    def is_run(self) -> bool:
+        """Tell whether a Neve run lies here."""
+        return self.card.is_file()
+
+    def check(self, resume: bool = False, force: bool = False) -> None:
+        """Refuse, in one sentence, what `open` would refuse; change nothing.
+
+        Errors: RunError.
+        """
+        if resume and force:
+            raise RunError("--resume goes on in a run and --force replaces it: choose one of the two.")
+        try:
+            exists = os.path.lexists(self.path)
+            if exists and not self.path.is_dir():
+                raise RunError(f"{self.path} is a file, and a run needs a folder: choose another --out.")
+            occupied = exists and any(self.path.iterdir())
+        except OSError as error:
+            raise cannot_read(self.path, error) from error
+        if self.is_run():
+            self._check_run(resume, force)
+        elif resume:
+            what = "holds no Neve run" if exists else "does not exist"
+            raise RunError(f"{self.path} {what}, so there is nothing to resume.")
+        elif occupied:
+            never = " (--force replaces runs, never other files)" if force else ""
+            raise RunError(f"{self.path} is not empty and is no Neve run{never}: choose another --out.")
+
+    def open(self, neve: str, resume: bool = False, force: bool = False) -> None:
+        """Make the folder ready to be written: new, gone on in (`resume`) or replaced (`force`).
+
+        Errors: RunError, one sentence: the folder holds a run and neither word was given, holds other files,
+        or comes from another version, or the disk refuses.
+        """
+        self.check(resume, force)
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            if force and self.is_run():
+                self._clear()
+            self.frames.mkdir(exist_ok=True)
+            sweep(self.path)
+            sweep(self.frames)
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+        if not resume:
+            write_text(self.card, json.dumps({"run_format": FORMAT, "neve": neve}) + "\n")
+
+    @contextlib.contextmanager
+    def lock(self) -> Iterator[None]:
+        """Keep a second process from writing the same run; the lock goes when its process goes, however.
+
+        Errors: RunError if another process runs here. Systems without `flock` get no lock.
+        """
+        try:
+            import fcntl
+        except ImportError:
+            yield
+            return
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            handle = os.open(self.path, os.O_RDONLY)
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+        try:
+            self._take(lambda: fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB))
+            yield
+        finally:
+            os.close(handle)
+
+    def drop_frames_after(self, frame: int) -> None:
+        """Remove the frames later than `frame`: they were written after the last checkpoint.
+
+        Errors: RunError if the disk refuses.
+        """
+        try:
+            for number in frame_numbers(self.frames):
+                if number > frame:
+                    frame_path(self.frames, number).unlink()
+        except OSError as error:
+            raise cannot_write(self.frames, error) from error
+
+    def _take(self, flock: Callable[[], None]) -> None:
+        try:
+            flock()
+        except BlockingIOError as error:
+            raise RunError(
+                f"another process is running in {self.path}: wait for it or choose another --out."
+            ) from error
+        except OSError:
+            return  # some network disks know no locks
+
+    def _check_run(self, resume: bool, force: bool) -> None:
+        if force:
+            return
+        if not resume:
+            raise RunError(
+                f"{self.path} already holds a run: go on in it with --resume, replace it with --force,"
+                " or choose another --out."
+            )
+        version = self._version()
+        if version != FORMAT:
+            older = "an older" if version < FORMAT else "a newer"
+            raise RunError(
+                f"{self.path} was written by {older} version of Neve (run format {version}; this one reads"
+                f" {FORMAT}): go on with that version or start anew with --force."
+            )
+
+    def _version(self) -> int:
+        try:
+            return int(json.loads(self.card.read_text(encoding="utf-8"))["run_format"])
+        except OSError as error:
+            raise cannot_read(self.card, error) from error
+        except (ValueError, KeyError, TypeError) as error:
+            raise RunError(
+                f"{self.card} is damaged; start anew with --force or choose another --out."
+            ) from error
+
+    def _clear(self) -> None:
+        """Delete the run's own files, `run.json` last, so that a half-cleared folder is still a run."""
+        for path in (self.checkpoint, self.film, self.picture, self.log, self.scene):
+            path.unlink(missing_ok=True)
+        self.drop_frames_after(-1)
+        with contextlib.suppress(OSError):  # the user's own files in it stay, and the folder with them
+            self.frames.rmdir()
+        self.card.unlink()

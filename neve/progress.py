@@ -1,0 +1,178 @@
+"""Tell the user how a run goes: a bar on a terminal, plain lines elsewhere, silence if so wished."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import TYPE_CHECKING, Protocol, Self, TextIO
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as RichProgress
+    from rich.progress import TaskID
+
+
+class Progress(Protocol):
+    """Follow a run; use it in a `with` block, so that the terminal is left tidy however the run ends."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+    def update(self, frame: int, particles: int, steps: int) -> None:
+        """Show that `frame` is done, with `steps` substeps since the start of the run."""
+        ...
+
+    def say(self, sentence: str) -> None:
+        """Show a sentence for the user."""
+        ...
+
+
+def follow(name: str, first: int, last: int, quiet: bool = False, stream: TextIO | None = None) -> Progress:
+    """Return the progress that suits where the messages go (`stream`, by default standard error)."""
+    stream = stream or sys.stderr
+    if quiet:
+        return Silence()
+    if stream.isatty():
+        return Bar(name, first, last, stream)
+    return Lines(name, first, last, stream)
+
+
+class Pace:
+    """Measure how fast a run goes, as frames and substeps for each second of wall time."""
+
+    def __init__(self, first: int, last: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._first = first
+        self._last = last
+        self._clock = clock
+        self._start = clock()
+        self._steps: int | None = None
+        self.steps_per_second = 0.0
+        self.seconds_left: float | None = None
+
+    def update(self, frame: int, steps: int) -> None:
+        """Take note that `frame` is done after `steps` substeps."""
+        if self._steps is None:  # the first frame shown took no time here
+            self._first, self._steps, self._start = frame, steps, self._clock()
+            return
+        passed = max(self._clock() - self._start, 1e-9)
+        self.steps_per_second = (steps - self._steps) / passed
+        if frame > self._first:
+            self.seconds_left = passed / (frame - self._first) * (self._last - frame)
+
+    def describe(self, particles: int) -> str:
+        """Return the particle count, the pace and the time left in words."""
+        text = f"{particles:,} particles"
+        if self.steps_per_second > 0.0:
+            text += f", {self.steps_per_second:,.3g} steps/s"
+        if self.seconds_left is not None and self.seconds_left > 0.0:
+            text += f", {duration(self.seconds_left)} left"
+        return text
+
+
+def duration(seconds: float) -> str:
+    """Write a time span for a reader: 42 s, 3:07 min, 2:05 h."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60}:{whole % 60:02d} min"
+    return f"{whole // 3600}:{whole % 3600 // 60:02d} h"
+
+
+class Silence:
+    """Show nothing; errors reach the user on their own way."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        return
+
+    def update(self, frame: int, particles: int, steps: int) -> None:
+        """Show nothing."""
+
+    def say(self, sentence: str) -> None:
+        """Show nothing."""
+
+
+class Lines:
+    """Write a plain line at the first and the last frame and every few seconds between."""
+
+    def __init__(
+        self,
+        name: str,
+        first: int,
+        last: int,
+        stream: TextIO,
+        every: float = 5.0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._name, self._last, self._stream = name, last, stream
+        self._every, self._clock = every, clock
+        self._pace = Pace(first, last, clock)
+        self._shown: float | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        return
+
+    def update(self, frame: int, particles: int, steps: int) -> None:
+        """Write the line if it is time."""
+        self._pace.update(frame, steps)
+        now = self._clock()
+        if self._shown is not None and now - self._shown < self._every and frame != self._last:
+            return
+        self._shown = now
+        self.say(f"{self._name}: frame {frame} of {self._last}, {self._pace.describe(particles)}")
+
+    def say(self, sentence: str) -> None:
+        """Write the sentence on a line of its own."""
+        print(sentence, file=self._stream, flush=True)
+
+
+class Bar:
+    """Draw a bar that fills, with particles, substeps per second and the time left."""
+
+    def __init__(self, name: str, first: int, last: int, stream: TextIO) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, TextColumn
+        from rich.progress import Progress as RichProgress
+
+        self._pace = Pace(first, last)
+        self._bar: RichProgress = RichProgress(
+            TextColumn("{task.description}", markup=False),
+            BarColumn(bar_width=20),
+            TextColumn("frame {task.completed:.0f} of {task.total:.0f}, {task.fields[pace]}"),
+            console=Console(file=stream),
+            redirect_stdout=False,
+            redirect_stderr=False,
+        )
+        self._task: TaskID = self._bar.add_task(name, total=last, completed=first, pace="")
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()
+
+    def update(self, frame: int, particles: int, steps: int) -> None:
+        """Fill the bar up to `frame`."""
+        self._pace.update(frame, steps)
+        self._bar.update(self._task, completed=frame, pace=self._pace.describe(particles), refresh=True)
+
+    def say(self, sentence: str) -> None:
+        """Print the sentence above the bar."""
+        self._bar.console.print(sentence, highlight=False, markup=False)

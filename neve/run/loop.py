@@ -1,0 +1,191 @@
+"""The run loop: frame by frame into a run folder.
+
+The loop never changes: it advances the simulation by one frame and hands the moment to each output whose
+schedule says so. Frames, log, checkpoint and film are outputs; more can be given as `observers`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from neve.io.atomic import write_text
+from neve.io.checkpoint import Checkpoint, read_checkpoint
+from neve.io.errors import RunError
+from neve.io.run_folder import RunFolder
+from neve.progress import Progress, follow
+from neve.run.interrupt import Interrupt
+from neve.run.outputs import CheckpointOutput, Clock, FrameOutput, LogOutput, Moment, Output
+from neve.run.pictures import FilmOutput, Painter, PictureOutput
+
+if TYPE_CHECKING:
+    from neve.scene.scene import Scene
+    from neve.simulation import Simulation
+
+# What may differ between the scene of a run and the scene it is gone on with: nothing that moves snow.
+_FREE = ("about", "camera", "light", "run.duration", "run.film")
+
+
+def run(
+    sim: Simulation,
+    out: Path | str,
+    frames: int | None = None,
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+    observers: Sequence[Output] = (),
+) -> Simulation:
+    """Run `sim` into the folder `out` and return the simulation at the last frame.
+
+    out: folder of the run; it must be new or empty, or hold a run and come with `resume` or `force`
+    frames: number of the last frame; by default `run.duration` times `run.fps` of the scene
+    resume: go on from the run's checkpoint; of `sim` only its scene and threads count then
+    force: replace the run that lies in `out`
+    quiet: show no progress
+    observers: further outputs
+
+    Frame 0 is the state at the start. The same scene gives the same frames, bit for bit, whether the run was
+    stopped and resumed or not.
+
+    Errors: RunError for a folder or disk that refuses; what `sim.advance` raises; KeyboardInterrupt after
+    Ctrl-C, which first finishes the frame and writes the checkpoint (a second Ctrl-C stops at once).
+    """
+
+    def start(checkpoint: Checkpoint | None) -> Simulation:
+        if checkpoint is None:
+            return sim
+        return type(sim).restore(sim.scene, checkpoint.arrays, threads=sim.threads)
+
+    return _run(sim.scene, start, RunFolder(out), frames, resume, force, quiet, observers)
+
+
+def run_scene(
+    scene: Scene,
+    out: Path | str,
+    threads: int | None = None,
+    frames: int | None = None,
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+) -> Simulation:
+    """Run `scene` into `out` like `run`, and fill it with snow only once the folder is known to be right."""
+    RunFolder(out).check(resume, force)
+    from neve.simulation import Simulation
+
+    def start(checkpoint: Checkpoint | None) -> Simulation:
+        if checkpoint is None:
+            return Simulation(scene, threads=threads)
+        return Simulation.restore(scene, checkpoint.arrays, threads=threads)
+
+    return _run(scene, start, RunFolder(out), frames, resume, force, quiet, ())
+
+
+def last_frame(scene: Scene, frames: int | None) -> int:
+    """Return the number of the last frame: `frames`, or what the scene's duration holds, at least one."""
+    return frames if frames is not None else max(1, round(scene.run.duration * scene.run.fps))
+
+
+def _run(
+    scene: Scene,
+    start: Callable[[Checkpoint | None], Simulation],
+    folder: RunFolder,
+    frames: int | None,
+    resume: bool,
+    force: bool,
+    quiet: bool,
+    observers: Sequence[Output],
+) -> Simulation:
+    """Make the folder ready, start or restore the simulation, and run the loop with the run's outputs."""
+    import neve
+    from neve.scene.load import to_toml
+
+    folder.check(resume, force)
+    toml = to_toml(scene)
+    with folder.lock():
+        checkpoint = read_checkpoint(folder.checkpoint) if resume else None
+        if checkpoint is not None:
+            _check_same(folder.path, checkpoint.scene, toml)
+        sim = start(checkpoint)
+        done = None if checkpoint is None else checkpoint.frame
+        folder.open(neve.__version__, resume, force)
+        write_text(folder.scene, toml)
+        if done is not None:
+            folder.drop_frames_after(done)
+        painter = Painter(scene)
+        outputs: list[Output] = [FrameOutput(folder), PictureOutput(folder, painter)]
+        if scene.run.film:
+            outputs.append(FilmOutput(folder, scene, painter, done))
+        outputs += [LogOutput(folder, done), *observers]
+        outputs.append(CheckpointOutput(folder, toml, neve.__version__, done))
+        last = max(last_frame(scene, frames), done or 0)
+        with follow(folder.path.name, done or 0, last, quiet) as progress, Interrupt(quiet) as interrupt:
+            reached = _loop(sim, done, last, outputs, progress, interrupt)
+            if reached < last:
+                raise KeyboardInterrupt(
+                    f"stopped after frame {reached} of {last}; go on with: neve run {folder.path} --resume"
+                )
+            progress.say(f"{folder.path}: frames 0 to {last} are done")
+    return sim
+
+
+def _loop(
+    sim: Simulation,
+    done: int | None,
+    last: int,
+    outputs: Sequence[Output],
+    progress: Progress,
+    interrupt: Interrupt,
+) -> int:
+    """Advance frame by frame, stop between frames when the user asks, and return the last frame done.
+
+    A checkpoint says that its frame is complete: it is written last of a frame and closed first of all.
+    """
+    clock = Clock()
+    frame = 0 if done is None else done
+    moment = Moment(sim, frame, last, clock)
+    if done is None:
+        _show(moment, outputs)
+    progress.update(frame, sim.state.count, sim.steps)
+    while frame < last and not interrupt.requested:
+        sim.advance(1.0 / sim.scene.run.fps)
+        frame += 1
+        moment = Moment(sim, frame, last, clock)
+        _show(moment, outputs)
+        progress.update(frame, sim.state.count, sim.steps)
+    for output in reversed(outputs):
+        output.close(moment)
+    return frame
+
+
+def _show(moment: Moment, outputs: Sequence[Output]) -> None:
+    for output in outputs:
+        if output.schedule.due(moment.frame):
+            output.write(moment)
+
+
+def _check_same(folder: Path, before: str, now: str) -> None:
+    """Refuse to go on in a run with another scene: its frames would belong to neither."""
+    old, new = (dict(_flatten(tomllib.loads(text))) for text in (before, now))
+    for key in sorted(old.keys() | new.keys()):
+        free = any(key == name or key.startswith(f"{name}.") for name in _FREE)
+        if not free and old.get(key) != new.get(key):
+            was, wish = (repr(table[key]) if key in table else "absent" for table in (old, new))
+            raise RunError(
+                f"{folder} was made with another scene ({key} is {was} there and {wish} now):"
+                " resume it unchanged, start anew with --force, or choose another --out."
+            )
+
+
+def _flatten(value: object, path: str = "") -> Iterator[tuple[str, object]]:
+    """Yield every leaf of nested tables and lists of tables with its dotted path."""
+    if isinstance(value, Mapping):
+        items: list[tuple[str, object]] = [(str(key), inner) for key, inner in value.items()]
+    elif isinstance(value, list) and any(isinstance(inner, Mapping) for inner in value):
+        items = [(str(index), inner) for index, inner in enumerate(value)]
+    else:
+        yield path, value
+        return
+    for key, inner in items:
+        yield from _flatten(inner, f"{path}.{key}" if path else key)

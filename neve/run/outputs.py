@@ -1,0 +1,157 @@
+"""What a run leaves behind, as objects on schedules: frames, log, checkpoint, film and picture."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Protocol
+
+from neve.io.checkpoint import write_checkpoint
+from neve.io.frames import Frame, make_frame, write_frame
+from neve.io.log import STAGES, Log
+from neve.schedule import EveryFrame, EverySeconds, Schedule
+
+if TYPE_CHECKING:
+    from neve.io.run_folder import RunFolder
+    from neve.simulation import Simulation
+
+
+class Clock:
+    """Add up the wall time [s] of the stages outside the step, from one row of the log to the next."""
+
+    def __init__(self) -> None:
+        self._seconds: dict[str, float] = {}
+
+    @contextlib.contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Count the time of the block for the stage `name`."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self._seconds[name] = self._seconds.get(name, 0.0) + time.perf_counter() - start
+
+    def take(self) -> dict[str, float]:
+        """Return the seconds of each stage and start again from zero."""
+        seconds, self._seconds = self._seconds, {}
+        return seconds
+
+
+class Moment:
+    """The end of a frame, as the outputs see it; they read and never change it."""
+
+    def __init__(self, sim: Simulation, frame: int, last: int, clock: Clock) -> None:
+        self.sim = sim
+        self.frame = frame
+        self.last = last
+        self.clock = clock
+
+    @property
+    def finished(self) -> bool:
+        """Tell whether this is the last frame of the run."""
+        return self.frame == self.last
+
+    @functools.cached_property
+    def content(self) -> Frame:
+        """The particles and bodies of this moment as a frame file holds them."""
+        state = self.sim.state
+        bodies = [(pose.position, pose.rotation) for _, pose in self.sim.bodies()]
+        return make_frame(state.x, state.v, state.J_P, state.id, state.material, bodies, self.sim.time)
+
+
+class Output(Protocol):
+    """Anything that wants to see moments of a run: a schedule, and what to do when it is due."""
+
+    schedule: Schedule
+
+    def write(self, moment: Moment) -> None:
+        """Take the moment in; called when the schedule says so."""
+        ...
+
+    def close(self, moment: Moment) -> None:
+        """Round off after the last frame, or after the frame in which the user stopped the run."""
+        ...
+
+
+class FrameOutput:
+    """Write `frames/NNNNNN.npz`."""
+
+    def __init__(self, folder: RunFolder) -> None:
+        self.schedule: Schedule = EveryFrame()
+        self._folder = folder
+
+    def write(self, moment: Moment) -> None:
+        """Write the frame."""
+        with moment.clock.stage("write"):
+            write_frame(self._folder.frames, moment.frame, moment.content)
+
+    def close(self, moment: Moment) -> None:
+        """Do nothing: each frame is complete."""
+
+
+class LogOutput:
+    """Write a row of `log.csv`.
+
+    The time of a checkpoint, which is written after the row, counts in the next row.
+    """
+
+    def __init__(self, folder: RunFolder, done: int | None) -> None:
+        """Start the log, or go on after the row of frame `done`."""
+        self.schedule: Schedule = EveryFrame()
+        self._log = Log(folder.log, keep_through=done)
+
+    def write(self, moment: Moment) -> None:
+        """Add the row of this frame."""
+        sim, stats, totals = moment.sim, moment.sim.stats, moment.sim.diagnostics()
+        moved = moment.frame > 0  # the initial state took no step
+        seconds = {**(stats.stage_seconds if moved else {}), **moment.clock.take()}
+        x, y, z = (float(component) for component in totals.momentum)
+        self._log.append(
+            {
+                "frame": moment.frame,
+                "time": float(sim.time),
+                "steps": int(sim.steps),
+                "dt_min": float(stats.dt_min) if moved else None,
+                "dt_mean": float(stats.dt_mean) if moved else None,
+                "bound": stats.bound if moved else None,
+                "mass": float(totals.mass),
+                "momentum_x": x,
+                "momentum_y": y,
+                "momentum_z": z,
+                "kinetic": float(totals.kinetic),
+                "elastic": float(totals.elastic),
+                "potential": float(totals.potential),
+                "particles": int(totals.particles),
+                "blocks": int(totals.blocks),
+                **{f"seconds_{stage}": round(seconds.get(stage, 0.0), 6) for stage in STAGES},
+            }
+        )
+
+    def close(self, moment: Moment) -> None:
+        """Do nothing: each row is complete."""
+
+
+class CheckpointOutput:
+    """Write `checkpoint` every few seconds of wall time and at the end, after all else of its frame."""
+
+    def __init__(self, folder: RunFolder, scene: str, neve: str, done: int | None) -> None:
+        self.schedule: Schedule = EverySeconds(3.0)
+        self._folder = folder
+        self._scene = scene
+        self._neve = neve
+        self._written = done
+
+    def write(self, moment: Moment) -> None:
+        """Write the state as of this frame."""
+        with moment.clock.stage("write"):
+            write_checkpoint(
+                self._folder.checkpoint, moment.frame, self._scene, self._neve, moment.sim.arrays()
+            )
+        self._written = moment.frame
+
+    def close(self, moment: Moment) -> None:
+        """Write the state unless it is there already."""
+        if self._written != moment.frame:
+            self.write(moment)

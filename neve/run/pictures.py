@@ -1,0 +1,121 @@
+"""The looks of a run: `preview.mp4`, drawn frame by frame, and `preview.png`, its most telling frame."""
+
+from __future__ import annotations
+
+import functools
+import io
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.io.atomic import write_bytes
+from neve.io.frames import Frame, read_frame
+from neve.io.log import read_log
+from neve.schedule import EveryFrame, Never, Schedule
+
+if TYPE_CHECKING:
+    from neve.io.run_folder import RunFolder
+    from neve.look.preview import Preview
+    from neve.run.outputs import Moment
+    from neve.scene.scene import Scene
+
+SIZE = (1280, 720)
+"""Width and height of film and picture [pixels]."""
+
+
+class Painter:
+    """Draw frames as they lie in the run folder, so that a film drawn later is the same film."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    @functools.cached_property
+    def _preview(self) -> Preview:
+        from neve.look.preview import Preview
+
+        return Preview(self._scene, *SIZE)
+
+    def draw(self, content: Frame) -> NDArray[np.uint8]:
+        """Return the image of a frame, (height, width, 3)."""
+        from neve.colliders.motion import Pose
+
+        still = np.zeros(3)
+        poses = zip(content.body_position, content.body_rotation, strict=True)
+        bodies = [
+            (collider, Pose(position.astype(np.float64), rotation.astype(np.float64), still, still))
+            for collider, (position, rotation) in zip(self._scene.colliders, poses, strict=True)
+        ]
+        return self._preview.draw(content.x, bodies, J_P=content.J_P)
+
+
+class FilmOutput:
+    """Draw each frame into `preview.mp4`; frames of an earlier part of the run are drawn from their files."""
+
+    def __init__(self, folder: RunFolder, scene: Scene, painter: Painter, done: int | None) -> None:
+        from neve.look.film import Film
+
+        self.schedule: Schedule = EveryFrame()
+        self._folder = folder
+        self._painter = painter
+        self._film = Film(folder.film, scene.run.fps, SIZE)
+        self._earlier = 0 if done is None else done + 1
+
+    def write(self, moment: Moment) -> None:
+        """Add the frame to the film."""
+        with moment.clock.stage("film"):
+            self._add_earlier()
+            self._film.add(self._painter.draw(moment.content))
+
+    def close(self, moment: Moment) -> None:
+        """Finish the film file; a stopped run leaves the film of what is done."""
+        self._add_earlier()
+        self._film.close()
+
+    def _add_earlier(self) -> None:
+        for frame in range(self._earlier):
+            self._film.add(self._painter.draw(read_frame(self._folder.frames, frame)))
+        self._earlier = 0
+
+
+class PictureOutput:
+    """Draw `preview.png` when the run is finished."""
+
+    def __init__(self, folder: RunFolder, painter: Painter) -> None:
+        self.schedule: Schedule = Never()
+        self._folder = folder
+        self._painter = painter
+
+    def write(self, moment: Moment) -> None:
+        """Do nothing: the telling frame is known only at the end."""
+
+    def close(self, moment: Moment) -> None:
+        """Choose the frame by the log and draw it from its file."""
+        if not moment.finished:
+            return
+        from PIL import Image
+
+        frame = telling_frame(read_log(self._folder.log))
+        image = self._painter.draw(read_frame(self._folder.frames, frame))
+        buffer = io.BytesIO()
+        Image.fromarray(image).save(buffer, format="png")
+        write_bytes(self._folder.picture, buffer.getvalue())
+
+
+def telling_frame(rows: Sequence[Mapping[str, Any]]) -> int:
+    """Return the frame by which half of the energy that the run loses is lost: the middle of the action.
+
+    Energy is kinetic + elastic + potential; only losses from frame to frame count, so that a blade that does
+    work on the snow does not hide them. Snow that bursts loses most of it in the impact, so the picture shows
+    the pieces in flight. Without any loss it is the middle frame of the run.
+    """
+    frames = [int(row["frame"]) for row in rows]
+    energy = [sum(float(row[name]) for name in ("kinetic", "elastic", "potential")) for row in rows]
+    losses = [max(before - after, 0.0) for before, after in itertools.pairwise(energy)]
+    lost = list(itertools.accumulate(losses))
+    if not lost or not lost[-1] > 0.0:
+        return frames[len(frames) // 2]
+    half = next(k for k, value in enumerate(lost) if value >= 0.5 * lost[-1])
+    return frames[half + 1]

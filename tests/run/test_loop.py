@@ -1,0 +1,263 @@
+"""The run loop: what it leaves behind, and that stopping and resuming change nothing."""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import fake_neve
+import numpy as np
+import pytest
+
+from neve.io.checkpoint import read_checkpoint
+from neve.io.errors import RunError
+from neve.io.log import COLUMNS
+from neve.run import run, run_scene
+from neve.run.pictures import telling_frame
+from neve.scene.load import load
+from neve.schedule import EveryFrames
+
+FAKE = Path(fake_neve.__file__)
+
+
+def frames(out):
+    """The bytes of each frame file, by name."""
+    return {path.name: path.read_bytes() for path in sorted((out / "frames").iterdir())}
+
+
+def table(out):
+    with open(out / "log.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def physics(out):
+    """The log without the wall times, which differ from run to run."""
+    return [{k: v for k, v in row.items() if not k.startswith("seconds_")} for row in table(out)]
+
+
+def start(out, scene_file, *words, pause=0.0):
+    """Start the command line with the stand-in simulation in a process of its own."""
+    environment = os.environ | {
+        "NEVE_FAKE_PAUSE": str(pause),
+        "PYTHONPATH": os.pathsep.join([str(FAKE.parents[2]), os.environ.get("PYTHONPATH", "")]),
+    }
+    command = [sys.executable, str(FAKE), "run", str(scene_file), "--out", str(out), *words]
+    hear = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731 (a job in the background ignores it)
+    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=hear)
+
+
+def end(process):
+    """Wait for the process to end; return its exit code and what it said."""
+    told = process.communicate(timeout=20)[1]
+    return process.returncode, told
+
+
+def wait_for(path, process):
+    """Wait until a running process has written a file."""
+    deadline = time.monotonic() + 20
+    while not path.exists():
+        assert process.poll() is None, process.communicate()[1]
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_folder_holds_everything(fake, scene, tmp_path):
+    """A finished run has a scene that loads equal, all frames, a log row for each, checkpoint, film and picture."""
+    out = tmp_path / "ball"
+    sim = run(fake.Simulation(scene), out, quiet=True)
+    assert load(out / "scene.toml") == scene
+    assert list(frames(out)) == [f"{k:06d}.npz" for k in range(9)]
+    assert sorted(p.name for p in out.iterdir()) == sorted(
+        ["run.json", "scene.toml", "log.csv", "frames", "checkpoint", "preview.png", "preview.mp4"]
+    )
+    assert len((out / "preview.mp4").read_text().splitlines()) == 1 + 9
+    assert sim.time == pytest.approx(0.4)
+
+
+def test_frames_are_float32_and_ordered_by_id(fake, scene, tmp_path):
+    """Row k is particle k in every frame although the simulation shuffles them; bodies and time stand beside."""
+    out = tmp_path / "ball"
+    sim = run(fake.Simulation(scene), out, quiet=True)
+    assert not np.array_equal(sim.state.id, np.arange(sim.count))
+    with np.load(out / "frames/000008.npz") as frame:
+        assert set(frame.files) == {
+            "x",
+            "v",
+            "J_P",
+            "id",
+            "material",
+            "body_position",
+            "body_rotation",
+            "time",
+        }
+        assert np.array_equal(frame["id"], np.arange(sim.count))
+        assert np.array_equal(frame["x"], sim.state.x[np.argsort(sim.state.id)])
+        assert {frame[name].dtype for name in ("x", "v", "J_P", "body_position")} == {np.dtype(np.float32)}
+        assert frame["body_position"].shape == (1, 3)
+        assert frame["body_rotation"].shape == (1, 3, 3)
+        assert frame["time"] == sim.time
+
+
+def test_log_columns(fake, scene, tmp_path):
+    """The log has the promised columns; the first row is the initial state, which took no step."""
+    out = tmp_path / "ball"
+    sim = run(fake.Simulation(scene), out, quiet=True)
+    rows = table(out)
+    assert tuple(rows[0]) == COLUMNS
+    assert [int(row["frame"]) for row in rows] == list(range(9))
+    assert (rows[0]["dt_min"], rows[0]["bound"], rows[0]["steps"]) == ("", "", "0")
+    assert (rows[8]["bound"], int(rows[8]["steps"]), int(rows[8]["particles"])) == ("speed", sim.steps, 50)
+    assert float(rows[8]["kinetic"]) == sim.diagnostics().kinetic
+    assert float(rows[8]["momentum_z"]) == sim.diagnostics().momentum[2]
+    assert float(rows[8]["seconds_p2g"]) == 0.1
+    assert all(float(row["seconds_write"]) > 0 for row in rows)
+
+
+@pytest.mark.parametrize("stop", [1, 5])
+def test_resumed_run_is_the_same_run(fake, scene, tmp_path, stop):
+    """Stopping after a frame and resuming gives the bytes of the straight run: frames, film, log."""
+    straight, parted = tmp_path / "straight", tmp_path / "parted"
+    run(fake.Simulation(scene), straight, quiet=True)
+    run(fake.Simulation(scene), parted, frames=stop, quiet=True)
+    assert len(frames(parted)) == stop + 1
+    run(fake.Simulation(scene), parted, resume=True, quiet=True)
+    assert frames(parted) == frames(straight)
+    assert physics(parted) == physics(straight)
+    assert (parted / "preview.mp4").read_bytes() == (straight / "preview.mp4").read_bytes()
+    assert (parted / "preview.png").read_bytes() == (straight / "preview.png").read_bytes()
+
+
+def test_frames_after_the_checkpoint_are_rewritten(fake, scene, tmp_path):
+    """Frames and rows that a crash left beyond the checkpoint are dropped and computed again."""
+    out, straight = tmp_path / "crash", tmp_path / "straight"
+    run(fake.Simulation(scene), straight, quiet=True)
+    run(fake.Simulation(scene), out, frames=3, quiet=True)
+    (out / "frames/000004.npz").write_bytes(b"half")
+    (out / "frames/.000005.npz.99.tmp").write_bytes(b"half")
+    with open(out / "log.csv", "a") as file:
+        file.write("4,0.2,16,0.01,0.01,speed,1,1,1,1,1,1,1,50,7,0,0,0,0,0,0\n5,0.25,2")
+    run_scene(scene, out, resume=True, quiet=True)
+    assert frames(out) == frames(straight)
+    assert physics(out) == physics(straight)
+
+
+def test_resume_of_a_finished_run_computes_nothing(fake, scene, tmp_path):
+    """A finished run stays as it is, also when fewer frames are asked for; only its pictures are drawn anew."""
+    out = tmp_path / "ball"
+    run(fake.Simulation(scene), out, quiet=True)
+    before = frames(out)
+    (out / "preview.mp4").unlink()
+    sim = run_scene(scene, out, frames=2, resume=True, quiet=True)
+    assert frames(out) == before
+    assert len((out / "preview.mp4").read_text().splitlines()) == 1 + 9
+    assert read_checkpoint(out / "checkpoint").frame == 8
+    assert sim.steps == 32
+
+
+def test_resume_with_another_scene_is_refused(fake, scene, scene_file, tmp_path):
+    """What would move snow differently is named; what only changes length or looks is taken."""
+    out = tmp_path / "ball"
+    run(fake.Simulation(scene), out, frames=1, quiet=True)
+    with pytest.raises(RunError, match=r"snow\.xi is 10\.0 there and 12(\.0)? now"):
+        run_scene(load(scene_file, ["snow.xi=12"]), out, resume=True, quiet=True)
+    with pytest.raises(RunError, match=r"colliders\.0\.mu_c is 0\.5 there and 0\.1 now"):
+        run_scene(load(scene_file, ["colliders.0.mu_c=0.1"]), out, resume=True, quiet=True)
+    longer = load(scene_file, ["run.duration=0.5", "camera.fov=20.0", "run.film=false"])
+    run_scene(longer, out, resume=True, quiet=True)
+    assert len(frames(out)) == 11
+    assert load(out) == longer
+
+
+def test_observers_follow_their_schedule(fake, scene, tmp_path):
+    """A further output sees the frames of its schedule, and the end."""
+
+    class Watch:
+        schedule = EveryFrames(3)
+        seen, ended = [], None
+
+        def write(self, moment):
+            self.seen.append((moment.frame, moment.sim.steps))
+
+        def close(self, moment):
+            self.ended = moment.frame
+
+    watch = Watch()
+    run(fake.Simulation(scene), tmp_path / "ball", quiet=True, observers=[watch])
+    assert (watch.seen, watch.ended) == ([(0, 0), (3, 12), (6, 24)], 8)
+
+
+def test_ctrl_c_finishes_the_frame(fake, scene_file, tmp_path):
+    """SIGINT: exit code 130, the checkpoint is at the last frame, and resuming gives the bits of a straight run."""
+    out, straight = tmp_path / "stopped", tmp_path / "straight"
+    process = start(out, scene_file, pause=0.3)
+    wait_for(out / "frames/000001.npz", process)
+    process.send_signal(signal.SIGINT)
+    code, told = end(process)
+    assert (code, "Traceback" in told) == (130, False)
+    assert f"go on with: neve run {out} --resume" in told.splitlines()[-1]
+    done = len(frames(out)) - 1
+    assert 1 <= done < 8
+    assert read_checkpoint(out / "checkpoint").frame == done
+    run_scene(load(out), out, resume=True, quiet=True)
+    run_scene(load(scene_file), straight, quiet=True)
+    assert frames(out) == frames(straight)
+
+
+def test_second_ctrl_c_stops_at_once(scene_file, tmp_path):
+    """Two SIGINTs end a frame that would take a minute, with exit code 130 and no temporary file."""
+    out = tmp_path / "stopped"
+    process = start(out, scene_file, pause=60)
+    wait_for(out / "checkpoint", process)
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    assert "finishing this frame" in next(line for line in process.stderr if line.startswith("finishing"))
+    process.send_signal(signal.SIGINT)
+    code, told = end(process)
+    assert (code, "Traceback" in told) == (130, False)
+    assert read_checkpoint(out / "checkpoint").frame == 0
+    assert not list(out.rglob("*.tmp"))
+
+
+def test_kill_leaves_a_run_that_resumes(fake, scene_file, tmp_path):
+    """SIGKILL in the middle of it: nothing is half-written, and --resume gives the bits of a straight run."""
+    out, straight = tmp_path / "killed", tmp_path / "straight"
+    process = start(out, scene_file, pause=0.05)
+    wait_for(out / "frames/000003.npz", process)
+    process.kill()
+    assert end(process)[0] == -signal.SIGKILL
+    assert read_checkpoint(out / "checkpoint").frame <= 3
+    assert end(start(out, scene_file, "--resume", "--quiet")) == (0, "")
+    run_scene(load(scene_file), straight, quiet=True)
+    assert frames(out) == frames(straight)
+    assert physics(out) == physics(straight)
+
+
+def test_two_processes_do_not_share_a_folder(fake, scene_file, tmp_path):
+    """While one process runs in a folder another one is refused, and may have it when the first is gone."""
+    out = tmp_path / "shared"
+    first = start(out, scene_file, pause=60)
+    wait_for(out / "checkpoint", first)
+    with pytest.raises(RunError, match="another process is running"):
+        run_scene(load(scene_file), out, force=True, quiet=True)
+    first.kill()
+    end(first)
+    run_scene(load(scene_file), out, force=True, quiet=True)
+    assert len(frames(out)) == 9
+
+
+def test_telling_frame():
+    """The picture is taken when half of the lost energy is lost; without any loss in the middle."""
+
+    def rows(*energies):
+        return [
+            {"frame": str(k), "kinetic": str(e), "elastic": "0", "potential": "1"}
+            for k, e in enumerate(energies)
+        ]
+
+    assert telling_frame(rows(10, 10, 9, 3, 2, 2)) == 3
+    assert telling_frame(rows(10, 10, 10, 10, 10)) == 2
+    assert telling_frame(rows(1, 5, 4, 8, 7, 11, 10, 9)) == 4
+    assert telling_frame(rows(3)) == 0
