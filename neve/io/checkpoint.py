@@ -47,15 +47,11 @@ def read_checkpoint(path: Path) -> Checkpoint:
         raw = read_npz(path)
         version = int(raw["checkpoint_format"])
     except FileNotFoundError as error:
-        raise RunError(
-            f"{path} does not exist, so there is nothing to go on from; start anew with --force."
-        ) from error
+        raise RunError(f"{path} does not exist, so there is nothing to go on from; {_ANEW}.") from error
     except OSError as error:
         raise cannot_read(path, error) from error
     except (ValueError, KeyError, TypeError) as error:
-        raise RunError(
-            f"{path} is damaged (cut short or altered) and cannot be resumed; start anew with --force."
-        ) from error
+        raise RunError(f"{path} is damaged (cut short or altered) and cannot be resumed; {_ANEW}.") from error
     if version != FORMAT:
         older = "an older" if version < FORMAT else "a newer"
         raise RunError(
@@ -71,6 +67,4 @@ def read_checkpoint(path: Path) -> Checkpoint:
             arrays={name: value.item() if value.ndim == 0 else value for name, value in arrays.items()},
         )
     except (KeyError, ValueError, TypeError) as error:
-        raise RunError(
-            f"{path} lacks parts of its state and cannot be resumed; start anew with --force."
-        ) from error
+        raise RunError(f"{path} lacks parts of its state and cannot be resumed; {_ANEW}.") from error

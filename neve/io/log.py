@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import errno
 import io
 import math
 import os
@@ -57,10 +59,11 @@ class Log:
                 end = file.seek(0, os.SEEK_END)
                 try:
                     if file.write(data) != len(data):
-                        raise OSError(28, os.strerror(28))  # a full disk may take a part and say so
+                        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # a full disk takes a part
                     os.fsync(file.fileno())
                 except BaseException:
-                    file.truncate(end)
+                    with contextlib.suppress(OSError):
+                        file.truncate(end)
                     raise
         except OSError as error:
             raise cannot_write(self.path, error) from error

@@ -89,6 +89,7 @@ class RunFolder:
         except ImportError:
             yield
             return
+        is_new = not self.path.exists()
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             handle = os.open(self.path, os.O_RDONLY)
@@ -99,6 +100,9 @@ class RunFolder:
             yield
         finally:
             os.close(handle)
+            if is_new:
+                with contextlib.suppress(OSError):  # a run that never began leaves no empty folder
+                    self.path.rmdir()
 
     def drop_frames_after(self, frame: int) -> None:
         """Remove the frames later than `frame`: they were written after the last checkpoint.

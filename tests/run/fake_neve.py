@@ -1,8 +1,8 @@
-"""A stand-in for the simulation and for drawing: particles thrown in the air, computed with a line of NumPy.
+"""A stand-in for the simulation and for drawing: particles thrown in the air, in a few lines of NumPy.
 
-It has the attributes that the run loop relies on, keeps its particles in another order after each frame as the
-core does, and gives the same bits whether it was stopped and restored or not. Run as a script it is the command
-line of Neve with this simulation inside.
+It has the attributes that the run loop relies on, reorders its particles in each frame as the core may, and
+gives the same bits whether it was stopped and restored or not. As a script it is Neve's command line with
+this simulation inside.
 """
 
 from __future__ import annotations

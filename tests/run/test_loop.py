@@ -65,7 +65,7 @@ def wait_for(path, process):
 
 
 def test_folder_holds_everything(fake, scene, tmp_path):
-    """A finished run has a scene that loads equal, all frames, a log row for each, checkpoint, film and picture."""
+    """A finished run has a scene that loads equal, frames, log rows, checkpoint, film and picture."""
     out = tmp_path / "ball"
     sim = run(fake.Simulation(scene), out, quiet=True)
     assert load(out / "scene.toml") == scene
@@ -78,7 +78,7 @@ def test_folder_holds_everything(fake, scene, tmp_path):
 
 
 def test_frames_are_float32_and_ordered_by_id(fake, scene, tmp_path):
-    """Row k is particle k in every frame although the simulation shuffles them; bodies and time stand beside."""
+    """Row k is particle k in every frame although the simulation shuffles them."""
     out = tmp_path / "ball"
     sim = run(fake.Simulation(scene), out, quiet=True)
     assert not np.array_equal(sim.state.id, np.arange(sim.count))
@@ -145,7 +145,7 @@ def test_frames_after_the_checkpoint_are_rewritten(fake, scene, tmp_path):
 
 
 def test_resume_of_a_finished_run_computes_nothing(fake, scene, tmp_path):
-    """A finished run stays as it is, also when fewer frames are asked for; only its pictures are drawn anew."""
+    """A finished run stays as it is, also when fewer frames are asked for; its film is drawn anew."""
     out = tmp_path / "ball"
     run(fake.Simulation(scene), out, quiet=True)
     before = frames(out)
@@ -190,7 +190,7 @@ def test_observers_follow_their_schedule(fake, scene, tmp_path):
 
 
 def test_ctrl_c_finishes_the_frame(fake, scene_file, tmp_path):
-    """SIGINT: exit code 130, the checkpoint is at the last frame, and resuming gives the bits of a straight run."""
+    """SIGINT: exit code 130, the checkpoint is at the last frame, resuming gives the straight run's bits."""
     out, straight = tmp_path / "stopped", tmp_path / "straight"
     process = start(out, scene_file, pause=0.3)
     wait_for(out / "frames/000001.npz", process)

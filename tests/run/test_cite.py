@@ -1,0 +1,46 @@
+"""What a scene asks to cite."""
+
+import re
+
+import pytest
+
+from neve.cite import METHODS, WORKS, bibtex, methods
+from neve.scene.load import load
+from neve.scene.scene import Numerics, Snow
+
+
+def test_every_choice_of_a_scene_has_its_works():
+    """Each law, spline and transfer that a scene may choose stands in the registry."""
+    fields = [Snow.model_fields["law"], Numerics.model_fields["spline"], Numerics.model_fields["transfer"]]
+    words = [word for field in fields for word in field.annotation.__args__]
+    assert set(words) <= METHODS.keys()
+
+
+def test_every_method_has_works_and_every_work_a_method():
+    """No key without an entry, no entry that nothing uses."""
+    assert {key for keys in METHODS.values() for key in keys} == WORKS.keys()
+
+
+@pytest.mark.parametrize("key", WORKS)
+def test_entries_are_bibtex(key):
+    """An entry carries its key, balanced braces, an author, a title, a year and a DOI."""
+    entry = WORKS[key]
+    assert entry.startswith(f"@article{{{key},\n")
+    assert entry.count("{") == entry.count("}")
+    fields = dict(re.findall(r"^  (\w+) += \{((?:[^{}]|\{[^}]*\})*)\}", entry, re.M))
+    assert {"author", "title", "journal", "year", "doi"} <= fields.keys()
+    assert key.endswith(fields["year"])
+    assert fields["doi"].startswith("10.")
+
+
+def test_scene_cites_what_it_uses(scene_file):
+    """The transfer decides whom to cite; Neve itself and the snow model are always there."""
+    apic, flip = (load(scene_file, [f'numerics.transfer="{word}"']) for word in ("apic", "flip"))
+    assert methods(flip) == ["mpm", "stomakhin2013", "quadratic", "flip"]
+    assert "@article{jiang2015," in bibtex(apic)
+    assert "@article{zhu2005," not in bibtex(apic)
+    assert "@article{zhu2005," in bibtex(flip)
+    assert "@article{hu2018," not in bibtex(flip)
+    for scene in (apic, flip):
+        assert bibtex(scene).startswith("@software{neve,")
+        assert "@article{stomakhin2013," in bibtex(scene)

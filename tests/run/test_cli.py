@@ -1,0 +1,257 @@
+"""The command line: exit codes, one sentence for each mistake, JSON that parses."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import click
+import pytest
+
+from neve import cli
+from neve.cli import main
+from neve.scene.load import presets
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def neve(capsys, tmp_path, monkeypatch):
+    """Call the command line in an empty folder; return exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        with pytest.raises(SystemExit) as stop:
+            main([str(argument) for argument in arguments])
+        told = capsys.readouterr()
+        return stop.value.code, told.out, told.err
+
+    return call
+
+
+def fill(folder):
+    """Prepare what the bad command lines point at."""
+    (folder / "full").mkdir()
+    (folder / "full/letter.txt").touch()
+    (folder / "broken.toml").write_text("[snow\n")
+    (folder / "wrong.toml").write_text("[snow]\nxii = 3\n")
+    (folder / "old").mkdir()
+    (folder / "old/run.json").write_text('{"run_format": 0}')
+    (folder / "old/scene.toml").write_text("")
+
+
+BAD = [
+    ("rum small.toml", "there is no command rum (did you mean run?)"),
+    ("fly", "there is no command fly (the commands are "),
+    ("--versoin", "there is no option --versoin (did you mean --version?)"),
+    ("run", "SCENE is missing: see neve run --help"),
+    ("cite", "SCENE is missing: see neve cite --help"),
+    ("run small.toml --fraems 3", "there is no option --fraems (did you mean --frames?)"),
+    ("run small.toml --zzz", "there is no option --zzz (the options are --out, --set,"),
+    ("run small.toml --frames", "option '--frames' requires an argument"),
+    ("run small.toml --frames 0", "--frames: 0 is not a whole number of 1 or more"),
+    ("run small.toml --frames 1.5", "--frames: 1.5 is not a whole number of 1 or more"),
+    ("run small.toml --threads -2", "--threads: -2 is not a whole number of 1 or more"),
+    ("run small.toml --threads many", "--threads: many is not a whole number of 1 or more"),
+    ("run small.toml other.toml", "got unexpected extra argument (other.toml)"),
+    ("run small.toml --quiet=yes", "option '--quiet' does not take a value"),
+    ("run smal.toml", "smal.toml: there is no such file (did you mean small.toml?)"),
+    ("run throw_bal", 'no preset or file is called "throw_bal"'),
+    ("run full", "full is a folder without scene.toml"),
+    ("run broken.toml", "broken.toml, line 1"),
+    ("run wrong.toml", "xii"),
+    ("run small.toml --set snow.xy=3", "snow.xy"),
+    ("run small.toml --set snow.xi", "--set snow.xi: write key=value"),
+    ("run small.toml --set snow.xi=-1", "snow.xi"),
+    ("run small.toml --out full", "full is not empty and is no Neve run"),
+    ("run small.toml --out full --force", "--force replaces runs, never other files"),
+    ("run small.toml --out small.toml", "small.toml is a file"),
+    ("run small.toml --out none --resume", "none does not exist, so there is nothing to resume"),
+    ("run small.toml --out full --resume", "full holds no Neve run, so there is nothing to resume"),
+    ("run small.toml --out old", "go on in it with --resume, replace it with --force"),
+    ("run small.toml --out old --resume", "old was written by an older version of Neve"),
+    ("run small.toml --out old --resume --force", "choose one of the two"),
+    ("run old --resume --out other", "--resume goes on in old itself: leave out --out other"),
+    ("cite smal.toml", "did you mean small.toml?"),
+    ("list all", "got unexpected extra argument (all)"),
+    ("list --jsno", "there is no option --jsno (did you mean --json?)"),
+    ("info -x", "there is no option -x (the options are --json"),
+]
+
+
+@pytest.mark.parametrize(("line", "words"), BAD, ids=[line for line, _ in BAD])
+def test_bad_command_lines(neve, fake, scene_file, tmp_path, line, words):
+    """Exit code 2, nothing on standard output, one sentence on standard error, and no folder made."""
+    fill(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    code, out, err = neve(*line.split())
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.startswith("neve: ")
+    assert err.count("\n") == 1
+    assert not re.search(r"[.?!]\)? +[A-Z]", err), "more than one sentence"
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_bad_command_line_in_its_own_process(tmp_path):
+    """The same through a real process: exit code 2 and no traceback."""
+    command = [sys.executable, "-m", "neve.cli", "run", "nowhere.toml"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+
+
+def test_run_writes_where_it_says(neve, fake, scene_file, tmp_path):
+    """Without --out the run goes to runs/NAME; plain lines tell how it goes when there is no terminal."""
+    code, out, err = neve("run", "small.toml")
+    assert (code, out) == (0, "")
+    assert (tmp_path / "runs/small/frames/000008.npz").exists()
+    lines = err.splitlines()
+    assert lines[0] == "small: frame 0 of 8, 50 particles"
+    assert re.fullmatch(r"small: frame 8 of 8, 50 particles, [\d,.e+]+ steps/s", lines[-2])
+    assert lines[-1].startswith("runs/small: frames 0 to 8 are done")
+
+
+def test_quiet_says_nothing(neve, fake, scene_file):
+    """--quiet leaves only errors."""
+    assert neve("run", "small.toml", "--quiet", "--out", "there") == (0, "", "")
+
+
+def test_run_options_reach_the_run(neve, fake, scene_file, tmp_path, monkeypatch):
+    """--set, --frames and --threads arrive."""
+    seen = []
+    real = fake.Simulation.__init__
+
+    def watched(self, scene, threads):
+        seen.append(threads)
+        real(self, scene, threads)
+
+    monkeypatch.setattr(fake.Simulation, "__init__", watched)
+    assert neve("run", "small.toml", "--set", "snow.xi=12", "--frames", 2, "--threads", 3, "--quiet")[0] == 0
+    assert seen == [3]
+    assert "xi = 12.0" in (tmp_path / "runs/small/scene.toml").read_text()
+    assert len(list((tmp_path / "runs/small/frames").iterdir())) == 3
+
+
+def test_a_run_folder_is_a_scene(neve, fake, scene_file, tmp_path):
+    """A run folder runs again into another folder to the same bytes, and goes on in itself with --resume."""
+    assert neve("run", "small.toml", "--out", "a", "--frames", 2, "--quiet")[0] == 0
+    assert neve("run", "a", "--out", "b", "--quiet")[0] == 0
+    assert neve("run", "a", "--resume", "--quiet")[0] == 0
+    files = [sorted(p.read_bytes() for p in (tmp_path / out / "frames").iterdir()) for out in "ab"]
+    assert files[0] == files[1]
+    assert len(files[0]) == 9
+
+
+def test_a_run_folder_is_replaced_by_itself(neve, fake, scene_file, tmp_path):
+    """--force reads the scene before it clears the folder that holds it."""
+    assert neve("run", "small.toml", "--out", "a", "--frames", 2, "--quiet")[0] == 0
+    assert neve("run", "a", "--out", "a", "--force", "--frames", 1, "--quiet")[0] == 0
+    assert len(list((tmp_path / "a/frames").iterdir())) == 2
+
+
+@pytest.mark.parametrize(
+    ("stop", "words"),
+    [
+        (KeyboardInterrupt("after frame 3"), "after frame 3"),
+        (KeyboardInterrupt(), "stopped"),
+        (click.Abort(), "stopped"),
+    ],
+)
+def test_ctrl_c_anywhere_is_130(neve, fake, scene_file, monkeypatch, stop, words):
+    """Ctrl-C before, in and after the loop ends with 130 and a word, not with a traceback."""
+
+    def interrupted(*_, **__):
+        raise stop
+
+    monkeypatch.setattr(fake.Simulation, "__init__", interrupted)
+    code, _, err = neve("run", "small.toml")
+    assert code == 130
+    assert err.strip() == f"neve: {words}"
+
+
+def test_errors_of_the_simulation(neve, fake, scene_file, monkeypatch):
+    """A particle without numbers and too little memory are sentences; a mistake in Neve is none."""
+    solver = types.ModuleType("neve.mpm.solver")
+    solver.Blowup = type("Blowup", (RuntimeError,), {})
+    monkeypatch.setitem(sys.modules, "neve.mpm.solver", solver)
+
+    def failing(error):
+        def fail(*_, **__):
+            raise error
+
+        return fail
+
+    monkeypatch.setattr(fake.Simulation, "advance", failing(solver.Blowup("particle 7 lost its numbers.")))
+    code, _, err = neve("run", "small.toml", "--out", "a", "--quiet")
+    assert (code, err) == (2, "neve: particle 7 lost its numbers.\n")
+    monkeypatch.setattr(fake.Simulation, "advance", failing(MemoryError()))
+    code, _, err = neve("run", "small.toml", "--out", "b", "--quiet")
+    assert (code, "more memory than the machine has" in err) == (2, True)
+    monkeypatch.setattr(fake.Simulation, "advance", failing(RuntimeError("a bug")))
+    with pytest.raises(RuntimeError, match="a bug"):
+        main(["run", "small.toml", "--out", "c", "--quiet"])
+
+
+def test_list(neve):
+    """Every preset has a line; the JSON holds the same."""
+    code, out, _ = neve("list")
+    assert (code, [line.split()[0] for line in out.splitlines()]) == (0, presets())
+    code, out, _ = neve("list", "--json")
+    entries = json.loads(out)
+    assert [entry["name"] for entry in entries] == presets()
+    assert all(entry["about"] for entry in entries)
+
+
+def test_info(neve):
+    """Version, instruction set and threads, as text and as JSON."""
+    code, out, _ = neve("info", "--json")
+    facts = json.loads(out)
+    assert code == 0
+    assert {"version", "python", "platform", "simd", "threads"} <= facts.keys()
+    assert f"version: {facts['version']}" in neve("info")[1].splitlines()
+
+
+def test_bench_passes_its_words_on(neve, monkeypatch):
+    """The cases and --json reach the benchmarks."""
+    seen = []
+    monkeypatch.setitem(
+        sys.modules, "neve.bench", types.SimpleNamespace(run=lambda *words: seen.append(words))
+    )
+    assert neve("bench", "step_20k", "--json")[0] == 0
+    assert seen == [(["step_20k"], True)]
+
+
+def test_version_and_help(neve):
+    """--version, --help and no word at all end with 0."""
+    code, out, _ = neve("--version")
+    assert code == 0
+    assert re.fullmatch(r"neve \S+\n", out)
+    for words in ([], ["--help"], ["run", "--help"], ["-h"]):
+        code, out, err = neve(*words)
+        assert (code, err) == (0, "")
+        assert out.startswith("Usage: neve")
+
+
+def test_command_line_loads_little():
+    """Beyond what `import neve` loads, the command line loads only click."""
+    code = (
+        "import sys, json, neve; before = set(sys.modules); import neve.cli;"
+        "print(json.dumps(sorted({n.partition('.')[0] for n in set(sys.modules) - before})))"
+    )
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    out = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    loaded = set(json.loads(out.stdout)) - set(sys.stdlib_module_names)
+    assert loaded <= {"neve", "click", "colorama"}
+    assert "click" in loaded
+
+
+def test_user_errors_are_where_they_are_said_to_be():
+    """The names of the errors that become sentences exist."""
+    for module, name in cli.USER_ERRORS:
+        assert issubclass(getattr(__import__(module, fromlist=[name]), name), Exception)
