@@ -67,7 +67,7 @@ def _kind(annotation: Any, metadata: list[Any]) -> str:
     if origin is Annotated:
         inner, *more = get_args(annotation)
         flat = [m for extra in more for m in (extra.metadata if isinstance(extra, FieldInfo) else [extra])]
-        return _kind(inner, flat)
+        return _kind(inner, flat + metadata)
     if origin is Literal:
         return words(get_args(annotation))
     if origin in (Union, types.UnionType):

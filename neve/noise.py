@@ -1,0 +1,97 @@
+"""Make smooth random fields in space that depend on nothing but the place and a seed."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Bits = NDArray[np.uint64]
+
+DEVIATION = 0.4
+"""Standard deviation of `fractal` before it is cut to [-1, 1]: about one value in a hundred is cut."""
+
+CHUNK = 8192
+"""Points worked on at once, so that scratch stays in the processor's cache."""
+
+_PRIMES = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+
+
+def fractal(x: Array, feature_size: float, octaves: int, seed: int) -> Array:
+    """Return fractal noise in [-1, 1] at points `x`.
+
+    fBm(x) = sum_o 2^-o N_o(2^o x / feature_size), N_o gradient noise on a unit lattice with random gradients
+    at its nodes, each octave with its own seed and offset; scaled to standard deviation DEVIATION.
+    The value at a point does not depend on the other points.
+
+    Args:
+        x: points [m], (n, 3)
+        feature_size: lattice spacing of the first octave [m]
+        octaves: number of octaves [1]
+        seed: any whole number
+
+    Returns: (n,) [1]
+
+    Source: Perlin 1985 and 2002 for gradient noise and its fade; the hash and the scaling are ours.
+    """
+    total = np.zeros(len(x))
+    for octave in range(octaves):
+        key = _mix(np.array([(seed * 64 + octave) % 2**64], dtype=np.uint64))
+        offset = _unit(key, np.arange(1, 4, dtype=np.uint64)) * 256.0
+        total += 0.5**octave * _gradient_noise(x * (2.0**octave / feature_size) + offset, key)
+    deviation = _octave_deviation() * np.sqrt(np.sum(0.25 ** np.arange(octaves)))
+    return np.asarray(np.clip(total * (DEVIATION / deviation), -1.0, 1.0))
+
+
+def _gradient_noise(p: Array, key: Bits) -> Array:
+    """Blend at `p` (n, 3) the eight linear functions g . (p - node) of the surrounding lattice nodes."""
+    if len(p) > CHUNK:
+        return np.concatenate([_gradient_noise(p[i : i + CHUNK], key) for i in range(0, len(p), CHUNK)])
+    total = np.zeros(len(p))
+    sides = [_sides(p[:, k], _PRIMES[k]) for k in range(3)]
+    for (wx, dx, hx), (wy, dy, hy), (wz, dz, hz) in product(*sides):
+        hashed = _mix(key + hx + hy + hz)
+        slope = dx * _component(hashed, 0) + dy * _component(hashed, 1) + dz * _component(hashed, 2)
+        total += wx * wy * wz * slope
+    return total
+
+
+def _sides(p: Array, prime: np.uint64) -> list[tuple[Array, Array, Bits]]:
+    """Return weight, distance and hash of the lattice planes below and above `p` (n,) along one axis."""
+    cell = np.floor(p)
+    f = p - cell
+    fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0)
+    below = cell.astype(np.int64).view(np.uint64) * prime
+    return [(1.0 - fade, f, below), (fade, f - 1.0, below + prime)]
+
+
+def _octave_deviation() -> float:
+    """Return the standard deviation of gradient noise with gradients uniform in [-1, 1]^3.
+
+    At a point of the cell the variance is sum_corners w^2 |d|^2 / 3 with w = product of w(d_k) over the axes;
+    the mean over the cell is, by symmetry, 8 A^2 B with A = int w^2 dt and B = int w^2 t^2 dt over [0, 1].
+    """
+    t, share = np.polynomial.legendre.leggauss(12)
+    t = 0.5 * (t + 1.0)
+    w = 1.0 - t**3 * (t * (t * 6.0 - 15.0) + 10.0)
+    a, b = 0.5 * np.sum(share * w**2), 0.5 * np.sum(share * w**2 * t**2)
+    return float(np.sqrt(8.0 * a * a * b))
+
+
+def _component(hashed: Bits, k: int) -> Array:
+    """Read bits 21 k to 21 k + 20 as a number in [-1, 1)."""
+    return ((hashed >> np.uint64(21 * k)) & np.uint64(0x1FFFFF)).astype(np.float64) * 2.0**-20 - 1.0
+
+
+def _unit(key: Bits, n: Bits) -> Array:
+    return _mix(key + n * _PRIMES[0]).astype(np.float64) * 2.0**-64
+
+
+def _mix(z: Bits) -> Bits:
+    """Scatter the bits of `z`: the output function of SplitMix64 (Steele, Lea and Flood 2014)."""
+    z = z + _PRIMES[0]
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))

@@ -1,0 +1,83 @@
+"""Fill the sources of a scene with particles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.noise import fractal
+from neve.sampling.points import jittered, poisson
+from neve.sampling.regions import region
+from neve.scene.errors import SceneError
+from neve.scene.scene import Numerics, SnowSource
+
+__all__ = ["MOST", "Samples", "fill"]
+
+Array = NDArray[np.float64]
+
+MOST = 2**28
+"""Particles that one source may ask for: a mistyped dx must not fill the memory."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Hold the particles of one source at the start.
+
+    Attributes:
+        x: positions [m], (n, 3)
+        v: velocities [m/s], (n, 3)
+        volume: share of the source's volume [m3], (n,); the sum is the volume of the shape
+        stiffness: factor on Young's modulus [1], (n,)
+    """
+
+    x: Array
+    v: Array
+    volume: Array
+    stiffness: Array
+
+
+def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
+    """Place particles in `source`, the scene's source number `index`.
+
+    On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and
+    moves with v = velocity + spin x (x - center). Stiffness is exp(amplitude * noise), with noise in [-1, 1]
+    that is fixed to the source. Equal arguments give equal bits.
+
+    Errors: SceneError if the source is too small or too large for dx, or its font lacks a letter.
+    """
+    name = f"sources.{index}"
+    spacing = numerics.dx / numerics.particles_per_cell ** (1.0 / 3.0)
+    space = region(source, spacing, name)
+    if np.prod(np.maximum(space.size / spacing, 1.0)) > MOST:
+        raise SceneError(
+            f"{name} would take {space.volume / spacing**3:.2g} particles with numerics.dx = "
+            f"{numerics.dx:g}, more than {MOST:.2g}; use a larger dx or a smaller source"
+        )
+    rng = np.random.default_rng([numerics.seed, index])
+    if numerics.sampling == "poisson":
+        local = poisson(space.size, spacing, rng, numerics.seed)
+    else:
+        local = jittered(space.size, spacing, rng)
+    local = local[space.inside(local)]
+    if not len(local):
+        raise SceneError(
+            f"{name} is too small for a single particle with numerics.dx = {numerics.dx:g}; "
+            "use a smaller dx or a larger source"
+        )
+    arm = local @ space.rotation.T
+    return Samples(
+        x=space.center + arm,
+        v=np.array(source.velocity) + np.cross(np.array(source.spin), arm),
+        volume=np.full(len(local), space.volume / len(local)),
+        stiffness=_stiffness(source, local, numerics.seed, index),
+    )
+
+
+def _stiffness(source: SnowSource, local: Array, seed: int, index: int) -> Array:
+    noise = source.stiffness_noise
+    if noise.amplitude == 0.0:
+        return np.ones(len(local))
+    mixed = int(np.random.SeedSequence([seed, index, noise.seed]).generate_state(1, np.uint64)[0])
+    return np.asarray(np.exp(noise.amplitude * fractal(local, noise.feature_size, noise.octaves, mixed)))

@@ -1,0 +1,120 @@
+"""Draw text as a picture that says where letters of snow are solid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from neve.scene.errors import SceneError
+from neve.scene.scene import SnowText
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+FONT = Path(__file__).parents[1] / "assets" / "FredokaOne-Regular.ttf"
+PIXELS_PER_SPACING = 8
+"""Edges of letters are true to 1/16 of the distance between particles."""
+LARGEST_PICTURE = 64e6
+"""Pixels of the largest picture; longer texts are drawn coarser."""
+NO_CHARACTER = "\U0010ffff"
+"""A code that is never a character: every font draws it as its missing-glyph box."""
+
+
+@dataclass(frozen=True)
+class Letters:
+    """Hold a picture of text in the x-z plane, centred on the origin.
+
+    Attributes:
+        solid: whether a pixel is inside a letter, row 0 on top, (rows, columns)
+        pixel: edge of a pixel [m]
+    """
+
+    solid: Mask
+    pixel: float
+
+    @property
+    def width(self) -> float:
+        """Return the extent along x [m]."""
+        return float(self.solid.shape[1] * self.pixel)
+
+    @property
+    def height(self) -> float:
+        """Return the extent along z [m]."""
+        return float(self.solid.shape[0] * self.pixel)
+
+    @property
+    def area(self) -> float:
+        """Return the area of the letters [m2]."""
+        return float(self.solid.sum()) * self.pixel**2
+
+    def covers(self, x: Array) -> Mask:
+        """Return whether points `x` [m] (n, 3) within the picture's edges lie in a letter."""
+        rows, columns = self.solid.shape
+        i = np.clip((0.5 * rows - x[:, 2] / self.pixel).astype(np.int64), 0, rows - 1)
+        j = np.clip((x[:, 0] / self.pixel + 0.5 * columns).astype(np.int64), 0, columns - 1)
+        return np.asarray(self.solid[i, j])
+
+
+def letters(source: SnowText, spacing: float, name: str) -> Letters:
+    """Draw the text of `source` with pixels fine enough for particles `spacing` [m] apart.
+
+    Errors: SceneError if the font cannot be read or lacks a letter; `name` tells the source.
+    """
+    font = _open(source, 256.0, name)
+    _check_glyphs(source, font, name)
+    left, top, right, bottom = _box(source.text, font)
+    pixels = min(max(PIXELS_PER_SPACING * source.height / spacing, 48.0), 4096.0)
+    scale = pixels / _capital(source.text, font)
+    scale = min(scale, float(np.sqrt(LARGEST_PICTURE / ((right - left) * (bottom - top)))))
+    font = _open(source, 256.0 * scale, name)
+    left, top, right, bottom = _box(source.text, font)
+    image = Image.new("L", (int(right - left) + 4, int(bottom - top) + 4))
+    ImageDraw.Draw(image).multiline_text(
+        (2 - left, 2 - top), source.text, fill=255, font=font, align="center"
+    )
+    solid = np.asarray(image) > 127
+    rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
+    solid = solid[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    return Letters(solid, source.height / _capital(source.text, font))
+
+
+def _open(source: SnowText, size: float, name: str) -> ImageFont.FreeTypeFont:
+    try:
+        return ImageFont.truetype(source.font or FONT, size, layout_engine=ImageFont.Layout.BASIC)
+    except OSError:
+        raise SceneError(
+            f'{name}.font = "{source.font}" is not a font that can be read; name a .ttf or .otf file'
+        ) from None
+
+
+def _check_glyphs(source: SnowText, font: ImageFont.FreeTypeFont, name: str) -> None:
+    box = _picture(NO_CHARACTER, font)
+    lacking = [c for c in dict.fromkeys(source.text) if not c.isspace() and _picture(c, font) in (box, None)]
+    if lacking:
+        which = "the bundled font" if not source.font else f'the font "{source.font}"'
+        raise SceneError(
+            f"{name}.text: {which} has no glyph for {' '.join(lacking[:8])}; "
+            f"name a font that has it with {name}.font"
+        )
+
+
+def _picture(character: str, font: ImageFont.FreeTypeFont) -> tuple[tuple[int, int], bytes] | None:
+    """Return the pixels of `character`, or None if it leaves no ink."""
+    mask = font.getmask(character, mode="L")
+    return (mask.size, bytes(mask)) if mask.getbbox() else None
+
+
+def _box(text: str, font: ImageFont.FreeTypeFont) -> tuple[float, float, float, float]:
+    draw = ImageDraw.Draw(Image.new("L", (1, 1)))
+    return draw.multiline_textbbox((0, 0), text, font=font, align="center")
+
+
+def _capital(text: str, font: ImageFont.FreeTypeFont) -> float:
+    """Return the height of a capital H in pixels, or of the tallest glyph of `text` if the font has no H."""
+    tall = "H" if _picture("H", font) not in (None, _picture(NO_CHARACTER, font)) else text
+    boxes = [font.getbbox(c) for c in dict.fromkeys(tall) if not c.isspace()]
+    return max(bottom - top for _, top, _, bottom in boxes)
