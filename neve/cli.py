@@ -23,19 +23,6 @@ USER_ERRORS = (
 )
 
 
-class WholeNumber(click.ParamType):
-    """A whole number of 1 or more."""
-
-    name = "number"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """Read the number; complain with what is allowed."""
-        text = str(value)
-        if not (text.isascii() and text.isdigit() and int(text) >= 1):
-            self.fail(f"{text} is not a whole number of 1 or more", param, ctx)
-        return int(text)
-
-
 class Commands(click.Group):
     """A group whose complaint about a command names the nearest one."""
 
@@ -49,6 +36,15 @@ class Commands(click.Group):
             hint = f"did you mean {near[0]}?" if near else f"the commands are {', '.join(self.commands)}"
             raise click.UsageError(f"there is no command {name} ({hint})", ctx)
         return super().resolve_command(ctx, args)
+
+
+def _whole(ctx: click.Context, param: click.Parameter, value: str | None) -> int | None:
+    """Read a whole number of 1 or more."""
+    if value is None:
+        return None
+    if not (value.isascii() and value.isdigit() and int(value) >= 1):
+        raise click.BadParameter(f"{value} is not a whole number of 1 or more", ctx, param)
+    return int(value)
 
 
 @click.group(
@@ -86,8 +82,8 @@ def list_scenes(as_json: bool) -> None:
 @click.argument("scene")
 @click.option("--out", metavar="DIR", help="Run folder; runs/NAME by default.")
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
-@click.option("--frames", metavar="N", type=WholeNumber(), help="Stop after frame N.")
-@click.option("--threads", metavar="N", type=WholeNumber(), help="Number of threads; all by default.")
+@click.option("--frames", metavar="N", callback=_whole, help="Stop after frame N.")
+@click.option("--threads", metavar="N", callback=_whole, help="Number of threads; all by default.")
 @click.option("--resume", is_flag=True, help="Go on in the run from its checkpoint.")
 @click.option("--force", is_flag=True, help="Replace the run that lies in the folder.")
 @click.option("--quiet", is_flag=True, help="Show nothing but errors.")

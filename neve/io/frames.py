@@ -52,12 +52,12 @@ def make_frame(
     time: float,
 ) -> Frame:
     """Copy a moment as a frame: particles sorted by id, float32; `bodies` are (position, rotation)."""
-    order = np.argsort(id, kind="stable")
+    order = np.argsort(id)
     poses = list(bodies)
     return Frame(
-        x=x[order].astype(np.float32, copy=False),
-        v=v[order].astype(np.float32, copy=False),
-        J_P=J_P[order].astype(np.float32, copy=False),
+        x=x.take(order, axis=0).astype(np.float32, copy=False),
+        v=v.take(order, axis=0).astype(np.float32, copy=False),
+        J_P=J_P.take(order, axis=0).astype(np.float32, copy=False),
         id=id[order],
         material=material[order],
         body_position=np.array([position for position, _ in poses], np.float32).reshape(-1, 3),

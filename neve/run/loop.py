@@ -113,7 +113,7 @@ def _run(
         write_text(folder.scene, toml)
         if done is not None:
             folder.drop_frames_after(done)
-        painter = Painter(scene)
+        painter = Painter(scene, sim.threads)
         outputs: list[Output] = [FrameOutput(folder), PictureOutput(folder, painter)]
         if scene.run.film:
             outputs.append(FilmOutput(folder, scene, painter, done))

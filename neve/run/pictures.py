@@ -29,14 +29,15 @@ SIZE = (1280, 720)
 class Painter:
     """Draw frames as they lie in the run folder, so that a film drawn later is the same film."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, threads: int | None = None) -> None:
         self._scene = scene
+        self._threads = threads or 0
 
     @functools.cached_property
     def _preview(self) -> Preview:
         from neve.look.preview import Preview
 
-        return Preview(self._scene, *SIZE)
+        return Preview(self._scene, *SIZE, threads=self._threads)
 
     def draw(self, content: Frame) -> NDArray[np.uint8]:
         """Return the image of a frame, (height, width, 3)."""

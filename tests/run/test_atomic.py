@@ -174,6 +174,15 @@ def test_frame_reads_back(tmp_path):
     assert (tmp_path / "000003.npz").read_bytes() == (tmp_path / "000004.npz").read_bytes()
 
 
+@pytest.mark.parametrize("ids", [[], [2, 0, 1, 3], [7, 2, 5, 3]])
+def test_any_ids_are_sorted(ids):
+    """Numbers by birth, numbers with gaps after some snow has gone, and no snow at all."""
+    id, x = np.array(ids, np.uint32), np.arange(3.0 * len(ids)).reshape(-1, 3)
+    frame = make_frame(x, x, x[:, 0], id, id, [], 0.0)
+    assert list(frame.id) == sorted(ids)
+    assert np.array_equal(frame.x, x[np.argsort(id)])
+
+
 def test_damaged_and_missing_frames_are_one_sentence(tmp_path):
     """A frame cut short, of foreign content, or gone is named."""
     write_frame(tmp_path, 0, frame_of(5))
