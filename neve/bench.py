@@ -244,7 +244,8 @@ def told(result: Speed | Once) -> str:
         return f"{result.case}: {n:,} particles in {s.median:.3f} s ({s.least:.3f}-{s.largest:.3f})"
     lines = [
         f"{result.case}: {result.particles:,} particles, {result.precision} {result.spline} "
-        f"{result.transfer}, {result.threads} threads, median of {result.batches} batches of {result.steps} steps"
+        f"{result.transfer}, {result.threads} threads, "
+        f"median of {result.batches} batches of {result.steps} steps"
     ]
     whole = result.step_ms.median
     for stage, spread in (*result.stage_ms.items(), ("step", result.step_ms)):

@@ -3,9 +3,9 @@
     pip install . -r benchmarks/peers/requirements.txt
     python -P benchmarks/peers/compare.py [--particles 1m] [--batches 7] [--steps 20] [--json]
 
-Both start from the same particles (a block landing on the ground at 5 m/s), take the same steps of the same length
-with the same law, and are compared at the end: the mean position and velocity and the share of snow that has flowed
-must agree, or the ratio is not printed. Compilation, set-up and the first steps are not timed.
+Both start from the same particles (a block landing on the ground at 5 m/s), take the same steps of the same
+length with the same law, and are compared at the end: the mean position and velocity and the share of snow
+that has flowed must agree, or the ratio is not printed. Compilation, set-up and first steps are not timed.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ def peer(sim: neve.Simulation) -> TaichiSnow:
     case = Case(
         x=state.x, v=state.v, m=state.m, V0=state.V0, dx=numerics.dx, dt=float(numerics.dt),
         E0=snow.E0, nu=snow.nu, xi=snow.xi, theta_c=snow.theta_c, theta_s=snow.theta_s,
-        gravity=scene.world.gravity[2], mu_c=ground.mu_c, low=low, shape=tuple(int(n) for n in high - low + 1),
+        gravity=scene.world.gravity[2], mu_c=ground.mu_c,
+        low=low, shape=tuple(int(n) for n in high - low + 1),
     )  # fmt: skip
     return TaichiSnow(case)
 
@@ -58,13 +59,11 @@ def check(scene: Scene, snow: Snow) -> None:
         and len(scene.colliders) == 1
     )
     if not alike:
-        raise SystemExit(
-            "the Taichi program has no such scene: quadratic apic float32 on the ground z = 0 only"
-        )
+        raise SystemExit("the Taichi program does quadratic apic float32 on the ground z = 0 only")
 
 
 def outcome(x: np.ndarray, v: np.ndarray, J_P: np.ndarray) -> dict[str, float]:
-    """Return what the two must agree on: height, fall, spread [m, m/s, m], hardening, share that has flowed."""
+    """Return what the two must agree on: height, fall, spread, hardening, share that has flowed."""
     x, v = x.astype(np.float64), v.astype(np.float64)
     return {
         "mean z [m]": float(x[:, 2].mean()),
@@ -77,7 +76,7 @@ def outcome(x: np.ndarray, v: np.ndarray, J_P: np.ndarray) -> dict[str, float]:
 
 
 def timed(work: Callable[[], None]) -> float:
-    """Return the wall time of `work` [s], after a pause in which threads of the other program fall asleep."""
+    """Return the wall time of `work` [s], after a pause in which the other's threads fall asleep."""
     sleep(0.2)
     begun = perf_counter()
     work()
