@@ -2,7 +2,6 @@
 
 import errno
 import os
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -10,13 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import neve
 from neve.io import atomic
 from neve.io.atomic import replacing, sweep, write_bytes, write_text
 from neve.io.errors import RunError
 from neve.io.frames import make_frame, read_frame, write_frame
 from neve.io.log import COLUMNS, Log, read_log
 
-ROOT = Path(__file__).parents[2]
+resource = pytest.importorskip("resource")
+ROOT = Path(neve.__file__).parents[1]
 
 
 def names(folder):

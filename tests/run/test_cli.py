@@ -11,25 +11,26 @@ from pathlib import Path
 import click
 import pytest
 
+import neve
 from neve import cli
 from neve.cli import main
 from neve.scene.load import presets
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(neve.__file__).parents[1]
 
 
 @pytest.fixture
-def neve(capsys, tmp_path, monkeypatch):
+def call(capsys, tmp_path, monkeypatch):
     """Call the command line in an empty folder; return exit code, output and errors."""
     monkeypatch.chdir(tmp_path)
 
-    def call(*arguments):
+    def run_line(*arguments):
         with pytest.raises(SystemExit) as stop:
             main([str(argument) for argument in arguments])
         told = capsys.readouterr()
         return stop.value.code, told.out, told.err
 
-    return call
+    return run_line
 
 
 def fill(folder):
@@ -83,11 +84,11 @@ BAD = [
 
 
 @pytest.mark.parametrize(("line", "words"), BAD, ids=[line for line, _ in BAD])
-def test_bad_command_lines(neve, fake, scene_file, tmp_path, line, words):
+def test_bad_command_lines(call, fake, scene_file, tmp_path, line, words):
     """Exit code 2, nothing on standard output, one sentence on standard error, and no folder made."""
     fill(tmp_path)
     before = sorted(tmp_path.rglob("*"))
-    code, out, err = neve(*line.split())
+    code, out, err = call(*line.split())
     assert (code, out) == (2, "")
     assert words in err
     assert err.startswith("neve: ")
@@ -104,9 +105,9 @@ def test_bad_command_line_in_its_own_process(tmp_path):
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
 
 
-def test_run_writes_where_it_says(neve, fake, scene_file, tmp_path):
+def test_run_writes_where_it_says(call, fake, scene_file, tmp_path):
     """Without --out the run goes to runs/NAME; plain lines tell how it goes when there is no terminal."""
-    code, out, err = neve("run", "small.toml")
+    code, out, err = call("run", "small.toml")
     assert (code, out) == (0, "")
     assert (tmp_path / "runs/small/frames/000008.npz").exists()
     lines = err.splitlines()
@@ -115,12 +116,12 @@ def test_run_writes_where_it_says(neve, fake, scene_file, tmp_path):
     assert lines[-1].startswith("runs/small: frames 0 to 8 are done")
 
 
-def test_quiet_says_nothing(neve, fake, scene_file):
+def test_quiet_says_nothing(call, fake, scene_file):
     """--quiet leaves only errors."""
-    assert neve("run", "small.toml", "--quiet", "--out", "there") == (0, "", "")
+    assert call("run", "small.toml", "--quiet", "--out", "there") == (0, "", "")
 
 
-def test_run_options_reach_the_run(neve, fake, scene_file, tmp_path, monkeypatch):
+def test_run_options_reach_the_run(call, fake, scene_file, tmp_path, monkeypatch):
     """--set, --frames and --threads arrive."""
     seen = []
     real = fake.Simulation.__init__
@@ -130,26 +131,26 @@ def test_run_options_reach_the_run(neve, fake, scene_file, tmp_path, monkeypatch
         real(self, scene, threads)
 
     monkeypatch.setattr(fake.Simulation, "__init__", watched)
-    assert neve("run", "small.toml", "--set", "snow.xi=12", "--frames", 2, "--threads", 3, "--quiet")[0] == 0
+    assert call("run", "small.toml", "--set", "snow.xi=12", "--frames", 2, "--threads", 3, "--quiet")[0] == 0
     assert seen == [3]
     assert "xi = 12.0" in (tmp_path / "runs/small/scene.toml").read_text()
     assert len(list((tmp_path / "runs/small/frames").iterdir())) == 3
 
 
-def test_a_run_folder_is_a_scene(neve, fake, scene_file, tmp_path):
+def test_a_run_folder_is_a_scene(call, fake, scene_file, tmp_path):
     """A run folder runs again into another folder to the same bytes, and goes on in itself with --resume."""
-    assert neve("run", "small.toml", "--out", "a", "--frames", 2, "--quiet")[0] == 0
-    assert neve("run", "a", "--out", "b", "--quiet")[0] == 0
-    assert neve("run", "a", "--resume", "--quiet")[0] == 0
+    assert call("run", "small.toml", "--out", "a", "--frames", 2, "--quiet")[0] == 0
+    assert call("run", "a", "--out", "b", "--quiet")[0] == 0
+    assert call("run", "a", "--resume", "--quiet")[0] == 0
     files = [sorted(p.read_bytes() for p in (tmp_path / out / "frames").iterdir()) for out in "ab"]
     assert files[0] == files[1]
     assert len(files[0]) == 9
 
 
-def test_a_run_folder_is_replaced_by_itself(neve, fake, scene_file, tmp_path):
+def test_a_run_folder_is_replaced_by_itself(call, fake, scene_file, tmp_path):
     """--force reads the scene before it clears the folder that holds it."""
-    assert neve("run", "small.toml", "--out", "a", "--frames", 2, "--quiet")[0] == 0
-    assert neve("run", "a", "--out", "a", "--force", "--frames", 1, "--quiet")[0] == 0
+    assert call("run", "small.toml", "--out", "a", "--frames", 2, "--quiet")[0] == 0
+    assert call("run", "a", "--out", "a", "--force", "--frames", 1, "--quiet")[0] == 0
     assert len(list((tmp_path / "a/frames").iterdir())) == 2
 
 
@@ -161,19 +162,19 @@ def test_a_run_folder_is_replaced_by_itself(neve, fake, scene_file, tmp_path):
         (click.Abort(), "stopped"),
     ],
 )
-def test_ctrl_c_anywhere_is_130(neve, fake, scene_file, monkeypatch, stop, words):
+def test_ctrl_c_anywhere_is_130(call, fake, scene_file, monkeypatch, stop, words):
     """Ctrl-C before, in and after the loop ends with 130 and a word, not with a traceback."""
 
     def interrupted(*_, **__):
         raise stop
 
     monkeypatch.setattr(fake.Simulation, "__init__", interrupted)
-    code, _, err = neve("run", "small.toml")
+    code, _, err = call("run", "small.toml")
     assert code == 130
     assert err.strip() == f"neve: {words}"
 
 
-def test_errors_of_the_simulation(neve, fake, scene_file, monkeypatch):
+def test_errors_of_the_simulation(call, fake, scene_file, monkeypatch):
     """A particle without numbers and too little memory are sentences; a mistake in Neve is none."""
     solver = types.ModuleType("neve.mpm.solver")
     solver.Blowup = type("Blowup", (RuntimeError,), {})
@@ -186,52 +187,52 @@ def test_errors_of_the_simulation(neve, fake, scene_file, monkeypatch):
         return fail
 
     monkeypatch.setattr(fake.Simulation, "advance", failing(solver.Blowup("particle 7 lost its numbers.")))
-    code, _, err = neve("run", "small.toml", "--out", "a", "--quiet")
+    code, _, err = call("run", "small.toml", "--out", "a", "--quiet")
     assert (code, err) == (2, "neve: particle 7 lost its numbers.\n")
     monkeypatch.setattr(fake.Simulation, "advance", failing(MemoryError()))
-    code, _, err = neve("run", "small.toml", "--out", "b", "--quiet")
+    code, _, err = call("run", "small.toml", "--out", "b", "--quiet")
     assert (code, "more memory than the machine has" in err) == (2, True)
     monkeypatch.setattr(fake.Simulation, "advance", failing(RuntimeError("a bug")))
     with pytest.raises(RuntimeError, match="a bug"):
         main(["run", "small.toml", "--out", "c", "--quiet"])
 
 
-def test_list(neve):
+def test_list(call):
     """Every preset has a line; the JSON holds the same."""
-    code, out, _ = neve("list")
+    code, out, _ = call("list")
     assert (code, [line.split()[0] for line in out.splitlines()]) == (0, presets())
-    code, out, _ = neve("list", "--json")
+    code, out, _ = call("list", "--json")
     entries = json.loads(out)
     assert [entry["name"] for entry in entries] == presets()
     assert all(entry["about"] for entry in entries)
 
 
-def test_info(neve):
+def test_info(call):
     """Version, instruction set and threads, as text and as JSON."""
-    code, out, _ = neve("info", "--json")
+    code, out, _ = call("info", "--json")
     facts = json.loads(out)
     assert code == 0
     assert {"version", "python", "platform", "simd", "threads"} <= facts.keys()
-    assert f"version: {facts['version']}" in neve("info")[1].splitlines()
+    assert f"version: {facts['version']}" in call("info")[1].splitlines()
 
 
-def test_bench_passes_its_words_on(neve, monkeypatch):
+def test_bench_passes_its_words_on(call, monkeypatch):
     """The cases and --json reach the benchmarks."""
     seen = []
     monkeypatch.setitem(
         sys.modules, "neve.bench", types.SimpleNamespace(run=lambda *words: seen.append(words))
     )
-    assert neve("bench", "step_20k", "--json")[0] == 0
+    assert call("bench", "step_20k", "--json")[0] == 0
     assert seen == [(["step_20k"], True)]
 
 
-def test_version_and_help(neve):
+def test_version_and_help(call):
     """--version, --help and no word at all end with 0."""
-    code, out, _ = neve("--version")
+    code, out, _ = call("--version")
     assert code == 0
     assert re.fullmatch(r"neve \S+\n", out)
     for words in ([], ["--help"], ["run", "--help"], ["-h"]):
-        code, out, err = neve(*words)
+        code, out, err = call(*words)
         assert (code, err) == (0, "")
         assert out.startswith("Usage: neve")
 

@@ -1,0 +1,128 @@
+"""The run loop with the real simulation and the real film: a small snowball that falls on the ground."""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import neve
+
+SNOWBALL = """
+[numerics]
+dx = 0.08
+
+[run]
+duration = 0.25
+fps = 20
+
+[[sources]]
+shape = "sphere"
+center = [0.0, 0.0, 0.25]
+radius = 0.2
+velocity = [0.0, 0.0, -3.0]
+
+[[colliders]]
+shape = "plane"
+"""
+
+
+@pytest.fixture
+def snowball(tmp_path):
+    path = tmp_path / "snowball.toml"
+    path.write_text(SNOWBALL)
+    return path
+
+
+def frames(out):
+    return {path.name: path.read_bytes() for path in sorted((out / "frames").iterdir())}
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("volume", ["grid", "sampled"])
+def test_resume_is_exact(snowball, tmp_path, precision, volume):
+    """A run stopped twice and resumed, with other threads, has the bytes of the straight run."""
+    words = ["run.film=false", f"numerics.precision={precision}", f"numerics.initial_volume={volume}"]
+    scene = neve.load(snowball, words)
+    straight, parted = tmp_path / "straight", tmp_path / "parted"
+    neve.Simulation(scene).run(straight, quiet=True)
+    neve.Simulation(scene, threads=1).run(parted, frames=1, quiet=True)
+    neve.Simulation(scene, threads=2).run(parted, frames=3, resume=True, quiet=True)
+    neve.Simulation(scene, threads=1).run(parted, resume=True, quiet=True)
+    assert len(frames(straight)) == 6
+    assert frames(parted) == frames(straight)
+
+
+def test_scene_of_a_run_gives_the_same_run(snowball, tmp_path):
+    """`scene.toml` is complete: running it again gives the same bytes."""
+    first, again = tmp_path / "first", tmp_path / "again"
+    neve.Simulation(neve.load(snowball, ["run.film=false", "numerics.seed=5"])).run(first, quiet=True)
+    neve.Simulation(neve.load(first / "scene.toml")).run(again, quiet=True)
+    assert frames(again) == frames(first)
+
+
+def test_folder_of_a_real_run(snowball, tmp_path):
+    """Frames, log, film and picture tell one story: the ball falls, and its impact costs energy."""
+    out = tmp_path / "ball"
+    sim = neve.Simulation(neve.load(snowball)).run(out, quiet=True)
+    with open(out / "log.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["frame"]) for row in rows] == list(range(6))
+    assert float(rows[-1]["time"]) == sim.time == pytest.approx(0.25)
+    assert int(rows[-1]["steps"]) == sim.steps
+    energy = [sum(float(row[name]) for name in ("kinetic", "elastic", "potential")) for row in rows]
+    assert energy[-1] < 0.9 * energy[0]
+    assert {row["bound"] for row in rows[1:]} <= {"wave", "speed", "fixed", "dt_max"}
+    assert all(float(row["seconds_p2g"]) > 0 for row in rows[1:])
+    assert all(float(row["seconds_film"]) > 0 for row in rows)
+    with np.load(out / "frames/000005.npz") as last:
+        assert np.array_equal(last["x"], sim.state.x[np.argsort(sim.state.id)])
+    with Image.open(out / "preview.png") as picture:
+        assert picture.size == (1280, 720)
+    assert b"ftyp" in (out / "preview.mp4").read_bytes()[:16]
+    assert sorted(path.name for path in out.iterdir()) == sorted(
+        ["run.json", "scene.toml", "log.csv", "frames", "checkpoint", "preview.png", "preview.mp4"]
+    )
+
+
+def test_ctrl_c_in_a_terminal(snowball, tmp_path):
+    """Ctrl-C reaches the film's encoder too, as on a terminal: code 130, and --resume goes on."""
+    straight, out = tmp_path / "straight", tmp_path / "ball"
+    command = [sys.executable, "-m", "neve.cli", "run", str(snowball), "--out", str(out)]
+    environment = os.environ | {"PYTHONPATH": str(Path(neve.__file__).parents[1])}
+    hear = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731 (a job in the background ignores it)
+    process = subprocess.Popen(
+        [*command, "--set", "run.duration=30"],
+        env=environment,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=hear,
+        start_new_session=True,
+    )
+    deadline = time.monotonic() + 60
+    while not (out / "frames/000002.npz").exists():
+        assert process.poll() is None, process.communicate()[1]
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGINT)
+    told = process.communicate(timeout=60)[1]
+    assert (process.returncode, "Traceback" in told) == (130, False), told
+    done = len(frames(out)) - 1
+    more = subprocess.run(
+        [sys.executable, "-m", "neve.cli", "run", str(out), "--resume", "--frames", str(done + 1), "--quiet"],
+        env=environment,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    assert (more.returncode, more.stderr) == (0, "")
+    scene = neve.load(snowball, ["run.film=false"])
+    neve.Simulation(scene).run(straight, frames=done + 1, quiet=True)
+    assert frames(out) == frames(straight)
+    assert b"ftyp" in (out / "preview.mp4").read_bytes()[:16]
