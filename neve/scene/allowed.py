@@ -62,6 +62,26 @@ def part(annotation: Any) -> type[BaseModel] | None:
     return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
 
 
+def default_vector(path: tuple[str, ...], data: dict[str, Any], owner: type[BaseModel]) -> list[Any] | None:
+    """Return the default at `path` in `owner`, whose tables are `data`, if it is a list of numbers."""
+    key, *rest = path
+    field = owner.model_fields.get(key)
+    if field is None:
+        return None
+    if not rest:
+        return list(field.default) if isinstance(field.default, tuple) and field.default else None
+    below = data.get(key, {})
+    inner = part(field.annotation)
+    if inner and isinstance(below, dict):
+        return default_vector(tuple(rest), below, inner)
+    shaped = shapes(field.annotation)
+    if shaped and len(rest) > 1 and isinstance(below, list):
+        entry = below[int(rest[0])]
+        model = shaped.get(str(entry.get("shape"))) if isinstance(entry, dict) else None
+        return default_vector(tuple(rest[1:]), entry, model) if model else None
+    return None
+
+
 def _kind(annotation: Any, metadata: list[Any]) -> str:
     origin = get_origin(annotation)
     if origin is Annotated:
@@ -75,9 +95,11 @@ def _kind(annotation: Any, metadata: list[Any]) -> str:
         return " or ".join(kinds)
     if origin is tuple:
         return _list(get_args(annotation))
-    simple = {bool: "true or false", str: "text in quotes"}
-    if annotation in simple:
-        return simple[annotation]
+    if annotation is str:
+        shortest = max((getattr(m, "min_length", 0) for m in metadata), default=0)
+        return "text in quotes" + (", not empty" if shortest else "")
+    if annotation is bool:
+        return "true or false"
     if annotation in (int, float):
         name = "whole number" if annotation is int else "number"
         return f"a {name}{_limits(metadata)}"
@@ -100,4 +122,4 @@ def _limits(metadata: list[Any]) -> str:
 
 
 def _number(value: float) -> str:
-    return str(value) if isinstance(value, int) else f"{value:g}"
+    return str(int(value)) if float(value).is_integer() and abs(value) < 1e10 else f"{value:g}"

@@ -7,7 +7,20 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from neve.scene.fields import Color, Part, Positive, Real, Size3, Switch, Vec3, entry, length, wrong
+from neve.scene.fields import (
+    Angle3,
+    Color,
+    Length,
+    Part,
+    Point3,
+    Rate3,
+    Real,
+    Size3,
+    Switch,
+    entry,
+    norm,
+    wrong,
+)
 
 CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
 ROTATION = "Rotation vector (axis times angle) from the body's own axes to the world's."
@@ -18,10 +31,10 @@ class Keyframe(Part):
     """Say where a body is at one moment."""
 
     t: Real = entry(0.0, "The moment.", "s", ge=0)
-    position: Vec3 | None = entry(
+    position: Point3 | None = entry(
         None, "Centre (of a plane: its point) at `t`; left out, the body's own.", "m"
     )
-    rotation: Vec3 | None = entry(
+    rotation: Angle3 | None = entry(
         None,
         "Rotation vector at `t`; left out, the body's own. Between two keyframes a body takes the shorter "
         "way round, less than half a turn. A plane's normal is turned by it.",
@@ -42,8 +55,8 @@ class Body(Part):
     mu_c: Real = entry(
         0.5, "Coulomb friction between snow and this body; not used when sticky.", "1", ge=0, le=100
     )
-    velocity: Vec3 = entry(ZERO, "Constant velocity of the body.", "m/s")
-    spin: Vec3 = entry(
+    velocity: Rate3 = entry(ZERO, "Constant velocity of the body.", "m/s")
+    spin: Rate3 = entry(
         ZERO, "Constant angular velocity about the body's centre (of a plane: its point).", "rad/s"
     )
     keyframes: tuple[Keyframe, ...] = entry(
@@ -74,12 +87,12 @@ class Plane(Body):
     """Fill the half-space below a plane."""
 
     shape: Literal["plane"] = entry("plane", "An endless plane.")
-    point: Vec3 = entry(ZERO, "A point of the plane.", "m")
-    normal: Vec3 = entry((0.0, 0.0, 1.0), "Direction out of the body, of any length.", "1")
+    point: Point3 = entry(ZERO, "A point of the plane.", "m")
+    normal: Point3 = entry((0.0, 0.0, 1.0), "Direction out of the body, of any length but zero.", "1")
 
     @model_validator(mode="after")
     def _normal(self) -> Plane:
-        if length(self.normal) < 1e-9:
+        if norm(self.normal) < 1e-9:
             raise wrong("normal", "must not be the zero vector; [0, 0, 1] is upward")
         return self
 
@@ -88,27 +101,27 @@ class Box(Body):
     """Place a box or a plate."""
 
     shape: Literal["box"] = entry("box", "A box or a plate.")
-    center: Vec3 = entry((0.0, 0.0, 0.5), "Centre of the box.", "m")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the box.", "m")
     size: Size3 = entry((1.0, 1.0, 1.0), "Edge lengths along the box's own x, y and z.", "m")
-    rotation: Vec3 = entry(ZERO, ROTATION, "degrees")
+    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
 
 
 class Sphere(Body):
     """Place a ball."""
 
     shape: Literal["sphere"] = entry("sphere", "A ball.")
-    center: Vec3 = entry((0.0, 0.0, 0.5), "Centre of the ball.", "m")
-    radius: Positive = entry(0.5, "Radius of the ball.", "m")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the ball.", "m")
+    radius: Length = entry(0.5, "Radius of the ball.", "m")
 
 
 class Cylinder(Body):
     """Place a cylinder."""
 
     shape: Literal["cylinder"] = entry("cylinder", "A cylinder around its own z axis.")
-    center: Vec3 = entry((0.0, 0.0, 0.5), "Centre of the cylinder, halfway up.", "m")
-    radius: Positive = entry(0.5, "Radius of the cylinder.", "m")
-    height: Positive = entry(1.0, "Height of the cylinder along its own z.", "m")
-    rotation: Vec3 = entry(ZERO, ROTATION, "degrees")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the cylinder, halfway up.", "m")
+    radius: Length = entry(0.5, "Radius of the cylinder.", "m")
+    height: Length = entry(1.0, "Height of the cylinder along its own z.", "m")
+    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
 
 
 Collider = Annotated[Plane | Box | Sphere | Cylinder, Field(discriminator="shape")]

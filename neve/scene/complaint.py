@@ -109,7 +109,8 @@ def _bad_word(path: tuple[str, ...], data: dict[str, Any], right: str, known: li
 
 def _unknown_key(path: tuple[str, ...], owner: type[BaseModel]) -> str:
     key = path[-1]
-    keys = list(owner.model_fields)
+    keys = sorted(owner.model_fields, key=lambda name: name != "shape")
+    kind = f" of a {owner.model_fields['shape'].default}" if "shape" in keys else ""
     near = nearest(key, keys)
     if near is None:
         near = next((f"{s}.{key}" for s, f in Scene.model_fields.items() if key in _keys(f.annotation)), None)
@@ -117,7 +118,7 @@ def _unknown_key(path: tuple[str, ...], owner: type[BaseModel]) -> str:
             (f"{s}.{n}" for s, f in Scene.model_fields.items() if (n := _elsewhere(key, f))), None
         )
     hint = f" (did you mean {near}?)" if near else ""
-    return f"{'.'.join(path)} is not a known key{hint}: the keys here are {', '.join(keys)}"
+    return f"{'.'.join(path)} is not a known key{kind}{hint}: the keys here are {', '.join(keys)}"
 
 
 def _elsewhere(key: str, field: FieldInfo) -> str | None:
@@ -146,10 +147,8 @@ def _walk(loc: Sequence[int | str]) -> tuple[tuple[str, ...], type[BaseModel], F
         if inner:
             owner = inner
             continue
-        if not rest:
-            break
         shaped, table = shapes(field.annotation), _table_list(field.annotation)
-        if not shaped and not table:
+        if not rest or not (shaped or table):
             break
         path = (*path, str(rest.pop(0)))
         if shaped and not rest:

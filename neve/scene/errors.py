@@ -6,4 +6,5 @@ class SceneError(ValueError):
 
     def __init__(self, sentence: str) -> None:
         """Take the sentence, with or without its full stop."""
-        super().__init__(f"{sentence.rstrip('.')}.")
+        one_line = sentence.rstrip(".").replace("\n", "\\n")
+        super().__init__(f"{one_line}.")

@@ -11,13 +11,19 @@ from pydantic_core import PydanticCustomError
 Real = Annotated[float, Strict()]
 Whole = Annotated[int, Strict()]
 Switch = Annotated[bool, Strict()]
-Positive = Annotated[float, Strict(), Field(gt=0)]
 Fraction = Annotated[float, Strict(), Field(ge=0, le=1)]
 Step = Annotated[float, Strict(), Field(gt=0, le=1)]
-Vec2 = tuple[Real, Real]
-Vec3 = tuple[Real, Real, Real]
-Size2 = tuple[Positive, Positive]
-Size3 = tuple[Positive, Positive, Positive]
+
+Length = Annotated[float, Strict(), Field(gt=0, le=1e6)]
+Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6)]
+Rate = Annotated[float, Strict(), Field(ge=-1e4, le=1e4)]
+
+Point2 = tuple[Coordinate, Coordinate]
+Point3 = tuple[Coordinate, Coordinate, Coordinate]
+Rate3 = tuple[Rate, Rate, Rate]
+Angle3 = tuple[Coordinate, Coordinate, Coordinate]
+Size2 = tuple[Length, Length]
+Size3 = tuple[Length, Length, Length]
 Color = tuple[Fraction, Fraction, Fraction]
 
 CHOICE = "our choice"
@@ -43,7 +49,7 @@ def wrong(key: str, message: str) -> PydanticCustomError:
     return PydanticCustomError("scene", "{message}", {"key": key, "message": message})
 
 
-def length(vector: tuple[float, ...]) -> float:
+def norm(vector: tuple[float, ...]) -> float:
     """Return the Euclidean length of `vector`."""
     return math.hypot(*vector)
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import tomllib
 from typing import Any
 
+from neve.scene.allowed import default_vector
 from neve.scene.complaint import shown
 from neve.scene.errors import SceneError
+from neve.scene.scene import Scene
 
 EXAMPLE = "write key=value, such as numerics.dx=0.02 or sources.0.radius=0.3"
 
@@ -47,10 +49,7 @@ def _put(data: dict[str, Any], path: tuple[str, ...], value: Any, text: str) -> 
                 place[key] = value
                 return
             if key not in place and path[depth + 1].isdigit():
-                raise SceneError(
-                    f"--set {text}: {'.'.join(path[: depth + 1])} has no entries in this scene, "
-                    "so none can be changed; set the whole list"
-                )
+                place[key] = default_vector(path[: depth + 1], data, Scene) or []
             place = place.setdefault(key, {})
         elif isinstance(place, list):
             index = _index(key, place, here, text)

@@ -7,7 +7,20 @@ from typing import Literal
 from pydantic import model_validator
 
 from neve.scene.colliders import Body, Box, Collider, Cylinder, Keyframe, Plane, Sphere
-from neve.scene.fields import Color, Overrides, Part, Real, Step, Switch, Vec3, Whole, entry, length, wrong
+from neve.scene.fields import (
+    Color,
+    Overrides,
+    Part,
+    Point3,
+    Rate3,
+    Real,
+    Step,
+    Switch,
+    Whole,
+    entry,
+    norm,
+    wrong,
+)
 from neve.scene.sources import (
     SnowBox,
     SnowCylinder,
@@ -31,7 +44,7 @@ SSCTS = "Stomakhin et al. 2013 (as quoted in public codes)"
 class World(Part):
     """Describe what surrounds the snow."""
 
-    gravity: Vec3 = entry(
+    gravity: Rate3 = entry(
         (0.0, 0.0, -9.81), "Acceleration of everything.", "m/s2", "standard gravity, rounded"
     )
 
@@ -140,19 +153,21 @@ class Snow(Part):
 class Camera(Part):
     """Place the camera of the film."""
 
-    position: Vec3 = entry((4.0, -6.0, 2.0), "Where the camera stands.", "m")
-    target: Vec3 = entry((0.0, 0.0, 0.5), "What is in the middle of the picture.", "m")
+    position: Point3 = entry((4.0, -6.0, 2.0), "Where the camera stands.", "m")
+    target: Point3 = entry((0.0, 0.0, 0.5), "What is in the middle of the picture.", "m")
     fov: Real = entry(35.0, "Vertical angle of view.", "degrees", gt=1, lt=170)
-    up: Vec3 = entry((0.0, 0.0, 1.0), "Direction that is upward in the picture.", "1")
+    up: Point3 = entry(
+        (0.0, 0.0, 1.0), "Direction that is upward in the picture; not zero, and not along the view.", "1"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Camera:
         view = tuple(b - a for a, b in zip(self.position, self.target, strict=True))
         x, y, z = view
         a, b, c = self.up
-        if length(view) < 1e-9:
+        if norm(view) < 1e-9:
             raise wrong("target", "must differ from camera.position")
-        if length((y * c - z * b, z * a - x * c, x * b - y * a)) <= 1e-6 * length(view) * length(self.up):
+        if norm((y * c - z * b, z * a - x * c, x * b - y * a)) <= 1e-6 * norm(view) * norm(self.up):
             raise wrong(
                 "up", "must not be zero or point along the view from camera.position to camera.target"
             )

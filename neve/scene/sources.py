@@ -6,12 +6,24 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from neve.scene.fields import Overrides, Part, Positive, Real, Size2, Size3, Vec2, Vec3, Whole, entry, wrong
+from neve.scene.fields import (
+    Angle3,
+    Coordinate,
+    Length,
+    Overrides,
+    Part,
+    Point2,
+    Point3,
+    Rate3,
+    Real,
+    Size2,
+    Size3,
+    Whole,
+    entry,
+    wrong,
+)
 
 ROTATION = "Rotation vector (axis times angle) from the source's own axes to the world's."
-TAIL = (
-    "Stomakhin et al. 2013 vary snow with noise (from memory); the form exp(amplitude * noise) is our choice"
-)
 
 
 class StiffnessNoise(Part):
@@ -22,12 +34,11 @@ class StiffnessNoise(Part):
         "Strength of the variation: the factor on E0 lies between about exp(-amplitude) and exp(amplitude). "
         "0 is none; 0.5 to 1 lets snow break into chunks of different size.",
         "1",
-        TAIL,
         ge=0,
         le=4,
     )
-    feature_size: Positive = entry(
-        0.2, "Size of the largest stiff and soft spots; a good value is 3 to 8 numerics.dx.", "m", le=1e4
+    feature_size: Length = entry(
+        0.2, "Size of the largest stiff and soft spots; a good value is 3 to 8 numerics.dx.", "m"
     )
     octaves: Whole = entry(
         3, "Layers of noise, each half as large and half as strong as the one before.", "1", ge=1, le=8
@@ -38,8 +49,8 @@ class StiffnessNoise(Part):
 class SnowSource(Part):
     """Hold what all snow sources share."""
 
-    velocity: Vec3 = entry((0.0, 0.0, 0.0), "Velocity at the start.", "m/s")
-    spin: Vec3 = entry((0.0, 0.0, 0.0), "Angular velocity at the start, about the source's centre.", "rad/s")
+    velocity: Rate3 = entry((0.0, 0.0, 0.0), "Velocity at the start.", "m/s")
+    spin: Rate3 = entry((0.0, 0.0, 0.0), "Angular velocity at the start, about the source's centre.", "rad/s")
     snow: Overrides = entry(Overrides(), "Snow properties of this source alone: any key of [snow].", "")
     stiffness_noise: StiffnessNoise = entry(
         StiffnessNoise(), "Variation of stiffness inside this source.", ""
@@ -50,37 +61,37 @@ class SnowBox(SnowSource):
     """Fill a box with snow."""
 
     shape: Literal["box"] = entry("box", "A box.")
-    center: Vec3 = entry((0.0, 0.0, 0.5), "Centre of the box.", "m")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the box.", "m")
     size: Size3 = entry((1.0, 1.0, 1.0), "Edge lengths along the box's own x, y and z.", "m")
-    rotation: Vec3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
+    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
 
 
 class SnowSphere(SnowSource):
     """Fill a ball with snow."""
 
     shape: Literal["sphere"] = entry("sphere", "A ball.")
-    center: Vec3 = entry((0.0, 0.0, 0.5), "Centre of the ball.", "m")
-    radius: Positive = entry(0.5, "Radius of the ball.", "m")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the ball.", "m")
+    radius: Length = entry(0.5, "Radius of the ball.", "m")
 
 
 class SnowCylinder(SnowSource):
     """Fill an upright or tilted cylinder with snow."""
 
     shape: Literal["cylinder"] = entry("cylinder", "A cylinder around its own z axis.")
-    center: Vec3 = entry((0.0, 0.0, 0.5), "Centre of the cylinder, halfway up.", "m")
-    radius: Positive = entry(0.5, "Radius of the cylinder.", "m")
-    height: Positive = entry(1.0, "Height of the cylinder along its own z.", "m")
-    rotation: Vec3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the cylinder, halfway up.", "m")
+    radius: Length = entry(0.5, "Radius of the cylinder.", "m")
+    height: Length = entry(1.0, "Height of the cylinder along its own z.", "m")
+    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
 
 
 class SnowLayer(SnowSource):
     """Spread a flat layer of snow."""
 
     shape: Literal["layer"] = entry("layer", "A flat layer with upright sides.")
-    center: Vec2 = entry((0.0, 0.0), "Centre of the layer seen from above.", "m")
+    center: Point2 = entry((0.0, 0.0), "Centre of the layer seen from above.", "m")
     size: Size2 = entry((2.0, 2.0), "Extent along x and y.", "m")
-    depth: Positive = entry(0.2, "Thickness of the layer.", "m")
-    base: Real = entry(0.0, "Height of the layer's underside.", "m")
+    depth: Length = entry(0.2, "Thickness of the layer.", "m")
+    base: Coordinate = entry(0.0, "Height of the layer's underside.", "m")
 
 
 class SnowText(SnowSource):
@@ -91,12 +102,12 @@ class SnowText(SnowSource):
     font: str = entry(
         "", 'A .ttf or .otf file, relative to the scene file; "" is the font that comes with Neve.', ""
     )
-    height: Positive = entry(
+    height: Length = entry(
         1.0, "Height of a capital letter (of the tallest glyph if the font has no capitals).", "m"
     )
-    depth: Positive = entry(0.4, "Thickness of the letters along their own y.", "m")
-    center: Vec3 = entry((0.0, 0.0, 1.0), "Centre of the box around all letters.", "m")
-    rotation: Vec3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
+    depth: Length = entry(0.4, "Thickness of the letters along their own y.", "m")
+    center: Point3 = entry((0.0, 0.0, 1.0), "Centre of the box around all letters.", "m")
+    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
 
     @model_validator(mode="after")
     def _check(self) -> SnowText:

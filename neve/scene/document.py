@@ -1,0 +1,137 @@
+"""Write docs/scene_format.md from the models: `python -m neve.scene.document`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from neve.scene.allowed import allowed, choices, part, source, unit
+from neve.scene.colliders import Body, Box, Cylinder, Keyframe, Plane, Sphere
+from neve.scene.complaint import shown
+from neve.scene.load import PRESETS
+from neve.scene.scene import Camera, Light, Numerics, Run, Scene, Snow, World
+from neve.scene.sources import (
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowSource,
+    SnowSphere,
+    SnowText,
+    StiffnessNoise,
+)
+
+PATH = Path(__file__).parents[2] / "docs" / "scene_format.md"
+
+INTRODUCTION = """\
+# The scene format
+
+<!-- Written by `python -m neve.scene.document` from neve/scene; change it there. -->
+
+A scene is a TOML file. Units are SI (metres, seconds, kilograms; angles in degrees, spins in radians per
+second), and z points up. Every key may be left out, except `shape`, and except that a scene needs at least one source.
+An unknown key, a value outside its range or a misspelled word is an error that says what is allowed.
+
+The same words lead to a value everywhere: in a file, `[numerics]` and `dx = 0.02`; on the command line,
+`--set numerics.dx=0.02`; in Python, `scene.numerics.dx`. Entries of lists are numbered from 0:
+`--set sources.0.radius=0.3`, `--set world.gravity.2=-1.62`.
+
+A rotation is a vector: its direction is the axis, its length the angle. `[0, 0, 90]` is a quarter turn about
+z, anticlockwise seen from above.
+
+This is the preset `throw_ball`, complete:
+
+```toml
+{example}```
+"""
+
+SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
+    ("[world]", "Surroundings.", World),
+    ("[numerics]", "Grid, time step and particles.", Numerics),
+    ("[snow]", "The snow of every source that does not say otherwise in `snow`.", Snow),
+    (
+        "[[sources]]",
+        "Where snow is at the start. All sources have these keys, and those of their shape.",
+        SnowSource,
+    ),
+    ('[[sources]] with shape = "box"', "A box.", SnowBox),
+    ('[[sources]] with shape = "sphere"', "A ball.", SnowSphere),
+    ('[[sources]] with shape = "cylinder"', "A cylinder around its own z axis.", SnowCylinder),
+    ('[[sources]] with shape = "layer"', "A flat layer with upright sides.", SnowLayer),
+    (
+        '[[sources]] with shape = "text"',
+        "Letters that stand upright in the source's own x-z plane, to be read looking along +y.",
+        SnowText,
+    ),
+    ("[sources.stiffness_noise]", "Snow that is stiffer in some places than in others.", StiffnessNoise),
+    ("[[colliders]]", "Bodies that snow meets. All have these keys, and those of their shape.", Body),
+    ('[[colliders]] with shape = "plane"', "A half-space.", Plane),
+    ('[[colliders]] with shape = "box"', "A box or a plate, such as the blade of a plow.", Box),
+    ('[[colliders]] with shape = "sphere"', "A ball.", Sphere),
+    ('[[colliders]] with shape = "cylinder"', "A cylinder around its own z axis.", Cylinder),
+    ("[[colliders.keyframes]]", "A scripted motion.", Keyframe),
+    ("[camera]", "Camera of the film.", Camera),
+    ("[light]", "Light of the film.", Light),
+    ("[run]", "Length of the run.", Run),
+)
+"""Heading, sentence and model of every section, in the order of the document."""
+
+
+def document() -> str:
+    """Return the documentation of the scene format, as Markdown."""
+    example = (PRESETS / "throw_ball.toml").read_text(encoding="utf-8")
+    parts = [INTRODUCTION.format(example=example)]
+    parts += [f"## Top\n\n{_table([('about', Scene.model_fields['about'])])}"]
+    for heading, sentence, model in SECTIONS:
+        rows = [(name, field) for name, field in model.model_fields.items() if not _shared(name, model)]
+        parts.append(f"## `{heading}`\n\n{sentence}\n\n{_table(rows)}")
+    return "\n".join(parts)
+
+
+def _shared(name: str, model: type[BaseModel]) -> bool:
+    """Return whether the key is told in the section of all shapes, or in the heading."""
+    if name == "shape":
+        return True
+    return any(issubclass(model, b) and model is not b and name in b.model_fields for b in (SnowSource, Body))
+
+
+def _table(rows: list[tuple[str, FieldInfo]]) -> str:
+    lines = ["| key | default | unit | allowed | meaning | source |", "|---|---|---|---|---|---|"]
+    for name, field in rows:
+        cells = [
+            f"`{name}`",
+            _default(field),
+            unit(field),
+            _range(field),
+            field.description or "",
+            source(field),
+        ]
+        lines.append(f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _range(field: FieldInfo) -> str:
+    if part(field.annotation):
+        return "a table"
+    text = allowed(field)
+    label = unit(field)
+    text = text.removesuffix(f" [{label}]")
+    for word in choices(field):
+        text = text.replace(f'"{word}"', f'`"{word}"`')
+    return text
+
+
+def _default(field: FieldInfo) -> str:
+    value: Any = field.default
+    if part(field.annotation):
+        return "its defaults"
+    if value is None:
+        return "left out"
+    return f"`{shown(list(value) if isinstance(value, tuple) else value)}`"
+
+
+if __name__ == "__main__":
+    PATH.write_text(document(), encoding="utf-8")
+    print(f"wrote {PATH}")
