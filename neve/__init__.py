@@ -1,1 +1,19 @@
-"""Neve: a snow laboratory."""
+"""Neve: a snow laboratory. Scene -> Simulation -> run folder, film and arrays.
+
+scene = neve.load("throw_ball")
+sim = neve.Simulation(scene)
+sim.run(out="runs/ball")
+"""
+
+from importlib.metadata import PackageNotFoundError, version
+
+from neve.scene.load import load, presets
+from neve.scene.scene import Scene
+from neve.simulation import Simulation
+
+try:
+    __version__ = version("neve")
+except PackageNotFoundError:  # a source tree that is not installed
+    __version__ = "0+source"
+
+__all__ = ["Scene", "Simulation", "__version__", "load", "presets"]

@@ -63,14 +63,14 @@ struct Stomakhin2013 {
 
   template <class R>
   static Stress<R> stress(const Mat3<R>& F_E, R J_P, const Parameters<R>& q) {
-    const Svd3<R> svd = svd3(F_E);
+    const Svd3<R> svd = svd3<false>(F_E);
     return principal_stress(svd.U, svd.strain, J_P, q);
   }
 
   template <class R>
   static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
     using T = scalar_t<R>;
-    const Svd3<R> svd = svd3(F_trial);
+    const Svd3<R> svd = svd3<false>(F_trial);
     const Vec3<R> low{clamp(svd.strain.x, -q.theta_c, q.theta_s), clamp(svd.strain.y, -q.theta_c, q.theta_s),
                       clamp(svd.strain.z, -q.theta_c, q.theta_s)};
     const Vec3<R> excess = svd.strain - low;
@@ -90,7 +90,7 @@ struct Stomakhin2013 {
 
   template <class R>
   static R energy(const Mat3<R>& F_E, R J_P, const Parameters<R>& q) {
-    const Svd3<R> svd = svd3(F_E);
+    const Svd3<R> svd = svd3<false>(F_E);
     const R h = hardening(J_P, q);
     const R dJ = volume_change(svd.strain);
     return h * (q.mu0 * dot(svd.strain, svd.strain) + scalar_t<R>(0.5) * q.lam0 * dJ * dJ);

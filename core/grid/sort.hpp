@@ -20,6 +20,7 @@ namespace detail {
 template <class T>
 struct Placing {
   T inv_dx, shift, margin;
+  int first;  // lowest cell of a home's particles when sorted
 
   T lattice(T x) const { return x * inv_dx - shift; }
   static std::int32_t block(T u) { return static_cast<std::int32_t>(std::floor(u * T(0.25))); }
@@ -34,14 +35,19 @@ struct Placing {
     key = key_of({b[0], b[1], b[2]});
     return true;
   }
+  // The cell, and within it the octant, z slowest and turning back at each end (a Gray code): when snow drifts out of
+  // its cell between two sorts, mostly downward, the particles that have crossed are still neighbours in memory.
+  static constexpr int cells = 5, octants = 8, keys = cells * cells * cells * octants;
   int cell(const State<T>& s, std::size_t p, BlockCoord at) const {
     const std::int32_t origin[3] = {at.x, at.y, at.z};
-    int c = 0;
+    int c = 0, upper[3];
     for (int k = 0; k < 3; ++k) {
-      const int base = static_cast<int>(std::floor(lattice(s.x.column(k)[p]) - T(4 * origin[k])));
-      c = c * 6 + std::clamp(base, 0, 5);
+      const T u = lattice(s.x.column(k)[p]) - T(4 * origin[k]);
+      const int base = std::clamp(static_cast<int>(u), first, first + cells - 1);
+      upper[k] = u - T(base) >= T(0.5);
+      c = c * cells + base - first;
     }
-    return c;
+    return c * octants + 4 * upper[2] + 2 * (upper[2] ^ upper[0]) + (upper[2] ^ upper[0] ^ upper[1]);
   }
 };
 
@@ -49,7 +55,7 @@ template <class T>
 Placing<T> placing_of(const Model<T>& model) {
   const auto make = [&](auto spline) {
     using S = decltype(spline);
-    return Placing<T>{T(1 / model.dx), T(S::shift), T(S::margin)};
+    return Placing<T>{T(1 / model.dx), T(S::shift), T(S::margin), static_cast<int>(S::margin)};
   };
   return model.spline == Spline::quadratic ? make(Quadratic{}) : make(Cubic{});
 }
@@ -131,12 +137,12 @@ template <class T>
 void order_by_cell(const State<T>& state, const Placing<T>& placing, Grid<T>& grid) {
   each_index(grid.homes.size(), [&](std::size_t h) {
     const Home& home = grid.homes[h];
-    std::array<std::uint32_t, 217> next{};
-    std::vector<std::uint8_t> cell(home.count);
+    std::array<std::uint32_t, Placing<T>::keys + 1> next{};
+    std::vector<std::uint16_t> cell(home.count);
     const std::vector<std::uint32_t> before(grid.order.begin() + home.begin,
                                             grid.order.begin() + home.begin + home.count);
     for (std::uint32_t k = 0; k < home.count; ++k) {
-      cell[k] = static_cast<std::uint8_t>(placing.cell(state, before[k], home.at));
+      cell[k] = static_cast<std::uint16_t>(placing.cell(state, before[k], home.at));
       ++next[cell[k] + 1u];
     }
     for (std::size_t c = 1; c < next.size(); ++c) next[c] += next[c - 1];

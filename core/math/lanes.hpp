@@ -5,6 +5,7 @@
 // by the compiler). The functions below are all that arithmetic operators do not give.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -68,8 +69,15 @@ inline bool any(M mask) {
   if constexpr (std::is_same_v<M, bool>) {
     return mask;
   } else {
-    auto bits = mask[0];
-    for (int i = 1; i < width<M>; ++i) bits |= mask[i];
+#if defined(__AVX512F__)
+    if constexpr (sizeof(M) == 64) {
+      const auto m = reinterpret_cast<__m512i>(mask);
+      return _mm512_test_epi32_mask(m, m) != 0;
+    }
+#endif
+    std::uint64_t words[sizeof(M) / 8], bits = 0;
+    std::memcpy(words, &mask, sizeof(M));
+    for (std::uint64_t w : words) bits |= w;
     return bits != 0;
   }
 }
@@ -118,16 +126,27 @@ inline R sqrt(R a) {
   }
 }
 
+// Return 1/sqrt(a) for a > 0, to 14 bits or better.
+template <class R>
+inline R rough_rsqrt(R a) {
+#if defined(__AVX512F__)
+  if constexpr (std::is_same_v<R, Pack<float, 16>>) {
+    return reinterpret_cast<R>(_mm512_rsqrt14_ps(reinterpret_cast<__m512>(a)));
+  }
+#endif
+  return scalar_t<R>(1) / sqrt(a);
+}
+
 // Return 1/sqrt(a) for a > 0, to rounding in double and within 2 ulp in float.
 template <class R>
 inline R rsqrt(R a) {
 #if defined(__AVX512F__)
   if constexpr (std::is_same_v<R, Pack<float, 16>>) {
-    const R y = reinterpret_cast<R>(_mm512_rsqrt14_ps(reinterpret_cast<__m512>(a)));
+    const R y = rough_rsqrt(a);
     return y * (1.5f - (0.5f * a) * y * y);  // one Newton step: 14 bits to 24
   }
 #endif
-  return scalar_t<R>(1) / sqrt(a);
+  return rough_rsqrt(a);
 }
 
 template <class R>
@@ -192,9 +211,11 @@ inline void store(scalar_t<R>* to, R a, int count = width<R>) {
 // The mask of the first `count` lanes.
 template <class R>
 inline auto first_lanes(int count) {
-  R index{};
-  for (int i = 0; i < width<R>; ++i) index[i] = static_cast<scalar_t<R>>(i);
-  return index < static_cast<scalar_t<R>>(count);
+  using T = scalar_t<R>;
+  alignas(64) static constexpr auto index = []<int... I>(std::integer_sequence<int, I...>) {
+    return std::array<T, sizeof...(I)>{T(I)...};
+  }(std::make_integer_sequence<int, width<R>>{});
+  return load<R>(index.data()) < T(count);
 }
 
 namespace detail {
@@ -247,15 +268,22 @@ using Row = Pack<T, 16>;
 
 template <class T>
 inline Row<T> row_of_quad(const T* q) {
-  Pack<T, 4> a;
-  std::memcpy(&a, q, sizeof(a));
-  return __builtin_shufflevector(a, a, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
+#if defined(__AVX512F__)
+  if constexpr (std::is_same_v<T, float>) {
+    return reinterpret_cast<Row<T>>(_mm512_broadcast_f32x4(_mm_loadu_ps(q)));
+  }
+#endif
+  return Row<T>{q[0], q[1], q[2], q[3], q[0], q[1], q[2], q[3], q[0], q[1], q[2], q[3], q[0], q[1], q[2], q[3]};
 }
 template <class T>
 inline Row<T> row_of_weights(const T* w) {
-  Pack<T, 4> a;
-  std::memcpy(&a, w, sizeof(a));
-  return __builtin_shufflevector(a, a, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+#if defined(__AVX512F__)
+  if constexpr (std::is_same_v<T, float>) {
+    const __m512i each = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
+    return reinterpret_cast<Row<T>>(_mm512_permutexvar_ps(each, _mm512_castps128_ps512(_mm_loadu_ps(w))));
+  }
+#endif
+  return Row<T>{w[0], w[0], w[0], w[0], w[1], w[1], w[1], w[1], w[2], w[2], w[2], w[2], w[3], w[3], w[3], w[3]};
 }
 template <class T>
 inline Row<T> last_of_quads(Row<T> a) {

@@ -28,28 +28,27 @@ struct Svd3 {
 
 namespace detail {
 
-// Rotate the plane of axes (p, q) so that the off-diagonal entry pq of the symmetric matrix vanishes.
+// Rotate the plane of axes (p, q) so that the off-diagonal entry pq of the symmetric matrix (nearly) vanishes.
 // rp, rq are the entries that couple p and q to the third axis; vp, vq the columns of V.
+//
+// tan 2a = pq / d with d = (pp - qq) / 2; of the two solutions the one with |a| <= pi/4 makes Jacobi converge:
+// (cos a, sin a) ~ (|d| + sqrt(d^2 + pq^2), sign(d) pq). The root may be rough, since a small error of the angle only
+// leaves a small rest for the next sweep; the normalisation is exact, so that V stays a rotation.
 template <class R>
 inline void jacobi_rotate(R& pp, R& qq, R& pq, R& rp, R& rq, Vec3<R>& vp, Vec3<R>& vq) {
   using T = scalar_t<R>;
-  constexpr T tiny = std::numeric_limits<T>::min() * T(16);
+  constexpr T tiny = std::is_same_v<T, float> ? T(1e-30) : T(1e-280);
   const R d = (pp - qq) * T(0.5);
-  const R r2 = d * d + pq * pq;
-  const auto flat = r2 < tiny;  // already diagonal and equal: nothing to turn
-  const R r = rsqrt(max(r2, splat<R>(tiny)));
-  // cos 2a = |d| / sqrt(d^2 + pq^2), so that |a| <= pi/4, the small angle that makes Jacobi converge
-  const R c2 = select(flat, splat<R>(1), T(0.5) + T(0.5) * min(abs(d) * r, splat<R>(1)));
-  const R inv_c = rsqrt(c2);
-  const R c = c2 * inv_c;
-  const R sign = select(d < T(0), splat<R>(-1), splat<R>(1));
-  const R s = select(flat, splat<R>(0), T(0.5) * sign * pq * r * inv_c);
-  const R cc = c * c, ss = s * s, cs2 = T(2) * c * s * pq;
-  const R p2 = cc * pp + cs2 + ss * qq;
-  const R q2 = ss * pp - cs2 + cc * qq;
-  pq = (cc - ss) * pq - c * s * (pp - qq);
-  pp = p2;
-  qq = q2;
+  const R r2 = max(d * d + pq * pq, splat<R>(tiny));
+  const R h = abs(d) + r2 * rough_rsqrt(r2);
+  const R b = select(d < splat<R>(0), -pq, pq);
+  const R inv = rsqrt(h * h + b * b);
+  const R c = h * inv, s = b * inv;
+  const R p1 = c * pp + s * pq, p2 = c * pq + s * qq;
+  const R q1 = c * pq - s * pp, q2 = c * qq - s * pq;
+  pp = c * p1 + s * p2;
+  qq = c * q2 - s * q1;
+  pq = c * p2 - s * p1;
   const R rp2 = c * rp + s * rq;
   rq = c * rq - s * rp;
   rp = rp2;
@@ -74,7 +73,7 @@ template <class R>
 inline Vec3<R> normalised_or(const Vec3<R>& a, const Vec3<R>& otherwise) {
   using T = scalar_t<R>;
   const R n2 = dot(a, a);
-  const auto good = n2 > std::numeric_limits<T>::min() * T(16);
+  const auto good = n2 > splat<R>(std::numeric_limits<T>::min() * T(16));
   const R inv = T(1) / sqrt(select(good, n2, splat<R>(1)));
   return select(good, a * inv, otherwise);
 }
@@ -86,7 +85,7 @@ inline void rotation_from_columns(const Mat3<R>& B, Svd3<R>& out) {
   const R o = splat<R>(1), z = splat<R>(0);
   const Vec3<R> u0 = normalised_or(B.c0, Vec3<R>{o, z, z});
   // any direction across u0, for a matrix of rank one
-  const auto steep = abs(u0.x) > T(0.7);
+  const auto steep = abs(u0.x) > splat<R>(T(0.7));
   const Vec3<R> helper{select(steep, z, o), select(steep, o, z), z};
   const Vec3<R> across = normalised_or(cross(u0, helper), Vec3<R>{z, z, o});
   Vec3<R> b1 = B.c1 - u0 * dot(u0, B.c1);
@@ -98,40 +97,60 @@ inline void rotation_from_columns(const Mat3<R>& B, Svd3<R>& out) {
   out.strain = {out.sigma.x - T(1), out.sigma.y - T(1), out.sigma.z - T(1)};
 }
 
-}  // namespace detail
-
-// Decompose F. Sifakis & Barbic 2012 (course notes) and McAdams et al. 2011 describe the family of methods.
+// E = F^T F - I diagonalised: eigenvalues e and their frame V.
 template <class R>
-inline Svd3<R> svd3(const Mat3<R>& F) {
+struct Strain3 {
+  Vec3<R> e;
+  Mat3<R> V;
+};
+
+template <class R>
+inline Strain3<R> diagonal_strain(const Mat3<R>& F) {
   using T = scalar_t<R>;
   R xx = dot(F.c0, F.c0) - T(1), yy = dot(F.c1, F.c1) - T(1), zz = dot(F.c2, F.c2) - T(1);
   R xy = dot(F.c0, F.c1), xz = dot(F.c0, F.c2), yz = dot(F.c1, F.c2);
-  Svd3<R> out;
-  out.V = identity<R>();
+  Mat3<R> V = identity<R>();
   constexpr T eps = std::numeric_limits<T>::epsilon();
   const R size2 = xx * xx + yy * yy + zz * zz + T(2) * (xy * xy + xz * xz + yz * yz);
-  const R enough = T(4) * eps * eps * size2 + eps * eps;
+  const R enough = T(4) * eps * eps * size2 + splat<R>(eps * eps);
   for (int sweep = 0; sweep < 12; ++sweep) {
     if (!any(xy * xy + xz * xz + yz * yz > enough)) break;
-    detail::jacobi_rotate(xx, yy, xy, xz, yz, out.V.c0, out.V.c1);
-    detail::jacobi_rotate(yy, zz, yz, xy, xz, out.V.c1, out.V.c2);
-    detail::jacobi_rotate(xx, zz, xz, xy, yz, out.V.c0, out.V.c2);
+    jacobi_rotate(xx, yy, xy, xz, yz, V.c0, V.c1);
+    jacobi_rotate(yy, zz, yz, xy, xz, V.c1, V.c2);
+    jacobi_rotate(xx, zz, xz, xy, yz, V.c0, V.c2);
   }
-  detail::order(xx, yy, out.V.c0, out.V.c1);
-  detail::order(xx, zz, out.V.c0, out.V.c2);
-  detail::order(yy, zz, out.V.c1, out.V.c2);
+  return {{xx, yy, zz}, V};
+}
+
+}  // namespace detail
+
+// Decompose F. Sifakis & Barbic 2012 (course notes) and McAdams et al. 2011 describe the family of methods.
+// `Ordered = false` leaves the singular values of a matrix near the identity in any order, and is faster.
+template <bool Ordered = true, class R>
+inline Svd3<R> svd3(const Mat3<R>& F) {
+  using T = scalar_t<R>;
+  detail::Strain3<R> strain = detail::diagonal_strain(F);
+  Vec3<R>& e = strain.e;
+  Svd3<R> out;
+  const R lowest = min(min(e.x, e.y), e.z), highest = max(max(e.x, e.y), e.z);
+  const bool far = any((lowest < splat<R>(T(-0.75))) | (determinant(F) <= splat<R>(0)) | (highest > splat<R>(8)));
+  if (Ordered || far) {
+    detail::order(e.x, e.y, strain.V.c0, strain.V.c1);
+    detail::order(e.x, e.z, strain.V.c0, strain.V.c2);
+    detail::order(e.y, e.z, strain.V.c1, strain.V.c2);
+  }
+  out.V = strain.V;
   const Mat3<R> B = F * out.V;
-  const R J = determinant(F);
   // Far from the identity (or inverted) the squared strain has lost digits: use the columns themselves.
-  if (any((zz < T(-0.75)) | (J <= T(0)) | (xx > T(8)))) {
+  if (far) {
     detail::rotation_from_columns(B, out);
     return out;
   }
-  const Vec3<R> e{xx, yy, zz};
   for (int k = 0; k < 3; ++k) {
-    out.sigma[k] = sqrt(T(1) + e[k]);
-    out.strain[k] = e[k] / (T(1) + out.sigma[k]);
-    out.U.column(k) = B.column(k) * (T(1) / out.sigma[k]);
+    const R square = e[k] + T(1), inverse = rsqrt(square);
+    out.sigma[k] = square * inverse;
+    out.strain[k] = e[k] / (out.sigma[k] + T(1));
+    out.U.column(k) = B.column(k) * inverse;
   }
   return out;
 }

@@ -112,8 +112,10 @@ class Scatter {
   // Add w q of the batch's lane l.
   [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q) {
     const Row<T> p = row_of_weights(st.wz + 4 * l) * q;
+#pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       const Row<T> r = st.wx[i][l] * p;
+#pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) sum_[i][j] += st.wy[j][l] * r;
     }
   }
@@ -122,15 +124,19 @@ class Scatter {
   [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q, Row<T> ax, Row<T> ay, Row<T> az) {
     const Row<T> wz = row_of_weights(st.wz + 4 * l), sz = row_of_weights(st.sz + 4 * l);
     const Row<T> p = wz * q + sz * az, px = wz * ax, py = wz * ay;
+#pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       const Row<T> r = st.wx[i][l] * p + st.sx[i][l] * px, y = st.wx[i][l] * py;
-      for (int j = 0; j < S::nodes; ++j) sum_[i][j] += st.wy[j][l] * r + st.sy[j][l] * y;
+#pragma GCC unroll 4
+      for (int j = 0; j < S::nodes; ++j) sum_[i][j] = (sum_[i][j] + st.wy[j][l] * r) + st.sy[j][l] * y;  // two fused multiply-adds
     }
   }
 
   void flush() {
     if (cell_ < 0) return;
+#pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
+#pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) {
         T* row = tile_ + cell_ + row_offset(i, j);
         store(row, load<Row<T>>(row) + sum_[i][j]);
@@ -155,7 +161,9 @@ class Gather {
   void move_to(int cell) {
     if (cell == cell_) return;
     cell_ = cell;
+#pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
+#pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) row_[i][j] = load<Row<T>>(tile_ + cell + row_offset(i, j));
     }
   }
@@ -163,8 +171,10 @@ class Gather {
   // Four quads: sum w u, sum g_x u, sum g_y u, sum g_z u, of lane l.
   [[gnu::always_inline]] Row<T> sums(const Stencils<T, S>& st, int l) const {
     Row<T> a{}, ax{}, ay{};
+#pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       Row<T> r{}, ry{};
+#pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) {
         r += st.wy[j][l] * row_[i][j];
         ry += st.sy[j][l] * row_[i][j];
@@ -180,8 +190,10 @@ class Gather {
   // The quad sum w u alone.
   [[gnu::always_inline]] Row<T> sum(const Stencils<T, S>& st, int l) const {
     Row<T> a{};
+#pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       Row<T> r{};
+#pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) r += st.wy[j][l] * row_[i][j];
       a += st.wx[i][l] * r;
     }

@@ -1,0 +1,51 @@
+"""Turn a Scene into a Model and a State. Nothing else turns wishes into arrays."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from neve.model import Model
+from neve.sampling import Samples, fill
+from neve.scene.scene import Scene, Snow
+
+if TYPE_CHECKING:
+    from neve._core import State
+
+
+def build(scene: Scene) -> tuple[Model, State]:
+    """Sample the sources and assemble the material table.
+
+    Each particle has rest volume V0, its share of its source's volume, and mass m = rho0 V0; F_E = I and
+    J_P = 1. `numerics.initial_volume = "grid"` replaces V0 in the first step.
+    """
+    model = make_model(scene)
+    samples = [fill(source, scene.numerics, i) for i, source in enumerate(scene.sources)]
+    state = model.core.State(sum(len(s.x) for s in samples))
+    begin = 0
+    for source, s in zip(scene.sources, samples, strict=True):
+        snow = scene.snow_of(source)
+        rows = slice(begin, begin + len(s.x))
+        _place(state, rows, s, model.snows.index(snow), snow.rho0)
+        begin = rows.stop
+    return model, state
+
+
+def make_model(scene: Scene) -> Model:
+    """Return the constants of the scene's run, without sampling any snow."""
+    return Model(scene.world, scene.numerics, material_table(scene), scene.colliders)
+
+
+def material_table(scene: Scene) -> list[Snow]:
+    """Return the different snows of the scene, in the order of their first source."""
+    return list(dict.fromkeys(scene.snow_of(source) for source in scene.sources))
+
+
+def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) -> None:
+    state.x[rows] = s.x
+    state.v[rows] = s.v
+    state.m[rows] = rho0 * s.volume
+    state.V0[rows] = s.volume
+    state.stiffness[rows] = s.stiffness
+    state.material[rows] = np.uint16(material)

@@ -1,0 +1,72 @@
+"""Model: the constants of one run, and the colliders in their place at an instant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from neve import _core
+from neve.colliders.motion import Pose, pose
+from neve.scene.scene import Box, Collider, Cylinder, Numerics, Snow, Sphere, World
+
+PRECISIONS = {"float32": _core.f32, "float64": _core.f64}
+
+
+class Model:
+    """Hold the material table, the colliders, gravity and dx of one run, in the core's precision.
+
+    `core` is the set of compiled stages (float32 or float64), `native` the core's own model.
+    """
+
+    def __init__(
+        self, world: World, numerics: Numerics, snows: Sequence[Snow], colliders: Sequence[Collider]
+    ) -> None:
+        self.core = PRECISIONS[numerics.precision]
+        self.numerics = numerics
+        self.snows = tuple(snows)
+        self.colliders = tuple(colliders)
+        self.native = self.core.Model(
+            numerics.dx,
+            numerics.spline,
+            numerics.transfer,
+            numerics.flip_alpha,
+            np.array(world.gravity, dtype=np.float64),
+        )
+        for snow in self.snows:
+            self.native.add_snow(_constants(snow))
+        for collider in self.colliders:
+            self.native.add_solid(collider.shape, _half_extents(collider), collider.mode, collider.mu_c)
+        self.place_colliders(0.0)
+
+    def poses(self, time: float) -> list[Pose]:
+        """Return the pose of each collider at `time` [s]."""
+        return [pose(collider, time) for collider in self.colliders]
+
+    def place_colliders(self, time: float) -> None:
+        """Put every collider where its script has it at `time` [s]."""
+        for i, p in enumerate(self.poses(time)):
+            self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
+
+    @property
+    def colliders_move(self) -> bool:
+        """Whether any collider changes its place in time."""
+        return any(c.keyframes or any(c.velocity) or any(c.spin) for c in self.colliders)
+
+
+def _constants(snow: Snow) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return np.array(
+        [snow.E0, snow.nu, snow.xi, snow.theta_c, snow.theta_s, snow.rho0, snow.J_P_min, snow.J_P_max],
+        dtype=np.float64,
+    )
+
+
+def _half_extents(collider: Collider) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    half = np.zeros(3)
+    if isinstance(collider, Box):
+        half[:] = 0.5 * np.asarray(collider.size)
+    elif isinstance(collider, Sphere):
+        half[:] = collider.radius
+    elif isinstance(collider, Cylinder):
+        half[:] = collider.radius, collider.radius, 0.5 * collider.height
+    return half

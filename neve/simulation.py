@@ -1,0 +1,158 @@
+"""Simulation: a scene in motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve import _core
+from neve.build import build, make_model
+from neve.colliders.motion import Pose
+from neve.diagnostics import Diagnostics, diagnose
+from neve.mpm.solver import STAGES, measure_volumes, require_finite, step
+from neve.mpm.time_step import fitted, largest
+from neve.scene.scene import Collider, Scene
+from neve.state import from_arrays, to_arrays
+
+if TYPE_CHECKING:
+    from neve._core import State
+
+
+@dataclass
+class Stats:
+    """Hold what the last advance() did: steps taken, their dt [s], what bound dt, seconds spent per stage."""
+
+    steps: int = 0
+    dt_min: float = 0.0
+    dt_mean: float = 0.0
+    bound: str = ""
+    stage_seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(STAGES, 0.0))
+
+    def add(self, dt: float, bound: str) -> None:
+        """Count one step."""
+        if self.steps == 0 or dt < self.dt_min:
+            self.dt_min, self.bound = dt, bound
+        self.steps += 1
+        self.dt_mean += (dt - self.dt_mean) / self.steps
+
+
+class Simulation:
+    """Simulate the snow of a scene.
+
+    threads: how many to use; all by default. The result does not depend on it, to the bit.
+    """
+
+    def __init__(self, scene: Scene, threads: int | None = None) -> None:
+        if threads is not None and threads < 1:
+            raise ValueError(f"threads = {threads}: at least 1")
+        self.scene = scene
+        self.threads = threads
+        self.time = 0.0
+        """Simulated time [s]."""
+        self.steps = 0
+        """Number of substeps so far."""
+        self.stats = Stats()
+        """What the last advance() did."""
+        self._use_threads()
+        self.model, self._state = build(scene)
+        self._grid = self.model.core.Grid()
+
+    @property
+    def state(self) -> State:
+        """The particles: .x .v .J_P .F_E .m and more, as NumPy views (see neve.state)."""
+        return self._state
+
+    @property
+    def blocks(self) -> int:
+        """Grid blocks of 4x4x4 nodes in use."""
+        return self._grid.blocks
+
+    @property
+    def bytes(self) -> int:
+        """Memory of particles and grid [bytes]."""
+        return self._state.bytes + self._grid.bytes
+
+    def advance(self, seconds: float) -> None:
+        """Simulate `seconds` [s] more, in as many substeps as the time step needs.
+
+        Whatever was written into `state` before counts.
+
+        Errors: Blowup if a particle loses its numbers; ValueError if `seconds` is not positive and finite.
+        """
+        if not (np.isfinite(seconds) and seconds > 0):
+            raise ValueError(f"seconds = {seconds}: a positive, finite number")
+        self._use_threads()
+        model, state, numerics = self.model, self._state, self.scene.numerics
+        start, done = self.time, 0.0
+        self.stats = Stats()
+        if self.steps == 0 and numerics.initial_volume == "grid":
+            measure_volumes(model, state, self._grid)
+        report = model.core.refresh(model.native, state)
+        require_finite(model, state, report, self.steps, self.time, 0.0)
+        model.core.sort(model.native, state, self._grid)
+        while done < seconds:
+            choice = largest(numerics, report)
+            dt = fitted(choice.dt, seconds - done)
+            if model.colliders_move:
+                model.place_colliders(start + done)
+            report = step(model, state, self._grid, dt, self.stats.stage_seconds)
+            done = seconds if seconds - done <= dt * (1 + 1e-9) else done + dt
+            self.time = start + done
+            self.steps += 1
+            self.stats.add(dt, choice.bound)
+            require_finite(model, state, report, self.steps, self.time, dt)
+
+    def bodies(self) -> list[tuple[Collider, Pose]]:
+        """Return every collider with its pose now."""
+        return list(zip(self.model.colliders, self.model.poses(self.time), strict=True))
+
+    def diagnostics(self) -> Diagnostics:
+        """Return mass, momentum and energies now."""
+        self._use_threads()
+        return diagnose(self.model, self._state, self._grid)
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return everything that an exact resume needs: the state, the time and the step count."""
+        return {**to_arrays(self._state), "time": np.float64(self.time), "steps": np.int64(self.steps)}  # type: ignore[dict-item]
+
+    @classmethod
+    def restore(
+        cls, scene: Scene, arrays: Mapping[str, NDArray[Any]], threads: int | None = None
+    ) -> Simulation:
+        """Make the simulation that `arrays()` was taken from; it goes on with the same bits."""
+        self = cls.__new__(cls)
+        self.scene, self.threads, self.stats = scene, threads, Stats()
+        self.time, self.steps = float(arrays["time"]), int(arrays["steps"])
+        self._use_threads()
+        self.model = make_model(scene)
+        self._state = from_arrays(self.model.core, arrays)
+        self._grid = self.model.core.Grid()
+        return self
+
+    def run(
+        self,
+        out: str | Path,
+        frames: int | None = None,
+        resume: bool = False,
+        force: bool = False,
+        quiet: bool = False,
+    ) -> Simulation:
+        """Simulate the whole scene into the run folder `out`: frames, log, checkpoint, preview film.
+
+        Returns the simulation at the last frame: this one, or with `resume` the one that went on.
+        Errors: neve.io.errors.RunError for a folder that cannot be used, one sentence; see neve.run.run.
+        """
+        from neve.run import run
+
+        return run(self, Path(out), frames=frames, resume=resume, force=force, quiet=quiet)
+
+    def _use_threads(self) -> None:
+        _core.set_threads(self.threads or _default_threads)
+
+
+_default_threads = _core.threads()
