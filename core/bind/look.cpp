@@ -8,6 +8,8 @@
 #include <omp.h>
 #endif
 
+#include <mutex>
+
 #include "look/picture.hpp"
 
 namespace nb = nanobind;
@@ -28,16 +30,14 @@ std::vector<Vec3> copy(const Points& x) {
   return out;
 }
 
-template <class T>
-auto array(std::vector<T>&& values, std::initializer_list<size_t> shape) {
+template <class T> auto array(std::vector<T>&& values, std::initializer_list<size_t> shape) {
   auto* kept = new std::vector<T>(std::move(values));
   nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
   return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
 }
 
 /// Apply f to every point and return the numbers as an array.
-template <class F>
-auto each(const Points& x, F&& f) {
+template <class F> auto each(const Points& x, F&& f) {
   std::vector<float> out(x.shape(0));
   for (size_t p = 0; p < out.size(); ++p) out[p] = f(Vec3{x(p, 0), x(p, 1), x(p, 2)});
   return array(std::move(out), {x.shape(0)});
@@ -66,52 +66,84 @@ class Threads {
   int before_ = 1;
 };
 
-Body make_body(const std::string& shape, const Triple& position, const std::vector<float>& rotation, const Triple& half,
-               const Triple& color, bool natural) {
+Body make_body(const std::string& shape, const Triple& position, const std::vector<float>& rotation,
+               const Triple& half, const Triple& color, bool natural) {
   if (rotation.size() != 9) throw nb::value_error("rotation has nine numbers, row by row");
   const std::vector<float>& r = rotation;
-  Body body{Shape::plane, vec(position), {{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}},
-            vec(half), vec(color), natural, 0};
-  if (shape == "plane") body.bound = 1e30f;
-  else if (shape == "box") body.shape = Shape::box, body.bound = length(body.half);
-  else if (shape == "sphere") body.shape = Shape::sphere, body.bound = body.half.x;
+  Body body{Shape::plane,
+            vec(position),
+            {{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}},
+            vec(half),
+            vec(color),
+            natural,
+            0};
+  if (shape == "plane")
+    body.bound = 1e30f;
+  else if (shape == "box")
+    body.shape = Shape::box, body.bound = length(body.half);
+  else if (shape == "sphere")
+    body.shape = Shape::sphere, body.bound = body.half.x;
   else if (shape == "cylinder")
     body.shape = Shape::cylinder, body.bound = std::hypot(body.half.x, body.half.z);
-  else throw nb::value_error("shape is plane, box, sphere or cylinder");
+  else
+    throw nb::value_error("shape is plane, box, sphere or cylinder");
   return body;
 }
 
-auto draw(const Points& x, const Numbers& J_P, float volume, float cell_size, const std::vector<Body>& bodies,
-          const Camera& camera, const Light& light, int threads) {
-  if (J_P.shape(0) != 0 && J_P.shape(0) != x.shape(0)) throw nb::value_error("J_P has one number per particle");
+/// A painter that two Python threads can share: one picture at a time.
+struct SharedPainter {
+  Painter painter;
+  std::mutex busy;
+};
+
+auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volume, float cell_size,
+          const std::vector<Body>& bodies, int threads) {
+  if (J_P.shape(0) != 0 && J_P.shape(0) != x.shape(0))
+    throw nb::value_error("J_P has one number per particle");
   if (!(volume > 0 && cell_size > 0)) throw nb::value_error("volume and cell_size are above zero");
-  if (bodies.size() > 4000) throw nb::value_error("at most 4000 bodies can be drawn");
+  if (bodies.size() > 30000) throw nb::value_error("at most 30000 bodies can be drawn");
   const std::vector<Vec3> points = copy(x);
+  const Camera& camera = shared.painter.camera();
   std::vector<uint8_t> rgb(size_t(camera.width) * size_t(camera.height) * 3);
   {
     nb::gil_scoped_release release;
+    const std::lock_guard lock(shared.busy);
     const Threads use(threads);
-    Picture({points, {J_P.data(), J_P.shape(0)}, volume, cell_size}, bodies, camera, light).draw(rgb.data());
+    shared.painter.draw({points, {J_P.data(), J_P.shape(0)}, volume, cell_size}, bodies, rgb.data());
   }
   return array(std::move(rgb), {size_t(camera.height), size_t(camera.width), 3});
 }
 
 void bind_density(nb::module_& m) {
   nb::class_<Density>(m, "Density", "Volume fraction of snow on a pyramid of sparse grids.")
-      .def("__init__", [](Density* self, const Points& x, float volume, float cell_size) {
-             new (self) Density(copy(x), volume, cell_size);
-           }, "x"_a, "volume"_a, "cell_size"_a)
+      .def(
+          "__init__",
+          [](Density* self, const Points& x, float volume, float cell_size) {
+            new (self) Density(copy(x), volume, cell_size);
+          },
+          "x"_a, "volume"_a, "cell_size"_a)
       .def("total", &Density::total, "level"_a = 0, "Volume of the snow on a level [m3].")
-      .def("blocks", [](const Density& d, int level) { return d.level(level).count(); }, "level"_a = 0)
-      .def("sample", [](const Density& d, const Points& x, int level) {
-             return each(x, [&](Vec3 p) { return d.sample(p, level); });
-           }, "x"_a, "level"_a = 0, "Volume fraction at the points [1].")
-      .def("sun", [](const Density& d, const Points& x, const Triple& sun) {
-             return each(x, [&](Vec3 p) { return std::exp(-sun_depth(d, p, normalize(vec(sun)), 0.0f)); });
-           }, "x"_a, "sun"_a, "Share of the sun that reaches the points through the snow [1].")
-      .def("sky", [](const Density& d, const Points& x, const Triple& normal) {
-             return each(x, [&](Vec3 p) { return sky_light(d, p, normalize(vec(normal)), 0.0f, 0.0f); });
-           }, "x"_a, "normal"_a, "Share of the open sky's light on a surface at the points [1].");
+      .def(
+          "blocks", [](const Density& d, int level) { return d.level(level).count(); }, "level"_a = 0)
+      .def(
+          "sample",
+          [](const Density& d, const Points& x, int level) {
+            return each(x, [&](Vec3 p) { return d.sample(p, level); });
+          },
+          "x"_a, "level"_a = 0, "Volume fraction at the points [1].")
+      .def(
+          "sun",
+          [](const Density& d, const Points& x, const Triple& sun) {
+            return each(
+                x, [&](Vec3 p) { return std::exp(-sun_path(d, p, normalize(vec(sun)), 0.0f, 0.0f).far); });
+          },
+          "x"_a, "sun"_a, "Share of the sun that reaches the points through the snow [1].")
+      .def(
+          "sky",
+          [](const Density& d, const Points& x, const Triple& normal) {
+            return each(x, [&](Vec3 p) { return sky_light(d, p, normalize(vec(normal)), 0.0f, 0.0f); });
+          },
+          "x"_a, "normal"_a, "Share of the open sky's light on a surface at the points [1].");
 }
 
 }  // namespace
@@ -120,25 +152,43 @@ NB_MODULE(_look, m) {
   m.doc() = "Light and draw particles.";
   bind_density(m);
   nb::class_<Camera>(m, "Camera", "A pinhole camera.")
-      .def("__init__", [](Camera* self, const Triple& position, const Triple& target, const Triple& up, float fov,
-                          int width, int height) {
-             if (width < 1 || height < 1 || width > 16384 || height > 16384)
-               throw nb::value_error("width and height are 1 to 16384 pixels");
-             new (self) Camera(vec(position), vec(target), vec(up), fov, width, height);
-           }, "position"_a, "target"_a, "up"_a, "fov"_a, "width"_a, "height"_a)
-      .def("project", [](const Camera& camera, const Triple& p) {
-             const Vec3 at = camera.project(vec(p));
-             return Triple{at.x, at.y, at.z};
-           }, "point"_a, "Return column, row [px] and depth [m].");
+      .def(
+          "__init__",
+          [](Camera* self, const Triple& position, const Triple& target, const Triple& up, float fov,
+             int width, int height) {
+            if (width < 1 || height < 1 || width > 16384 || height > 16384)
+              throw nb::value_error("width and height are 1 to 16384 pixels");
+            new (self) Camera(vec(position), vec(target), vec(up), fov, width, height);
+          },
+          "position"_a, "target"_a, "up"_a, "fov"_a, "width"_a, "height"_a)
+      .def(
+          "project",
+          [](const Camera& camera, const Triple& p) {
+            const Vec3 at = camera.project(vec(p));
+            return Triple{at.x, at.y, at.z};
+          },
+          "point"_a, "Return column, row [px] and depth [m].");
   nb::class_<Light>(m, "Light", "Sun and sky.")
-      .def("__init__", [](Light* self, const Triple& sun, const Triple& sun_color, const Triple& sky_color) {
-             new (self) Light{normalize(vec(sun)), vec(sun_color), vec(sky_color)};
-           }, "sun"_a, "sun_color"_a, "sky_color"_a);
+      .def(
+          "__init__",
+          [](Light* self, const Triple& sun, const Triple& sun_color, const Triple& sky_color) {
+            new (self) Light{normalize(vec(sun)), vec(sun_color), vec(sky_color)};
+          },
+          "sun"_a, "sun_color"_a, "sky_color"_a);
   nb::class_<Body>(m, "Body", "A collider, drawn.")
-      .def("__init__", [](Body* self, const std::string& shape, const Triple& position, const std::vector<float>& rotation,
-                          const Triple& half, const Triple& color, bool natural) {
-             new (self) Body(make_body(shape, position, rotation, half, color, natural));
-           }, "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "natural"_a = false);
-  m.def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "bodies"_a, "camera"_a, "light"_a, "threads"_a = 0,
-        "Draw particles and bodies; return height x width x 3 bytes.");
+      .def(
+          "__init__",
+          [](Body* self, const std::string& shape, const Triple& position, const std::vector<float>& rotation,
+             const Triple& half, const Triple& color,
+             bool natural) { new (self) Body(make_body(shape, position, rotation, half, color, natural)); },
+          "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "natural"_a = false);
+  nb::class_<SharedPainter>(m, "Painter", "Draw one frame after the other with the same camera and light.")
+      .def(
+          "__init__",
+          [](SharedPainter* self, const Camera& camera, const Light& light) {
+            new (self) SharedPainter{Painter(camera, light), {}};
+          },
+          "camera"_a, "light"_a)
+      .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "bodies"_a, "threads"_a = 0,
+           "Draw particles and bodies; return height x width x 3 bytes.");
 }

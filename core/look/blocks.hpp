@@ -1,7 +1,6 @@
-// One level of a sparse scalar grid: blocks of 8x8x8 cells, found through a hash table. Memory follows the
+// One level of a sparse scalar grid: blocks of 4x4x4 cells, found through a hash table. Memory follows the
 // occupied blocks, so one flake ten kilometres away costs one block.
 #pragma once
-#include <array>
 #include <vector>
 
 #include "look/vec.hpp"
@@ -15,9 +14,10 @@ struct Int3 {
 
 class Blocks {
  public:
-  static constexpr int side = 8;
-  // Each block also keeps the first cells of the blocks after it, so that a trilinear sample reads one block.
-  static constexpr int stride = side + 1;
+  static constexpr int side = 4, shift = 2, mask = side - 1;
+  // Each block has room for the first two cells of the blocks after it: a quadratic stencil that begins in
+  // a block writes into that block only, and a trilinear sample reads from that block only.
+  static constexpr int stride = side + 2;
   static constexpr int cells = stride * stride * stride;
 
   explicit Blocks(float cell_size) : h_(cell_size), inv_h_(1.0f / cell_size), table_(64, Slot{{}, -1}) {}
@@ -33,8 +33,8 @@ class Blocks {
 
   /// Return the index of the block at `b`, or -1.
   int find(Int3 b) const {
-    const uint32_t mask = uint32_t(table_.size() - 1);
-    for (uint32_t slot = hash(b) & mask;; slot = (slot + 1) & mask) {
+    const uint32_t last = uint32_t(table_.size() - 1);
+    for (uint32_t slot = hash(b) & last;; slot = (slot + 1) & last) {
       const Slot& s = table_[slot];
       if (s.block < 0 || s.key == b) return s.block;
     }
@@ -52,8 +52,14 @@ class Blocks {
     return block;
   }
 
-  /// Make the grid ready for samples: add the empty blocks that a sample next to an occupied one reads, copy the
-  /// shared cells, and find the bounds.
+  /// Hand what stencils wrote past the end of their block on to the blocks where it belongs, in block order.
+  void fold() {
+    for (int b = 0, n = count(); b < n; ++b)
+      for (int sides = 1; sides < 8; ++sides) fold_side(b, sides);
+  }
+
+  /// Make the grid ready for samples: add the empty blocks that a sample next to an occupied one reads,
+  /// copy the shared cells, and find the bounds.
   void close() {
     add_borders();
     const int n = count();
@@ -61,7 +67,7 @@ class Blocks {
     for (int b = 0; b < n; ++b) copy_border(b);
     low_ = {1e30f, 1e30f, 1e30f};
     high_ = {-1e30f, -1e30f, -1e30f};
-    for (const Int3& b : where_) {   // the sample points of block b, in metres
+    for (const Int3& b : where_) {  // the sample points of block b, in metres
       const Vec3 corner = Vec3{float(b.x), float(b.y), float(b.z)} * (side * h_) + Vec3{h_, h_, h_} * 0.5f;
       low_ = {std::min(low_.x, corner.x), std::min(low_.y, corner.y), std::min(low_.z, corner.z)};
       const Vec3 end = corner + Vec3{h_, h_, h_} * side;
@@ -75,9 +81,9 @@ class Blocks {
     const Vec3 q = cell_of(p);
     const float fi = std::floor(q.x), fj = std::floor(q.y), fk = std::floor(q.z);
     const int32_t i = int32_t(fi), j = int32_t(fj), k = int32_t(fk);
-    const int block = find({i >> 3, j >> 3, k >> 3});
+    const int block = find({i >> shift, j >> shift, k >> shift});
     if (block < 0) return 0.0f;
-    const float* v = values(block) + at(i & 7, j & 7, k & 7);
+    const float* v = values(block) + at(i & mask, j & mask, k & mask);
     const float a = q.x - fi, b = q.y - fj, c = q.z - fk;
     constexpr int di = stride * stride, dj = stride;
     const float v00 = mix(v[0], v[1], c), v01 = mix(v[dj], v[dj + 1], c);
@@ -89,7 +95,8 @@ class Blocks {
   bool occupied(Vec3 p) const {
     if (!inside(p)) return false;
     const Vec3 q = cell_of(p);
-    return find({int32_t(std::floor(q.x)) >> 3, int32_t(std::floor(q.y)) >> 3, int32_t(std::floor(q.z)) >> 3}) >= 0;
+    const int32_t i = int32_t(std::floor(q.x)), j = int32_t(std::floor(q.y)), k = int32_t(std::floor(q.z));
+    return find({i >> shift, j >> shift, k >> shift}) >= 0;
   }
 
   /// Narrow [near, far], lengths [m] from p along the unit vector `dir`, to the bounds of all blocks.
@@ -130,9 +137,9 @@ class Blocks {
     return ((d > 0 ? block + 1 : block) * side - q) / d;
   }
   void insert(Int3 b, int block) {
-    const uint32_t mask = uint32_t(table_.size() - 1);
-    uint32_t slot = hash(b) & mask;
-    while (table_[slot].block >= 0) slot = (slot + 1) & mask;
+    const uint32_t last = uint32_t(table_.size() - 1);
+    uint32_t slot = hash(b) & last;
+    while (table_[slot].block >= 0) slot = (slot + 1) & last;
     table_[slot] = {b, block};
   }
   void grow() {
@@ -140,38 +147,50 @@ class Blocks {
     for (int b = 0; b < count(); ++b) insert(where_[size_t(b)], b);
   }
 
-  /// A sample just before an occupied block reads that block's first cells: it needs a block to read them from.
-  void add_borders() {
-    const int n = count();
-    for (int b = 0; b < n; ++b) {
-      const Int3 w = where(b);
-      for (int side_bits = 1; side_bits < 8; ++side_bits) {
-        const Int3 before{w.x - (side_bits & 1), w.y - (side_bits >> 1 & 1), w.z - (side_bits >> 2)};
-        if (first_cells_occupied(b, side_bits) && find(before) < 0) require(before);
-      }
-    }
+  // A side of a block is three bits: which of its x, y, z lie past the block.
+  static Int3 step(int sides) { return {sides & 1, sides >> 1 & 1, sides >> 2}; }
+  static int end(int bit, int ends) { return bit ? ends : side; }
+
+  void fold_side(int block, int sides) {
+    const Int3 d = step(sides), w = where(block);
+    int next = -1;
+    for (int i = d.x * side; i < end(d.x, stride); ++i)
+      for (int j = d.y * side; j < end(d.y, stride); ++j)
+        for (int k = d.z * side; k < end(d.z, stride); ++k) {
+          const float value = values(block)[at(i, j, k)];
+          if (value == 0.0f) continue;
+          if (next < 0) next = require({w.x + d.x, w.y + d.y, w.z + d.z});
+          values(next)[at(i & mask, j & mask, k & mask)] += value;
+          values(block)[at(i, j, k)] = 0.0f;
+        }
   }
-  bool first_cells_occupied(int block, int side_bits) const {
+  /// A sample just before an occupied block reads that block's first cells: it needs a block to read them
+  /// from.
+  void add_borders() {
+    for (int b = 0, n = count(); b < n; ++b)
+      for (int sides = 1; sides < 8; ++sides) {
+        const Int3 d = step(sides), w = where(b);
+        if (first_cells_occupied(b, d)) require({w.x - d.x, w.y - d.y, w.z - d.z});
+      }
+  }
+  bool first_cells_occupied(int block, Int3 d) const {
     const float* v = values(block);
-    const int ni = side_bits & 1 ? 1 : side, nj = side_bits & 2 ? 1 : side, nk = side_bits & 4 ? 1 : side;
-    for (int i = 0; i < ni; ++i)
-      for (int j = 0; j < nj; ++j)
-        for (int k = 0; k < nk; ++k)
+    for (int i = 0; i < end(d.x, 1); ++i)
+      for (int j = 0; j < end(d.y, 1); ++j)
+        for (int k = 0; k < end(d.z, 1); ++k)
           if (v[at(i, j, k)] != 0.0f) return true;
     return false;
   }
   void copy_border(int block) {
-    float* v = values(block);
     const Int3 w = where(block);
-    for (int side_bits = 1; side_bits < 8; ++side_bits) {
-      const int di = side_bits & 1, dj = side_bits >> 1 & 1, dk = side_bits >> 2;
-      const int next = find({w.x + di, w.y + dj, w.z + dk});
+    for (int sides = 1; sides < 8; ++sides) {
+      const Int3 d = step(sides);
+      const int next = find({w.x + d.x, w.y + d.y, w.z + d.z});
       if (next < 0) continue;
-      const float* from = values(next);
-      for (int i = 0; i < (di ? 1 : side); ++i)
-        for (int j = 0; j < (dj ? 1 : side); ++j)
-          for (int k = 0; k < (dk ? 1 : side); ++k)
-            v[at(di ? side : i, dj ? side : j, dk ? side : k)] = from[at(i, j, k)];
+      for (int i = 0; i < end(d.x, 1); ++i)
+        for (int j = 0; j < end(d.y, 1); ++j)
+          for (int k = 0; k < end(d.z, 1); ++k)
+            values(block)[at(i + d.x * side, j + d.y * side, k + d.z * side)] = values(next)[at(i, j, k)];
     }
   }
 

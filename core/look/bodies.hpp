@@ -13,14 +13,16 @@ struct Body {
   Shape shape;
   Vec3 position;
   Rotation turn;
-  Vec3 half;           // half edges of a box; {radius, radius, half height} of a cylinder; {radius, ...} of a sphere [m]
-  Vec3 color;          // linear albedo
-  bool natural;        // frozen ground instead of paint
-  float bound;         // radius of a ball that holds the body [m]
+  Vec3 half;   // half edges of a box; {radius, radius, half height} of a cylinder; {radius, ...} of a sphere
+               // [m]
+  Vec3 color;  // linear albedo
+  bool natural;  // frozen ground instead of paint
+  float bound;   // radius of a ball that holds the body [m]
+  bool operator==(const Body&) const = default;
 };
 
 struct Hit {
-  float t = 1e30f;     // in lengths of the direction
+  float t = 1e30f;  // in lengths of the direction
   Vec3 normal;
 };
 
@@ -36,7 +38,7 @@ inline void clip_slab(float p, float d, float half, int axis, float& near, float
 }
 
 inline Vec3 axis_normal(int axis, Vec3 d) {
-  return axis == 0 ? Vec3{d.x > 0 ? -1.0f : 1.0f, 0, 0}
+  return axis == 0   ? Vec3{d.x > 0 ? -1.0f : 1.0f, 0, 0}
          : axis == 1 ? Vec3{0, d.y > 0 ? -1.0f : 1.0f, 0}
                      : Vec3{0, 0, d.z > 0 ? -1.0f : 1.0f};
 }
@@ -64,7 +66,8 @@ inline Hit meet_cylinder(float radius, float half_height, Vec3 p, Vec3 d) {
   float near = 0, far = 1e30f;
   int axis = -1;
   clip_slab(p.z, d.z, half_height, 2, near, far, axis);
-  const float a = d.x * d.x + d.y * d.y, b = p.x * d.x + p.y * d.y, c = p.x * p.x + p.y * p.y - radius * radius;
+  const float a = d.x * d.x + d.y * d.y, b = p.x * d.x + p.y * d.y,
+              c = p.x * p.x + p.y * p.y - radius * radius;
   const float root = b * b - a * c;
   if (a < 1e-12f ? c > 0 : root <= 0) return {};
   if (a >= 1e-12f) {
@@ -88,9 +91,15 @@ inline Hit meet(const Body& body, Vec3 origin, Vec3 direction) {
     case Shape::plane:
       if (p.z > 0 && d.z < 0) hit = {-p.z / d.z, {0, 0, 1}};
       break;
-    case Shape::box: hit = meet_box(body.half, p, d); break;
-    case Shape::sphere: hit = meet_sphere(body.half.x, p, d); break;
-    case Shape::cylinder: hit = meet_cylinder(body.half.x, body.half.z, p, d); break;
+    case Shape::box:
+      hit = meet_box(body.half, p, d);
+      break;
+    case Shape::sphere:
+      hit = meet_sphere(body.half.x, p, d);
+      break;
+    case Shape::cylinder:
+      hit = meet_cylinder(body.half.x, body.half.z, p, d);
+      break;
   }
   hit.normal = body.turn.to_world(hit.normal);
   return hit;
@@ -101,8 +110,10 @@ inline float distance(const Body& body, Vec3 point) {
   const Vec3 p = body.turn.to_local(point - body.position);
   float a, b, c;
   switch (body.shape) {
-    case Shape::plane: return p.z;
-    case Shape::sphere: return length(p) - body.half.x;
+    case Shape::plane:
+      return p.z;
+    case Shape::sphere:
+      return length(p) - body.half.x;
     case Shape::box:
       a = std::abs(p.x) - body.half.x, b = std::abs(p.y) - body.half.y, c = std::abs(p.z) - body.half.z;
       break;
@@ -115,8 +126,8 @@ inline float distance(const Body& body, Vec3 point) {
   return length(outside) + std::min(std::max({a, b, c}), 0.0f);
 }
 
-/// Share of the sun's disc seen from `point` past the body. A plane throws no shadow: it has no end, and one wall
-/// would put the whole film in the dark.
+/// Share of the sun's disc seen from `point` past the body. A plane throws no shadow: it has no end, and
+/// one wall would put the whole film in the dark.
 inline float sun_past(const Body& body, Vec3 point, Vec3 sun) {
   if (body.shape == Shape::plane) return 1.0f;
   const Vec3 to = body.position - point;
@@ -126,14 +137,14 @@ inline float sun_past(const Body& body, Vec3 point, Vec3 sun) {
   float seen = 1.0f, t = 0.02f * body.bound;
   for (int step = 0; step < 32 && t < along + body.bound && seen > 0.01f; ++step) {
     const float away = distance(body, point + sun * t);
-    seen = std::min(seen, 20.0f * away / t);   // the nearest miss against the sun's (widened) disc
+    seen = std::min(seen, 20.0f * away / t);  // the nearest miss against the sun's (widened) disc
     t += std::max(away, 0.01f * body.bound);
   }
   return smoothstep(0.0f, 1.0f, seen);
 }
 
-/// Share of the sky left by the body to a surface point with this normal: distances along the normal that come
-/// out shorter than the way walked mean something is close beside.
+/// Share of the sky left by the body to a surface point with this normal: distances along the normal that
+/// come out shorter than the way walked mean something is close beside.
 inline float sky_past(const Body& body, Vec3 point, Vec3 normal) {
   if (body.shape == Shape::plane || length(point - body.position) > 2.5f * body.bound) return 1.0f;
   float hidden = 0, weight = 0.55f;

@@ -8,9 +8,9 @@ namespace neve::look {
 
 struct Camera {
   Vec3 eye, right, down, forward;
-  int width, height;   // [px]
-  float focal;         // [px]
-  float reach;         // from the eye to what it looks at [m]: the length that the picture is about
+  int width, height;  // [px]
+  float focal;        // [px]
+  float reach;        // from the eye to what it looks at [m]: the length that the picture is about
 
   /// fov: vertical field of view [degrees].
   Camera(Vec3 position, Vec3 target, Vec3 up, float fov, int width_px, int height_px)
@@ -18,7 +18,7 @@ struct Camera {
     reach = std::max(length(target - eye), 1e-6f);
     forward = normalize(target - eye);
     Vec3 side = cross(forward, up);
-    if (length(side) < 1e-4f * length(up)) side = cross(forward, {0, 1, 0});   // looking straight up or down
+    if (length(side) < 1e-4f * length(up)) side = cross(forward, {0, 1, 0});  // looking straight up or down
     right = normalize(side);
     down = cross(forward, right);
     focal = 0.5f * float(height) / std::tan(0.5f * fov * std::numbers::pi_v<float> / 180.0f);
@@ -33,7 +33,8 @@ struct Camera {
 
   /// Return the direction through a point of the picture, scaled so that its depth is one.
   Vec3 through(float column, float row) const {
-    return forward + right * ((column - 0.5f * float(width)) / focal) + down * ((row - 0.5f * float(height)) / focal);
+    return forward + right * ((column - 0.5f * float(width)) / focal) +
+           down * ((row - 0.5f * float(height)) / focal);
   }
 };
 

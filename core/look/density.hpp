@@ -11,9 +11,9 @@ class Density {
  public:
   static constexpr int levels = 6;
 
-  /// Spread the particles' volume over the cells with quadratic B-splines (their weights sum to one, so the grid
-  /// holds what the particles hold), then average 2x2x2 cells level by level.
-  /// x: positions [m]; volume: of one particle [m3]; cell_size [m]. Non-finite particles are left out.
+  /// Spread the particles' volume over the cells with quadratic B-splines (their weights sum to one, so the
+  /// grid holds what the particles hold), then average 2x2x2 cells level by level. x: positions [m];
+  /// volume: of one particle [m3]; cell_size [m]. Non-finite particles are left out.
   Density(std::span<const Vec3> x, float volume, float cell_size) {
     for (int l = 0; l < levels; ++l) level_.emplace_back(cell_size * float(1 << l));
     scatter(x, volume / (cell_size * cell_size * cell_size));
@@ -35,12 +35,12 @@ class Density {
     return mix(sample(p, low), sample(p, low + 1), l - float(low));
   }
 
-  Vec3 gradient(Vec3 p, int l) const {
-    const float h = level(l).cell_size();
-    return Vec3{sample({p.x + h, p.y, p.z}, l) - sample({p.x - h, p.y, p.z}, l),
-                sample({p.x, p.y + h, p.z}, l) - sample({p.x, p.y - h, p.z}, l),
-                sample({p.x, p.y, p.z + h}, l) - sample({p.x, p.y, p.z - h}, l)} *
-           (0.5f / h);
+  /// Slope of the density over one cell of a level, from four samples at the corners of a tetrahedron.
+  Vec3 slope(Vec3 p, int l) const {
+    const float h = 0.7f * level(l).cell_size();
+    const float a = sample({p.x + h, p.y + h, p.z + h}, l), b = sample({p.x + h, p.y - h, p.z - h}, l);
+    const float c = sample({p.x - h, p.y + h, p.z - h}, l), d = sample({p.x - h, p.y - h, p.z + h}, l);
+    return Vec3{a + b - c - d, a - b + c - d, a - b - c + d} * (0.25f / 0.7f);
   }
 
   /// Volume of all the snow on a level [m3].
@@ -59,39 +59,52 @@ class Density {
   // Cells are numbered with 32 bits; a particle beyond this many cells is drawn but throws no shadow.
   static constexpr float far_cell = 1.0e9f;
 
-  struct Stencil {   // one axis: the first of three cells and their weights
+  struct Stencil {  // one axis: the first of three cells and their weights
     int32_t first;
     float w[3];
   };
-  static Stencil stencil(float q) {   // q: position in cells, cell centres at i + 1/2
-    const float c = std::floor(q), d = q - c - 0.5f;
-    return {int32_t(c) - 1, {0.5f * (0.5f - d) * (0.5f - d), 0.75f - d * d, 0.5f * (0.5f + d) * (0.5f + d)}};
+  static int32_t begin(float q) { return int32_t(std::floor(q)) - 1; }
+  static Stencil stencil(float q) {  // q: position in cells, cell centres at i + 1/2
+    const float d = q - std::floor(q) - 0.5f;
+    return {begin(q), {0.5f * (0.5f - d) * (0.5f - d), 0.75f - d * d, 0.5f * (0.5f + d) * (0.5f + d)}};
   }
 
   void scatter(std::span<const Vec3> x, float fraction) {
     Blocks& blocks = level_[0];
     const float inv_h = 1.0f / blocks.cell_size();
-    Int3 cached{INT32_MAX, 0, 0};
-    std::array<int, 8> around{};   // the blocks that a stencil beginning in `cached` may touch
-    for (const Vec3& p : x) {
-      const Vec3 q = p * inv_h;
+    // Group the particles by the block in which their stencil begins; a group writes into its block only.
+    std::vector<int32_t> home(x.size(), -1);
+    std::vector<uint32_t> first(1, 0);
+    Int3 last{INT32_MAX, 0, 0};
+    int block = -1;
+    for (size_t p = 0; p < x.size(); ++p) {
+      const Vec3 q = x[p] * inv_h;
       if (!(std::abs(q.x) < far_cell && std::abs(q.y) < far_cell && std::abs(q.z) < far_cell)) continue;
-      const Stencil sx = stencil(q.x), sy = stencil(q.y), sz = stencil(q.z);
-      const Int3 home{sx.first >> 3, sy.first >> 3, sz.first >> 3};
-      if (!(home == cached)) {
-        cached = home;
-        around.fill(-1);
-      }
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b)
-          for (int c = 0; c < 3; ++c) {
-            const int i = (sx.first & 7) + a, j = (sy.first & 7) + b, k = (sz.first & 7) + c;
-            const int which = (i >> 3) | (j >> 3) << 1 | (k >> 3) << 2;
-            int& block = around[size_t(which)];
-            if (block < 0) block = blocks.require({home.x + (i >> 3), home.y + (j >> 3), home.z + (k >> 3)});
-            blocks.values(block)[Blocks::at(i & 7, j & 7, k & 7)] += fraction * sx.w[a] * sy.w[b] * sz.w[c];
-          }
+      const Int3 at{begin(q.x) >> Blocks::shift, begin(q.y) >> Blocks::shift, begin(q.z) >> Blocks::shift};
+      if (!(at == last)) block = blocks.require(at);
+      last = at;
+      home[p] = block;
+      if (size_t(block) + 2 > first.size()) first.resize(size_t(block) + 2, 0);
+      ++first[size_t(block) + 1];
     }
+    for (size_t b = 1; b < first.size(); ++b) first[b] += first[b - 1];
+    std::vector<uint32_t> order(first.back()), next(first);
+    for (uint32_t p = 0; p < x.size(); ++p)
+      if (home[p] >= 0) order[next[size_t(home[p])]++] = p;
+    const int n = blocks.count();
+#pragma omp parallel for schedule(dynamic, 64)
+    for (int b = 0; b < n; ++b)
+      for (uint32_t o = first[size_t(b)]; o < first[size_t(b) + 1]; ++o)
+        add(blocks.values(b), x[order[o]] * inv_h, fraction);
+    blocks.fold();
+  }
+
+  static void add(float* block, Vec3 q, float fraction) {
+    const Stencil sx = stencil(q.x), sy = stencil(q.y), sz = stencil(q.z);
+    float* v = block + Blocks::at(sx.first & Blocks::mask, sy.first & Blocks::mask, sz.first & Blocks::mask);
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        for (int c = 0; c < 3; ++c) v[Blocks::at(a, b, c)] += fraction * sx.w[a] * sy.w[b] * sz.w[c];
   }
 
   static void coarsen(const Blocks& fine, Blocks& coarse) {

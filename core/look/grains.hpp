@@ -9,83 +9,135 @@
 namespace neve::look {
 
 struct Grain {
-  float column, row;   // of the centre [samples]
-  float depth;         // of the centre [m]
-  float radius;        // [m]
-  float wide;          // radius [samples]
+  float column, row;  // of the centre [samples]
+  float depth;        // of the centre [m]
+  float radius;       // [m]
+  float wide;         // radius [samples]
   uint32_t particle;
   uint32_t seed;
 };
 
-struct Grains {
-  int per_particle;
-  float spread;        // radius of a particle's cluster [m]
-  float radius;        // mean radius of a grain [m]
+/// How a particle becomes grains. Snow that comes loose falls into more and smaller grains, without a jump.
+class Cluster {
+ public:
+  static constexpr int most = 16;  // grains of one particle
 
   /// spacing: between neighbouring particles of solid snow [m]; n: number of particles.
-  Grains(float spacing, size_t n, const Camera& camera) {
-    // Grains about two pixels across where the camera looks, but no more than the cores can draw in time.
-    const float pixels = spacing * camera.focal / camera.reach;
-    const float wanted = std::pow(pixels / 1.9f, 3.0f), affordable = 1.6e6f / float(std::max<size_t>(n, 1));
-    per_particle = int(std::clamp(std::min(wanted, affordable), 1.0f, 16.0f));
-    spread = per_particle > 1 ? 0.68f * spacing : 0.0f;
-    radius = 0.62f * spacing / std::cbrt(float(per_particle));
+  Cluster(float spacing, size_t n, const Camera& camera) {
+    // Grains a pixel or two apart where the camera looks, but no more than two cores can draw in time.
+    const float pixels = spacing * camera.focal / camera.reach,
+                affordable = 1.6e6f / float(std::max<size_t>(n, 1));
+    solid_ = int(std::clamp(std::min(std::pow(pixels / 1.6f, 3.0f), affordable), 1.0f, float(most)));
+    loose_ = int(std::clamp(std::min(3.0f * float(solid_), affordable), float(solid_), float(most)));
+    spread_ = loose_ > 1 ? 0.66f * spacing : 0.0f;
+    radius_ = 0.62f * spacing / std::cbrt(float(solid_));
+    for (uint32_t o = 0; o < places; ++o) place_[o] = in_ball(o);
   }
 
-  uint32_t seed(uint32_t particle, int g) const { return scramble(particle * 16u + uint32_t(g) + 0x51ed27u); }
+  int grains(float loose) const { return loose > 0.05f ? loose_ : solid_; }
+  float reach() const { return 2.5f * (spread_ + radius_); }  // no grain lies farther from its particle [m]
+  static uint32_t seed(uint32_t particle, int g) { return scramble(particle * uint32_t(most) + uint32_t(g)); }
 
-  /// Place of grain g in its particle's cluster [m]: uniform in a ball.
-  Vec3 offset(uint32_t seed) const {
-    if (spread <= 0) return {};
-    const float z = 2 * unit(scramble(seed + 1)) - 1, turn = 6.2831853f * unit(scramble(seed + 2));
-    const float out = spread * std::cbrt(unit(scramble(seed + 3))), flat = out * std::sqrt(1 - z * z);
+  /// How a loose particle looks, from a clod (0) to a puff of powder (1); most are nearer to clods.
+  static float powder(uint32_t particle) {
+    const float u = unit(scramble(particle ^ 0x5bd1e995u));
+    return u * u;
+  }
+  /// Place of a grain around its particle [m]. wider: how much the particle's snow has dilated along one
+  /// axis.
+  Vec3 offset(uint32_t seed, float loose, float powder, float wider) const {
+    return place_[seed & (places - 1)] * (spread_ * wider * mix(1.0f, 0.55f + 1.9f * powder, loose));
+  }
+  /// Radius of grain g [m].
+  float radius(uint32_t seed, int g, float loose, float powder) const {
+    const float u = float(seed >> 24) * (1.0f / 256.0f), size = radius_ * (0.65f + 0.75f * u * u);
+    const float fine = 0.75f - 0.45f * powder;
+    return size * (g < solid_ ? mix(1.0f, fine, loose) : fine * loose);
+  }
+
+ private:
+  static constexpr uint32_t places = 1024;
+
+  static Vec3 in_ball(uint32_t o) {
+    const float z = 2 * unit(scramble(4 * o + 1)) - 1, turn = 6.2831853f * unit(scramble(4 * o + 2));
+    const float out = std::cbrt(unit(scramble(4 * o + 3))), flat = out * std::sqrt(1 - z * z);
     return {flat * std::cos(turn), flat * std::sin(turn), out * z};
   }
-  float size(uint32_t seed) const { return radius * (0.7f + 0.6f * unit(scramble(seed + 4))); }
+
+  int solid_, loose_;  // grains of a particle in solid and in loose snow
+  float spread_;       // radius of a cluster [m]
+  float radius_;       // mean radius of a grain [m]
+  Vec3 place_[places];
 };
 
-/// Say whether so much snow lies between p and the eye that no grain of p can show.
-inline bool buried(const Density& snow, Vec3 p, Vec3 eye) {
-  const Vec3 to_eye = normalize(eye - p);
-  const float h = snow.cell_size();
-  float least = 1e30f;
-  for (float step : {0.0f, 1.0f, 2.0f, 3.0f}) least = std::min(least, snow.sample(p + to_eye * (step * h)));
-  return least > 0.55f;
+/// Say whether so much snow lies between p and the eye that no grain of p can show. here: volume fraction
+/// at p.
+inline bool buried(const Density& snow, Vec3 p, Vec3 eye, float here) {
+  constexpr float full = 0.55f;
+  if (here < full) return false;
+  const Vec3 step = normalize(eye - p) * snow.cell_size();
+  return snow.sample(p + step) > full && snow.sample(p + step * 2.0f) > full &&
+         snow.sample(p + step * 3.0f) > full;
 }
 
-/// Project all grains that can show. samples: per pixel and axis. The order is that of the particles.
-/// loose: per particle, how much wider its cluster is (1: solid snow).
-template <class Loose>
-std::vector<Grain> project_grains(const Density& snow, std::span<const Vec3> x, const Camera& camera,
-                                  const Grains& grains, int samples, const Loose& loose) {
-  constexpr size_t chunk = 2048;   // fixed, so that the order does not depend on the threads
-  const size_t chunks = (x.size() + chunk - 1) / chunk;
-  std::vector<std::vector<Grain>> parts(chunks);
-  const float w = float(camera.width * samples), h = float(camera.height * samples), s = float(samples);
+/// The particles' grains on the film.
+class Projection {
+ public:
+  /// samples: per pixel and axis. J_P: empty, or one per particle.
+  Projection(const Density& snow, std::span<const Vec3> x, std::span<const float> J_P, const Camera& camera,
+             const Cluster& cluster, int samples)
+      : snow_(snow), x_(x), J_P_(J_P), camera_(camera), cluster_(cluster), samples_(float(samples)) {}
+
+  /// Return all grains that can show, in the order of the particles.
+  std::vector<Grain> grains() const {
+    constexpr size_t chunk = 2048;  // fixed, so that the order does not depend on the threads
+    const size_t chunks = (x_.size() + chunk - 1) / chunk;
+    std::vector<std::vector<Grain>> parts(chunks);
 #pragma omp parallel for schedule(dynamic)
-  for (size_t part = 0; part < chunks; ++part) {
-    for (size_t p = part * chunk; p < std::min(x.size(), (part + 1) * chunk); ++p) {
-      const Vec3 at = camera.project(x[p]);
-      const float margin = s * camera.focal * 2 * (grains.spread + grains.radius) / std::max(at.z, 1e-6f);
-      if (!(at.z > 0.01f * camera.reach) || !(std::abs(s * at.x - 0.5f * w) < 0.5f * w + margin) ||
-          !(std::abs(s * at.y - 0.5f * h) < 0.5f * h + margin) || buried(snow, x[p], camera.eye))
-        continue;   // the comparisons also drop NaN
-      const float wider = loose(p);
-      for (int g = 0; g < grains.per_particle; ++g) {
-        const uint32_t seed = grains.seed(uint32_t(p), g);
-        const Vec3 spot = camera.project(x[p] + grains.offset(seed) * wider);
-        if (!(spot.z > 0.01f * camera.reach)) continue;
-        const float radius = grains.size(seed);
-        parts[part].push_back({s * spot.x, s * spot.y, spot.z, radius, s * camera.focal * radius / spot.z, uint32_t(p), seed});
-      }
+    for (size_t part = 0; part < chunks; ++part)
+      for (size_t p = part * chunk; p < std::min(x_.size(), (part + 1) * chunk); ++p) add(p, parts[part]);
+    std::vector<size_t> first(chunks + 1, 0);
+    for (size_t part = 0; part < chunks; ++part) first[part + 1] = first[part] + parts[part].size();
+    std::vector<Grain> all(first[chunks]);
+#pragma omp parallel for schedule(static)
+    for (size_t part = 0; part < chunks; ++part)
+      std::copy(parts[part].begin(), parts[part].end(), all.begin() + long(first[part]));
+    return all;
+  }
+
+ private:
+  bool on_film(Vec3 at) const {
+    const float margin = camera_.focal * cluster_.reach() / std::max(at.z, 1e-6f);
+    const float w = 0.5f * float(camera_.width), h = 0.5f * float(camera_.height);
+    // Written so that NaN is not on film.
+    return at.z > 0.01f * camera_.reach && std::abs(at.x - w) < w + margin && std::abs(at.y - h) < h + margin;
+  }
+
+  void add(size_t p, std::vector<Grain>& out) const {
+    const Vec3 x = x_[p];
+    if (!on_film(camera_.project(x))) return;
+    const float here = snow_.sample(x);
+    if (buried(snow_, x, camera_.eye, here)) return;
+    const float loose = 1.0f - smoothstep(0.2f, 0.8f, here);
+    const float wider = J_P_.empty() ? 1.0f : std::clamp(std::cbrt(J_P_[p]), 0.9f, 1.35f);
+    const float powder = Cluster::powder(uint32_t(p));
+    const int count = cluster_.grains(loose);
+    for (int g = 0; g < count; ++g) {
+      const uint32_t seed = Cluster::seed(uint32_t(p), g);
+      const Vec3 at = camera_.project(x + cluster_.offset(seed, loose, powder, wider));
+      if (!(at.z > 0.01f * camera_.reach)) continue;
+      const float radius = cluster_.radius(seed, g, loose, powder);
+      out.push_back({samples_ * at.x, samples_ * at.y, at.z, radius, samples_ * camera_.focal * radius / at.z,
+                     uint32_t(p), seed});
     }
   }
-  std::vector<Grain> all;
-  size_t count = 0;
-  for (const auto& part : parts) count += part.size();
-  all.reserve(count);
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
+
+  const Density& snow_;
+  std::span<const Vec3> x_;
+  std::span<const float> J_P_;
+  const Camera& camera_;
+  const Cluster& cluster_;
+  float samples_;
+};
 
 }  // namespace neve::look

@@ -7,7 +7,7 @@
 namespace neve::look {
 
 struct Relief {
-  float value, du, dv;   // height in [-1, 1] and its slopes
+  float value, du, dv;  // height in [-1, 1] and its slopes
 };
 
 /// Smooth noise on a lattice of unit squares: random heights at the corners, a quintic between them.
@@ -52,15 +52,16 @@ struct Finish {
   Vec3 normal;
 };
 
-/// Frozen ground: dark soil, hoarfrost in drifts, a fine crust that catches a low sun. reach: size of the scene [m].
+/// Frozen ground: dark soil, hoarfrost in drifts, a fine crust that catches a low sun. reach: size of the
+/// scene [m].
 inline Finish frozen_ground(const Body& body, Vec3 point, float reach, float pixel) {
   const Vec3 p = body.turn.to_local(point - body.position);
-  const Relief drift = fractal(p.x, p.y, 0.45f * reach, 5, 0.55f, pixel, 11);
-  const Relief crust = fractal(p.x, p.y, 0.028f * reach, 5, 0.62f, pixel, 71);
-  const float frost = smoothstep(-0.75f, 1.1f, drift.value + 0.35f * crust.value);
-  const Vec3 soil{0.105f, 0.110f, 0.122f}, rime{0.34f, 0.365f, 0.40f};
-  const Vec3 color = mix(soil, rime, frost) * (1.0f + 0.16f * crust.value);
-  const float bump = 0.0045f * reach * (0.5f + 0.5f * frost);
+  const Relief drift = fractal(p.x, p.y, 0.62f * reach, 5, 0.45f, pixel, 11);
+  const Relief crust = fractal(p.x, p.y, 0.024f * reach, 5, 0.66f, pixel, 71);
+  const float frost = smoothstep(-1.0f, 1.5f, drift.value + 0.22f * crust.value);
+  const Vec3 soil{0.150f, 0.138f, 0.128f}, rime{0.315f, 0.332f, 0.362f};
+  const Vec3 color = mix(soil, rime, frost) * (1.0f + 0.10f * crust.value);
+  const float bump = 0.0016f * reach;
   const Vec3 local = normalize({-bump * crust.du, -bump * crust.dv, 1.0f});
   return {color, body.turn.to_world(local)};
 }
@@ -76,39 +77,75 @@ inline Finish paint(const Body& body, Vec3 point, Vec3 normal, float pixel) {
 struct Sky {
   Vec3 zenith, horizon;
   explicit Sky(const Light& light)
-      : zenith(light.sky_color * Vec3{0.26f, 0.36f, 0.50f}),
-        horizon(light.sky_color * Vec3{0.80f, 0.74f, 0.68f} + light.sun_color * 0.035f) {}
+      : zenith(light.sky_color * Vec3{0.30f, 0.50f, 0.82f}),
+        horizon(light.sky_color * Vec3{1.55f, 1.58f, 1.50f} + light.sun_color * 0.05f) {}
 
   Vec3 toward(Vec3 unit_direction, const Light& light) const {
     const float up = std::max(unit_direction.z, 0.0f);
     const float glow = std::pow(saturate(0.5f + 0.5f * dot(unit_direction, light.sun)), 6.0f);
-    return mix(horizon, zenith, 1.0f - std::exp(-5.0f * up)) + light.sun_color * (0.06f * glow);
+    return mix(horizon, zenith, 1.0f - std::exp(-6.5f * up)) + light.sun_color * (0.06f * glow);
   }
 };
 
 /// Share of the air's light over what is `far` away: none near the subject, all at the horizon.
-inline float haze(float far, float reach) { return 1.0f - std::exp(-0.055f * std::max(far / reach - 1.2f, 0.0f)); }
+inline float haze(float far, float reach) {
+  return 1.0f - std::exp(-0.10f * std::max(far / reach - 1.25f, 0.0f));
+}
 
-/// Light that a surface point sends to the eye. self: the body that it lies on.
-inline Vec3 surface_light(const Density& snow, std::span<const Body> bodies, const Body& self, const Light& light,
-                          const Camera& camera, Vec3 point, Vec3 normal, float depth) {
-  const Vec3 to_eye = normalize(camera.eye - point);
-  const float slant = std::max(std::abs(dot(normal, to_eye)), 0.15f);
-  const float pixel = depth / camera.focal / std::sqrt(slant);
-  const Finish finish = self.natural ? frozen_ground(self, point, camera.reach, pixel) : paint(self, point, normal, pixel);
-  float sun = std::max(dot(finish.normal, light.sun), 0.0f) * saturate(8.0f * dot(normal, light.sun));
-  float sky = 0.5f + 0.5f * normal.z;
-  if (sun > 0) sun *= sun_past(bodies, &self, point, light.sun);
-  if (snow_around(snow, point)) sky = sky_light(snow, point, normal, 0.35f, 0.15f);
-  if (sun > 0 && !snow.empty()) sun *= std::exp(-sun_depth(snow, point, light.sun, 0.3f * snow.cell_size()));
-  sky *= sky_past(bodies, &self, point, normal);
-  const Vec3 bounce = light.sun_color * (0.10f * (1.0f - std::abs(normal.z)));
-  Vec3 color = finish.color * (light.sun_color * sun + light.sky_color * sky + bounce);
-  if (!self.natural) {   // a coat of varnish
-    const Vec3 half = normalize(light.sun + to_eye);
-    color += light.sun_color * (0.12f * sun * std::pow(saturate(dot(finish.normal, half)), 40.0f));
+/// Light from a point of the set: `sun` times the share of the sun that arrives, `sky` times that of the
+/// sky, `rest`.
+struct SetPoint {
+  Vec3 sun, sky, rest;
+};
+
+inline SetPoint sky_point(const Sky& sky, const Light& light, Vec3 ray) {
+  return {{}, {}, sky.toward(normalize(ray), light)};
+}
+
+/// Describe the point of a body that the ray from the eye meets first. All of it holds as long as body,
+/// camera and light stay where they are.
+inline SetPoint set_point(const Body& body, const Hit& hit, const Camera& camera, const Light& light,
+                          const Sky& sky, Vec3 ray) {
+  const Vec3 direction = normalize(ray), point = camera.eye + ray * hit.t;
+  const float far = haze(length(ray) * hit.t, camera.reach);
+  if (far > 0.995f) return sky_point(sky, light, ray);
+  const float slant = std::max(std::abs(dot(hit.normal, direction)), 0.15f);
+  const float pixel = hit.t / camera.focal / std::sqrt(slant);
+  const Finish finish =
+      body.natural ? frozen_ground(body, point, camera.reach, pixel) : paint(body, point, hit.normal, pixel);
+  const float lit =
+      std::max(dot(finish.normal, light.sun), 0.0f) * saturate(8.0f * dot(hit.normal, light.sun));
+  SetPoint set;
+  set.sun = finish.color * light.sun_color * lit;
+  if (!body.natural && lit > 0) {  // a coat of varnish
+    const Vec3 half = normalize(light.sun - direction);
+    set.sun += light.sun_color * (0.12f * std::pow(saturate(dot(finish.normal, half)), 40.0f));
   }
-  return color;
+  set.sun = set.sun * (1.0f - far);
+  set.sky = finish.color * light.sky_color * (1.0f - far);
+  set.rest = finish.color * light.sun_color * (0.10f * (1.0f - std::abs(hit.normal.z)) * (1.0f - far)) +
+             sky.toward(normalize({direction.x, direction.y, 0.0f}), light) * far;
+  return set;
+}
+
+/// Shares of sun and sky that arrive at a point of the set.
+struct Arrival {
+  float sun = 1, sky = 1;
+};
+
+inline float sun_arrival(const Density& snow, std::span<const Body> bodies, const Body& self,
+                         const Light& light, Vec3 point) {
+  const float past = sun_past(bodies, &self, point, light.sun);
+  return past > 0 && !snow.empty() ? past * std::exp(-sun_path(snow, point, light.sun, 0.3f, 0.0f).far)
+                                   : past;
+}
+
+inline float sky_arrival(const Density& snow, std::span<const Body> bodies, const Body& self, Vec3 point,
+                         Vec3 normal) {
+  const float open =
+      snow_around(snow, point) ? sky_light(snow, point, normal, 0.35f, 0.1f) : 0.5f + 0.5f * normal.z;
+  // What hides the sky is snow for the most part, which shines as well.
+  return mix(0.14f, open, saturate(open)) * sky_past(bodies, &self, point, normal);
 }
 
 }  // namespace neve::look

@@ -1,5 +1,5 @@
-// Light on a grain of snow. What arrives is found once per visible particle; what each pixel sees of it depends
-// on the grain's own roundness.
+// Light on a grain of snow. What arrives is found once per visible particle; what each pixel sees of it
+// depends on the grain's own roundness.
 #pragma once
 #include "look/ground.hpp"
 
@@ -7,56 +7,71 @@ namespace neve::look {
 
 /// Light at one particle.
 struct Lit {
-  Vec3 normal;         // of the snow's surface around it
-  Vec3 sun;            // sun that arrives past snow and bodies
-  Vec3 around;         // sky, ground and light that has wandered through the snow
-  float solid = 1;     // share of a pixel's background that is snow as well (1 inside a heap, 0 for a lone flake)
+  Vec3 normal;  // of the snow's surface around it
+  Vec3 sun;     // sun that arrives past snow and bodies
+  Vec3 around;  // sky, ground and light that has wandered through the snow
+  float solid =
+      1;  // share of a pixel's background that is snow as well (1 inside a heap, 0 for a lone flake)
 };
 
-/// Find the surface's normal from the density at two scales; a lone flake has none and looks at the sky.
+/// Find the surface's normal from the density at three scales; a lone flake has none and looks at the sky.
 inline Vec3 snow_normal(const Density& snow, Vec3 p) {
-  const float h = snow.cell_size();
-  const Vec3 slope = snow.gradient(p, 0) * 0.6f + snow.gradient(p, 1);
-  return normalize(slope * -h + Vec3{0, 0, 0.03f});
+  const Vec3 slope = snow.slope(p, 0) * 0.5f + snow.slope(p, 1) + snow.slope(p, 2) * 0.6f;
+  return normalize(slope * -1.0f + Vec3{0, 0, 0.03f});
 }
 
 inline Lit light_particle(const Density& snow, std::span<const Body> bodies, const Light& light, Vec3 p) {
   const float h = snow.cell_size();
   Lit lit;
   lit.normal = snow_normal(snow, p);
-  const Vec3 above = p + lit.normal * (0.9f * h);
+  // Light is asked for just above the surface, and higher for grains that lie deeper.
+  const float cover = snow.sample(p);
+  const Vec3 above = p + lit.normal * (h * (0.5f + 0.8f * saturate(cover - 0.3f)));
   const float past = sun_past(bodies, nullptr, p, light.sun);
-  // Surface light starts outside the surface; light that has come through the snow starts at the grain itself.
-  const float direct = std::exp(-sun_depth(snow, above, light.sun, 0.6f * h));
-  const float through = std::exp(-0.42f * sun_depth(snow, p, light.sun, 0.25f * h, 12.0f));
+  const SunPath path = sun_path(snow, above, light.sun, 0.25f, 1.8f);
+  const float direct = std::exp(-path.far - 0.25f * path.near),
+              through = std::exp(-0.38f * (path.near + path.far));
   lit.sun = light.sun_color * (direct * past);
-  const float sky = sky_light(snow, above, lit.normal, 0.5f, 0.5f) * sky_past(bodies, nullptr, p, lit.normal);
-  const float ground = ground_light(snow, above, lit.normal, 0.5f);
+  const float sky =
+      sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(bodies, nullptr, p, lit.normal);
   // Snow gives back nearly all light, so its hollows light themselves.
-  const float bright = sky / (1.0f - 0.62f * (1.0f - saturate(sky)));
-  lit.around = light.sky_color * bright;
-  lit.around += (light.sun_color * 0.7f * std::max(light.sun.z, 0.0f) + light.sky_color) * (0.22f * ground);
-  lit.around += light.sun_color * Vec3{0.80f, 0.92f, 1.0f} * (0.16f * through * past);
+  const float bright = sky / (1.0f - 0.60f * (1.0f - saturate(sky)));
+  lit.around = light.sky_color * Vec3{0.90f, 0.98f, 1.08f} * bright;
+  // Where the sky is hidden, it is hidden by snow, which shines as well.
+  lit.around +=
+      (light.sun_color * Vec3{0.062f, 0.074f, 0.090f} + light.sky_color * 0.16f) * (1.0f - saturate(sky));
+  lit.around += (light.sun_color * (0.7f * std::max(light.sun.z, 0.0f)) + light.sky_color) *
+                (0.20f * ground_light(snow, above, lit.normal, 0.5f));
+  lit.around += light.sun_color * Vec3{0.72f, 0.90f, 1.0f} * (0.14f * through * past);
   lit.solid = saturate(2.0f * snow.sample(p, 1));
   return lit;
 }
 
+/// Fixed random bits of a grain, spelled out.
+struct Facet {
+  Vec3 normal;
+  float albedo;
+};
+inline Facet facet_of(uint32_t seed) {
+  const uint32_t a = scramble(seed), b = scramble(a + 1);
+  const auto byte = [](uint32_t bits, int shift) { return float(bits >> shift & 255u) * (1.0f / 255.0f); };
+  return {normalize({byte(a, 0) - 0.5f, byte(a, 8) - 0.5f, byte(a, 16) - 0.5f}), 0.90f + 0.08f * byte(b, 0)};
+}
+
 /// Light that a grain sends to the eye at a point where its own round surface has the normal `round`.
-/// seed: the grain's fixed random bits.
 inline Vec3 grain_light(const Lit& lit, const Light& light, Vec3 round, Vec3 to_eye, uint32_t seed) {
-  const uint32_t a = scramble(seed), b = scramble(a + 1), c = scramble(b + 1);
-  const Vec3 facet = normalize({unit(a) - 0.5f, unit(b) - 0.5f, unit(c) - 0.5f});
-  const Vec3 normal = normalize(lit.normal + round * 0.55f + facet * 0.35f);
-  const float wrap = 0.22f;
+  const Facet facet = facet_of(seed);
+  const Vec3 normal = normalize(lit.normal + round * 0.40f + facet.normal * 0.40f);
+  const float wrap = 0.12f;
   const float sun = std::max((dot(normal, light.sun) + wrap) / (1.0f + wrap), 0.0f);
-  const float rim = 0.72f + 0.28f * saturate(dot(round, to_eye));   // grains shade the gaps between them
-  const float albedo = 0.90f + 0.09f * unit(c);
-  Vec3 color = (lit.sun * sun + lit.around) * (albedo * rim);
+  const float rim = 0.80f + 0.20f * saturate(dot(round, to_eye));  // grains shade the gaps between them
+  const float open = 0.86f + 0.22f * dot(normal, lit.normal) * (0.6f + 0.4f * normal.z);  // to the sky
+  Vec3 color = (lit.sun * sun + lit.around * open) * (facet.albedo * rim);
   // A few facets lie just so and send the sun into the lens.
   const Vec3 half = normalize(light.sun + to_eye);
-  const Vec3 tilted = normalize(facet + lit.normal * 0.8f);
-  const float glint = dot(half, tilted);
-  if (glint > 0.985f) color += lit.sun * (1.2f * smoothstep(0.985f, 1.0f, glint) * saturate(dot(round, to_eye)));
+  const float glint = dot(half, normalize(facet.normal + lit.normal * 0.8f));
+  if (glint > 0.985f)
+    color += lit.sun * (1.2f * smoothstep(0.985f, 1.0f, glint) * saturate(dot(round, to_eye)));
   return color;
 }
 

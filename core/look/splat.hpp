@@ -1,5 +1,5 @@
-// The z-buffer. Every sample keeps one 64-bit key, depth above index, and the smallest wins: the result does not
-// depend on the order of drawing, nor on the number of threads.
+// The z-buffer. Every sample keeps one 64-bit key, depth above index, and the smallest wins: the result
+// does not depend on the order of drawing, nor on the number of threads.
 #pragma once
 #include <bit>
 
@@ -9,43 +9,52 @@
 namespace neve::look {
 
 using Key = uint64_t;
-constexpr uint32_t first_body = 0xfffff000u;   // indices from here on are bodies
+constexpr uint32_t first_body = 0xffff0000u;  // indices from here on are bodies
 constexpr Key nothing = ~Key(0);
-// Smaller grains are drawn this large [samples], enough to meet a sample wherever they are, and faded instead.
+// Smaller grains are drawn this large [samples], enough to meet a sample wherever they are, and faded
+// instead.
 constexpr float least_radius = 0.71f;
 
 inline Key make_key(float depth, uint32_t index) { return Key(std::bit_cast<uint32_t>(depth)) << 32 | index; }
 inline uint32_t index_of(Key key) { return uint32_t(key); }
-inline float depth_of(Key key) { return std::bit_cast<float>(uint32_t(key >> 32)); }
 
 struct Samples {
   static constexpr int per_axis = 2;
-  static constexpr int band = 32;              // rows of samples drawn by one thread at a time
+  static constexpr int band = 32;  // rows of samples drawn by one thread at a time
+  static constexpr int lanes = 8;  // samples drawn at once; rows have room for them past their end
   int width, height;
+  size_t pitch;
   std::vector<Key> key;
 
   explicit Samples(const Camera& camera)
-      : width(camera.width * per_axis), height(camera.height * per_axis), key(size_t(width) * size_t(height)) {}
+      : width(camera.width * per_axis),
+        height(camera.height * per_axis),
+        pitch(size_t(width) + lanes),
+        key(pitch * size_t(height)) {}
   int bands() const { return (height + band - 1) / band; }
-  Key* row(int r) { return key.data() + size_t(r) * size_t(width); }
-  const Key* row(int r) const { return key.data() + size_t(r) * size_t(width); }
+  Key* row(int r) { return key.data() + size_t(r) * pitch; }
+  const Key* row(int r) const { return key.data() + size_t(r) * pitch; }
 };
 
 /// Cover the samples of the grain's disc in rows [first, last), each as deep as a ball is there.
 inline void splat_grain(Samples& samples, const Grain& grain, uint32_t index, int first, int last) {
+  constexpr int lanes = Samples::lanes;
   const float wide = std::max(grain.wide, least_radius), inv = 1.0f / wide;
   const int top = std::max(first, int(std::ceil(grain.row - wide - 0.5f)));
   const int bottom = std::min(last - 1, int(std::floor(grain.row + wide - 0.5f)));
+  const int left = std::max(0, int(std::ceil(grain.column - wide - 0.5f)));
+  const int right = std::min(samples.width - 1, int(std::floor(grain.column + wide - 0.5f)));
   for (int r = top; r <= bottom; ++r) {
-    const float dy = (float(r) + 0.5f - grain.row) * inv;
-    const float chord = std::sqrt(std::max(1.0f - dy * dy, 0.0f)) * wide;
-    const int left = std::max(0, int(std::ceil(grain.column - chord - 0.5f)));
-    const int right = std::min(samples.width - 1, int(std::floor(grain.column + chord - 0.5f)));
-    Key* row = samples.row(r);
-    for (int c = left; c <= right; ++c) {
-      const float dx = (float(c) + 0.5f - grain.column) * inv;
-      const float height = std::sqrt(std::max(1.0f - dx * dx - dy * dy, 0.0f));
-      row[c] = std::min(row[c], make_key(grain.depth - grain.radius * height, index));
+    const float dy = (float(r) + 0.5f - grain.row) * inv, rest = 1.0f - dy * dy;
+    for (int c = left; c <= right; c += lanes) {
+      Key* to = samples.row(r) + c;
+      const float start = (float(c) + 0.5f - grain.column) * inv;
+      for (int l = 0; l < lanes; ++l) {  // whole lanes: the compiler turns them into vectors
+        const float dx = start + float(l) * inv, square = rest - dx * dx;
+        const float depth = grain.depth - grain.radius * std::sqrt(std::max(square, 0.0f));
+        const Key key = square >= 0.0f ? make_key(depth, index) : nothing;
+        to[l] = std::min(to[l], key);
+      }
     }
   }
 }
@@ -54,25 +63,48 @@ inline void splat_grain(Samples& samples, const Grain& grain, uint32_t index, in
 inline void cast_row(Samples& samples, std::span<const Body> bodies, const Camera& camera, int r) {
   constexpr float pixel = 1.0f / Samples::per_axis;
   Key* row = samples.row(r);
-  const Vec3 start = camera.through(0.5f * pixel, (float(r) + 0.5f) * pixel), step = camera.right * (pixel / camera.focal);
-  std::fill(row, row + samples.width, nothing);
+  const Vec3 start = camera.through(0.5f * pixel, (float(r) + 0.5f) * pixel),
+             step = camera.right * (pixel / camera.focal);
+  std::fill(row, row + samples.pitch, nothing);
   for (uint32_t b = 0; b < bodies.size(); ++b) {
-    for (int c = 0; c < samples.width; ++c) {
-      const Hit hit = meet(bodies[b], camera.eye, start + step * float(c));
+    const Body& body = bodies[b];
+    if (body.shape == Shape::plane) {  // one division per sample
+      const float height = dot(body.turn.z, camera.eye - body.position), fall = -dot(body.turn.z, start);
+      const float change = -dot(body.turn.z, step);
+      if (height <= 0) continue;
+      for (int c = 0; c < samples.width; ++c) {
+        const float down = fall + change * float(c), depth = height / down;
+        const Key key = down > 0.0f && depth < 1e20f ? make_key(depth, first_body + b) : nothing;
+        row[c] = std::min(row[c], key);
+      }
+      continue;
+    }
+    const Vec3 at = camera.project(body.position);
+    float left = 0, right = float(samples.width);
+    if (at.z > 2.0f * body.bound) {  // far enough for its ball to have a width on the film
+      const float wide = 1.2f * camera.focal * body.bound / (at.z - body.bound);
+      if (std::abs(at.y - (float(r) + 0.5f) * pixel) > wide) continue;
+      left = std::clamp((at.x - wide) / pixel, 0.0f, right),
+      right = std::clamp((at.x + wide) / pixel, 0.0f, right);
+    }
+    for (int c = int(left); c < int(right); ++c) {
+      const Hit hit = meet(body, camera.eye, start + step * float(c));
       if (hit.t < 1e20f) row[c] = std::min(row[c], make_key(hit.t, first_body + b));
     }
   }
 }
 
 /// Draw bodies and grains into the z-buffer.
-inline void draw_samples(Samples& samples, std::span<const Body> bodies, std::span<const Grain> grains, const Camera& camera) {
+inline void draw_samples(Samples& samples, std::span<const Body> bodies, std::span<const Grain> grains,
+                         const Camera& camera) {
   const int bands = samples.bands();
   std::vector<std::vector<uint32_t>> in_band(static_cast<size_t>(bands));
   for (uint32_t g = 0; g < grains.size(); ++g) {
     const float wide = std::max(grains[g].wide, least_radius);
     const float from = (grains[g].row - wide) / Samples::band, to = (grains[g].row + wide) / Samples::band;
     if (!(to >= 0 && from < float(bands))) continue;
-    for (int b = std::max(0, int(from)); b <= std::min(bands - 1, int(to)); ++b) in_band[size_t(b)].push_back(g);
+    for (int b = std::max(0, int(from)); b <= std::min(bands - 1, int(to)); ++b)
+      in_band[size_t(b)].push_back(g);
   }
 #pragma omp parallel for schedule(dynamic)
   for (int b = 0; b < bands; ++b) {

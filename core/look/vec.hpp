@@ -8,6 +8,7 @@ namespace neve::look {
 
 struct Vec3 {
   float x = 0, y = 0, z = 0;
+  bool operator==(const Vec3&) const = default;
 };
 
 inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -36,6 +37,7 @@ inline bool finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && 
 /// A rotation as its three columns: world = col(0) a.x + col(1) a.y + col(2) a.z.
 struct Rotation {
   Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  bool operator==(const Rotation&) const = default;
   Vec3 to_world(Vec3 a) const { return x * a.x + y * a.y + z * a.z; }
   Vec3 to_local(Vec3 a) const { return {dot(x, a), dot(y, a), dot(z, a)}; }
 };

@@ -1,4 +1,4 @@
-"""Draw a frame of a scene: snow in the sun, its ground and its colliders, without a graphics card or a display."""
+"""Draw a frame of a scene: snow in the sun, its ground and its colliders. Needs no GPU and no display."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from neve import _look
+import neve._look as _look
 
 if TYPE_CHECKING:
     from neve.colliders.motion import Pose
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 # Paint of a collider without a colour of its own: grey-blue steel.
 STEEL = (0.20, 0.23, 0.27)
-# What a strength of one means: light on a surface that faces the sun, and on open level ground, in the units in
-# which the film's curve shows 1 as bright sunlit snow.
-SUN = 1.75
-SKY = 0.58
+# What a strength of one means: light on a surface that faces the sun, and on open level ground, in the
+# units in which the film's curve shows 1 as bright sunlit snow.
+SUN = 2.05
+SKY = 0.5
 
 
 class Preview:
     """Draw frames of one scene with its camera and light.
 
-    Snow is lit by the sun, with soft shadows through the snow's own density, by the sky, as far as the snow leaves
-    it open, and by light that has wandered through thin parts. Every particle is drawn as a few grains at fixed
-    places around it. The same input gives the same bytes for any number of threads.
+    Snow is lit by the sun, with soft shadows through the snow's own density, by the sky, as far as the snow
+    leaves it open, and by light that has wandered through thin parts. Every particle is drawn as a few
+    grains at fixed places around it. The same input gives the same bytes for any number of threads.
     """
 
     def __init__(self, scene: Scene, width: int = 1280, height: int = 720, threads: int = 0) -> None:
@@ -43,17 +43,19 @@ class Preview:
         self.volume = numerics.dx**3 / numerics.particles_per_cell
         # Fine enough for shadows of clods, coarse enough that solid snow has no holes.
         self.cell_size = max(0.75 * numerics.dx, 1.5 * self.volume ** (1 / 3))
-        self._camera = _look.Camera(camera.position, camera.target, camera.up, camera.fov, width, height)
         elevation, azimuth = math.radians(light.sun_elevation), math.radians(light.sun_azimuth)
         sun = (
             math.cos(elevation) * math.cos(azimuth),
             math.cos(elevation) * math.sin(azimuth),
             math.sin(elevation),
         )
-        self._light = _look.Light(
-            sun,
-            _scaled(light.sun_color, SUN * light.sun_strength),
-            _scaled(light.sky_color, SKY * light.sky_strength),
+        self._painter = _look.Painter(
+            _look.Camera(camera.position, camera.target, camera.up, camera.fov, width, height),
+            _look.Light(
+                sun,
+                _scaled(light.sun_color, SUN * light.sun_strength),
+                _scaled(light.sky_color, SKY * light.sky_strength),
+            ),
         )
 
     def draw(
@@ -65,14 +67,15 @@ class Preview:
         """Draw one frame.
 
         x: positions (n, 3) [m], of any float type and layout; particles that are not finite are left out.
-        bodies: colliders and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow is drawn looser.
+        bodies: colliders and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow is drawn
+        looser.
         Returns the picture (height, width, 3), sRGB.
         """
         places = np.ascontiguousarray(x, dtype=np.float32)
         ratio = np.ones(0, np.float32) if J_P is None else np.ascontiguousarray(J_P, dtype=np.float32)
         drawn = [_body(collider, pose) for collider, pose in bodies if collider.visible]
-        picture: npt.NDArray[np.uint8] = _look.draw(
-            places, ratio, self.volume, self.cell_size, drawn, self._camera, self._light, self.threads
+        picture: npt.NDArray[np.uint8] = self._painter.draw(
+            places, ratio, self.volume, self.cell_size, drawn, self.threads
         )
         return picture
 
@@ -93,6 +96,6 @@ def _body(collider: Collider, pose: Pose) -> _look.Body:
         case "cylinder":
             half = (collider.radius, collider.radius, 0.5 * collider.height)
     natural = collider.shape == "plane" and collider.color is None
-    position = tuple(float(a) for a in pose.position)
+    x, y, z = (float(a) for a in pose.position)
     rotation = [float(a) for a in np.asarray(pose.rotation).ravel()]
-    return _look.Body(collider.shape, position, rotation, half, collider.color or STEEL, natural)
+    return _look.Body(collider.shape, (x, y, z), rotation, half, collider.color or STEEL, natural)
