@@ -19,6 +19,7 @@ import click
 USER_ERRORS = (
     ("neve.scene.errors", "SceneError"),
     ("neve.io.errors", "RunError"),
+    ("neve.look.film", "FilmError"),
     ("neve.mpm.solver", "Blowup"),
 )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -30,6 +31,7 @@ class RunFolder:
         self.frames = self.path / "frames"
         self.checkpoint = self.path / "checkpoint"
         self.film = self.path / "preview.mp4"
+        self.film_parts = self.path / ".preview.mp4.parts"  # what neve.look.film keeps of an unfinished film
         self.picture = self.path / "preview.png"
 
     def is_run(self) -> bool:
@@ -157,6 +159,8 @@ class RunFolder:
         for path in (self.checkpoint, self.film, self.picture, self.log, self.scene):
             path.unlink(missing_ok=True)
         self.drop_frames_after(-1)
+        if self.film_parts.is_dir():
+            shutil.rmtree(self.film_parts)
         with contextlib.suppress(OSError):  # the user's own files in it stay, and the folder with them
             self.frames.rmdir()
         self.card.unlink()

@@ -6,6 +6,7 @@ schedule says so. Frames, log, checkpoint and film are outputs; more can be give
 
 from __future__ import annotations
 
+import contextlib
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -113,14 +114,17 @@ def _run(
         write_text(folder.scene, toml)
         if done is not None:
             folder.drop_frames_after(done)
-        painter = Painter(scene, sim.threads)
-        outputs: list[Output] = [FrameOutput(folder), PictureOutput(folder, painter)]
-        if scene.run.film:
-            outputs.append(FilmOutput(folder, scene, painter, done))
-        outputs += [LogOutput(folder, done), *observers]
-        outputs.append(CheckpointOutput(folder, toml, neve.__version__, done))
         last = max(last_frame(scene, frames), done or 0)
-        with follow(folder.path.name, done or 0, last, quiet) as progress, Interrupt(quiet) as interrupt:
+        with contextlib.ExitStack() as stack:
+            painter = Painter(scene, sim.threads)
+            outputs: list[Output] = [FrameOutput(folder), PictureOutput(folder, painter)]
+            if scene.run.film:
+                anew = checkpoint is not None and _looks(checkpoint.scene) != _looks(toml)
+                outputs.append(stack.enter_context(FilmOutput(folder, scene, painter, done, anew)))
+            outputs += [LogOutput(folder, done), *observers]
+            outputs.append(CheckpointOutput(folder, toml, neve.__version__, done))
+            progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
+            interrupt = stack.enter_context(Interrupt(quiet))
             reached = _loop(sim, done, last, outputs, progress, interrupt)
             if reached < last:
                 raise KeyboardInterrupt(
@@ -176,6 +180,11 @@ def _check_same(folder: Path, before: str, now: str) -> None:
                 f"{folder} was made with another scene ({key} is {was} there and {wish} now):"
                 " resume it unchanged, start anew with --force, or choose another --out."
             )
+
+
+def _looks(toml: str) -> object:
+    tables = tomllib.loads(toml)
+    return tables.get("camera"), tables.get("light")
 
 
 def _flatten(value: object, path: str = "") -> Iterator[tuple[str, object]]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import io
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,32 +55,49 @@ class Painter:
 
 
 class FilmOutput:
-    """Draw each frame into `preview.mp4`; frames of an earlier part of the run are drawn from their files."""
+    """Draw each frame into `preview.mp4`.
 
-    def __init__(self, folder: RunFolder, scene: Scene, painter: Painter, done: int | None) -> None:
+    What a stopped process has filmed is kept; frames that are lost, or all if camera or light have changed
+    (`anew`), are drawn again from their files. In a `with` block an error leaves the film of what was done.
+    """
+
+    def __init__(
+        self, folder: RunFolder, scene: Scene, painter: Painter, done: int | None, anew: bool = False
+    ) -> None:
         from neve.look.film import Film
 
         self.schedule: Schedule = EveryFrame()
         self._folder = folder
         self._painter = painter
-        self._film = Film(folder.film, scene.run.fps, SIZE)
-        self._earlier = 0 if done is None else done + 1
+        earlier = 0 if done is None else done + 1
+        self._film = Film(folder.film, scene.run.fps, SIZE, start=0 if anew else earlier)
+        self._lost = list(range(earlier)) if anew else self._film.missing
 
     def write(self, moment: Moment) -> None:
         """Add the frame to the film."""
         with moment.clock.stage("film"):
-            self._add_earlier()
-            self._film.add(self._painter.draw(moment.content))
+            self._add_lost()
+            self._film.add(self._painter.draw(moment.content), index=moment.frame)
 
     def close(self, moment: Moment) -> None:
         """Finish the film file; a stopped run leaves the film of what is done."""
-        self._add_earlier()
-        self._film.close()
+        self._add_lost()
+        self._film.close(keep=not moment.finished)
 
-    def _add_earlier(self) -> None:
-        for frame in range(self._earlier):
-            self._film.add(self._painter.draw(read_frame(self._folder.frames, frame)))
-        self._earlier = 0
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if isinstance(error, Exception):
+            with contextlib.suppress(RuntimeError):  # the first error is the one to tell
+                self._film.close(keep=True)
+
+    def _add_lost(self) -> None:
+        while self._lost:
+            frame = self._lost.pop(0)
+            self._film.add(self._painter.draw(read_frame(self._folder.frames, frame)), index=frame)
 
 
 class PictureOutput:

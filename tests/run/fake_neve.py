@@ -8,6 +8,7 @@ this simulation inside.
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import time
 import types
@@ -116,16 +117,28 @@ class Preview:
 
 
 class Film:
-    """Keep the mean of each image, one line each."""
+    """Keep the mean of each image, one line each; parts of an unfinished film as files in a hidden folder."""
 
-    def __init__(self, path, fps, size):
-        self.path, self.lines = Path(path), [f"{fps} {size}"]
+    def __init__(self, path, fps, size, start=0):
+        self.path, self.parts = Path(path), Path(path).with_name(".preview.mp4.parts")
+        self.frames = {}
+        for part in self.parts.glob("*"):
+            if int(part.name) < start:
+                self.frames[int(part.name)] = part.read_text()
+        self.missing = sorted(set(range(start)) - self.frames.keys())
 
-    def add(self, image):
-        self.lines.append(repr(float(image.mean())))
+    def add(self, image, index=None):
+        assert index not in self.frames
+        self.frames[index] = repr(float(image.mean()))
 
-    def close(self):
-        self.path.write_text("\n".join(self.lines))
+    def close(self, keep=False):
+        assert sorted(self.frames) == list(range(len(self.frames)))
+        self.path.write_text("\n".join(self.frames[index] for index in sorted(self.frames)))
+        shutil.rmtree(self.parts, ignore_errors=True)
+        if keep:
+            self.parts.mkdir()
+            for index, text in self.frames.items():
+                (self.parts / str(index)).write_text(text)
 
 
 def install(put=sys.modules.__setitem__):

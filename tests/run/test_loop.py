@@ -17,7 +17,7 @@ from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError
 from neve.io.log import COLUMNS
 from neve.run import run, run_scene
-from neve.run.pictures import telling_frame
+from neve.run.pictures import Painter, telling_frame
 from neve.scene.load import load
 from neve.schedule import EveryFrames
 
@@ -76,7 +76,7 @@ def test_folder_holds_everything(fake, scene, tmp_path):
     assert sorted(p.name for p in out.iterdir()) == sorted(
         ["run.json", "scene.toml", "log.csv", "frames", "checkpoint", "preview.png", "preview.mp4"]
     )
-    assert len((out / "preview.mp4").read_text().splitlines()) == 1 + 9
+    assert len((out / "preview.mp4").read_text().splitlines()) == 9
     assert sim.time == pytest.approx(0.4)
 
 
@@ -147,6 +147,83 @@ def test_frames_after_the_checkpoint_are_rewritten(fake, scene, tmp_path):
     assert physics(out) == physics(straight)
 
 
+@pytest.fixture
+def stop_after(fake, monkeypatch):
+    """Return a function that makes the simulation press Ctrl-C while it computes frame k."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    real = fake.Simulation.advance
+
+    def at(k):
+        def advance(self, seconds):
+            real(self, seconds)
+            if self.steps == 4 * k:
+                signal.raise_signal(signal.SIGINT)
+
+        monkeypatch.setattr(fake.Simulation, "advance", advance)
+
+    yield at
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def drawn(fake, monkeypatch):
+    """The times [s] of the frames that are drawn, in order."""
+    times = []
+    real = Painter.draw
+    monkeypatch.setattr(
+        Painter, "draw", lambda self, content: times.append(content.time) or real(self, content)
+    )
+    return times
+
+
+def test_stopped_film_goes_on(scene, tmp_path, stop_after, drawn):
+    """A stop leaves the film of what is done and keeps its parts: only a lost frame is drawn again."""
+    straight, out = tmp_path / "straight", tmp_path / "stopped"
+    run(fake_neve.Simulation(scene), straight, quiet=True)
+    stop_after(3)
+    with pytest.raises(
+        KeyboardInterrupt, match=f"stopped after frame 3 of 8; go on with: neve run {out} --resume"
+    ):
+        run(fake_neve.Simulation(scene), out, quiet=True)
+    film = (out / "preview.mp4").read_text()
+    assert len(film.splitlines()) == 4
+    assert (straight / "preview.mp4").read_text().startswith(film)
+    assert not (out / "preview.png").exists()
+    (out / ".preview.mp4.parts/2").unlink()
+    drawn.clear()
+    run_scene(scene, out, resume=True, quiet=True)
+    assert drawn[:-1] == pytest.approx([0.1, 0.2, 0.25, 0.3, 0.35, 0.4])
+    assert (out / "preview.mp4").read_text() == (straight / "preview.mp4").read_text()
+    assert not (out / ".preview.mp4.parts").exists()
+
+
+def test_new_camera_films_anew(scene, scene_file, tmp_path, stop_after, drawn):
+    """Going on with another camera draws the whole film again, so that it is one film."""
+    out = tmp_path / "stopped"
+    stop_after(3)
+    with pytest.raises(KeyboardInterrupt):
+        run(fake_neve.Simulation(scene), out, quiet=True)
+    drawn.clear()
+    run_scene(load(scene_file, ["camera.fov=20.0"]), out, resume=True, quiet=True)
+    assert drawn[:-1] == pytest.approx([k / 20 for k in range(9)])
+
+
+def test_error_leaves_the_film_so_far(fake, scene, tmp_path, monkeypatch):
+    """A simulation that fails leaves film, frames and log of the frames before."""
+    out = tmp_path / "failed"
+    real = fake.Simulation.advance
+
+    def advance(self, seconds):
+        if self.steps == 12:
+            raise RuntimeError("particle 7 lost its numbers")
+        real(self, seconds)
+
+    monkeypatch.setattr(fake.Simulation, "advance", advance)
+    with pytest.raises(RuntimeError, match="particle 7"):
+        run(fake.Simulation(scene), out, quiet=True)
+    assert len((out / "preview.mp4").read_text().splitlines()) == len(frames(out)) == len(table(out)) == 4
+
+
 def test_resume_of_a_finished_run_computes_nothing(fake, scene, tmp_path):
     """A finished run stays as it is, also when fewer frames are asked for; its film is drawn anew."""
     out = tmp_path / "ball"
@@ -155,7 +232,7 @@ def test_resume_of_a_finished_run_computes_nothing(fake, scene, tmp_path):
     (out / "preview.mp4").unlink()
     sim = run_scene(scene, out, frames=2, resume=True, quiet=True)
     assert frames(out) == before
-    assert len((out / "preview.mp4").read_text().splitlines()) == 1 + 9
+    assert len((out / "preview.mp4").read_text().splitlines()) == 9
     assert read_checkpoint(out / "checkpoint").frame == 8
     assert sim.steps == 32
 
