@@ -31,7 +31,7 @@ INTRODUCTION = """\
 <!-- Written by `python -m neve.scene.document` from neve/scene; change it there. -->
 
 A scene is a TOML file. Units are SI (metres, seconds, kilograms; angles in degrees, spins in radians per
-second), and z points up. Every key may be left out, except `shape`, and except that a scene needs at least one source.
+second), and z points up. Every key may be left out, except `shape`, and a scene needs at least one source.
 An unknown key, a value outside its range or a misspelled word is an error that says what is allowed.
 
 The same words lead to a value everywhere: in a file, `[numerics]` and `dx = 0.02`; on the command line,

@@ -156,9 +156,7 @@ class Camera(Part):
     position: Point3 = entry((4.0, -6.0, 2.0), "Where the camera stands.", "m")
     target: Point3 = entry((0.0, 0.0, 0.5), "What is in the middle of the picture.", "m")
     fov: Real = entry(35.0, "Vertical angle of view.", "degrees", gt=1, lt=170)
-    up: Point3 = entry(
-        (0.0, 0.0, 1.0), "Direction that is upward in the picture; not zero, and not along the view.", "1"
-    )
+    up: Point3 = entry((0.0, 0.0, 1.0), "Upward in the picture; not zero, not along the view.", "1")
 
     @model_validator(mode="after")
     def _check(self) -> Camera:
