@@ -1,0 +1,197 @@
+"""Every wrong scene is one sentence that names the key, the value and what is allowed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from neve.scene.errors import SceneError
+from neve.scene.load import load, preset_about, scene_from
+
+BOX = '[[sources]]\nshape = "box"\nsize = [1, 1, 1]\n'
+PLANE = '[[colliders]]\nshape = "plane"\n'
+
+# What is wrong in the file -> what the sentence must say.
+BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
+    (BOX + "[numerics]\ndx = -1", ("numerics.dx = -1", "greater than 0 and at most 1000 [m]")),
+    (BOX + "[numerics]\ndx = 0", ("numerics.dx = 0", "greater than 0")),
+    (BOX + '[numerics]\ndx = "small"', ('numerics.dx = "small"', "a number")),
+    (BOX + "[numerics]\ndx = true", ("numerics.dx = true", "a number")),
+    (BOX + "[numerics]\nDX = 1", ("numerics.DX is not a known key", "did you mean dx?", "flip_alpha")),
+    (BOX + "[numercs]\ndx = 1", ("numercs is not a known key", "did you mean numerics?")),
+    ("dx = 0.1\n" + BOX, ("dx is not a known key", "did you mean numerics.dx?")),
+    ("g = 9.81\n" + BOX, ("g is not a known key", "did you mean world.gravity?")),
+    (BOX + "[numerics]\ndt = 0", ("numerics.dt = 0", '"auto" or a number greater than 0 and at most 1 [s]')),
+    (BOX + '[numerics]\ndt = "atuo"', ('numerics.dt = "atuo"', 'did you mean "auto"?')),
+    (BOX + '[numerics]\nspline = "quadric"', ("numerics.spline", 'did you mean "quadratic"?', '"cubic"')),
+    (BOX + '[numerics]\ntransfer = "pic"', ('numerics.transfer = "pic"', '"apic" or "flip"')),
+    (BOX + "[numerics]\nprecision = 32", ("numerics.precision = 32", '"float32" or "float64"')),
+    (BOX + "[numerics]\nseed = -1", ("numerics.seed = -1", "at least 0")),
+    (BOX + "[numerics]\nseed = 1.5", ("numerics.seed = 1.5", "a whole number")),
+    (BOX + "[numerics]\nparticles_per_cell = 0", ("numerics.particles_per_cell = 0", "from 1 to 512")),
+    (BOX + "[numerics]\ncfl = 1.5", ("numerics.cfl = 1.5", "at most 1")),
+    (BOX + "[snow]\nnu = 0.5", ("snow.nu = 0.5", "at least 0 and less than 0.5")),
+    (BOX + "[snow]\ntheta_c = 1", ("snow.theta_c = 1", "less than 1")),
+    (BOX + "[snow]\ntheta_c = nan", ("snow.theta_c = nan", "a number")),
+    (BOX + "[snow]\nE0 = inf", ("snow.E0 = inf", "[Pa]")),
+    (BOX + "[snow]\nJ_P_min = 1.2", ("snow.J_P_min = 1.2", "less than 1")),
+    (BOX + "[snow]\nJ_P_max = 0.5", ("snow.J_P_max = 0.5", "greater than 1")),
+    (BOX + "[snow]\ndensity = 300", ("snow.density is not a known key", "did you mean rho0?")),
+    (BOX + '[snow]\nlaw = "stomakin"', ("snow.law", 'did you mean "stomakhin2013"?')),
+    (BOX + "[world]\ngravity = [0, 0]", ("world.gravity = [0, 0]", "three numbers", "[m/s2]")),
+    (BOX + "[world]\ngravity = [0, 0, 0, 1]", ("world.gravity = [0, 0, 0, 1]", "three numbers")),
+    (BOX + "[world]\ngravity = 9.81", ("world.gravity = 9.81", "three numbers")),
+    (BOX + "[world]\ngravity = [0, 0, inf]", ("world.gravity = [0, 0, inf]", "three numbers")),
+    ("camera = 5\n" + BOX, ("camera = 5", "a table")),
+    (BOX + "[camera]\nposition = [0, 0, 0.5]", ("camera.target", "must differ from camera.position")),
+    (BOX + "[camera]\nup = [0, 0, 0]", ("camera.up = [0, 0, 0]", "must not be zero")),
+    (BOX + "[camera]\nfov = 180", ("camera.fov = 180", "less than 170 [degrees]")),
+    (BOX + "[light]\nsun_color = [2, 0, 0]", ("light.sun_color = [2, 0, 0]", "three numbers from 0 to 1")),
+    (BOX + "[light]\nsun_elevation = -5", ("light.sun_elevation = -5", "greater than 0 and at most 90")),
+    (BOX + '[run]\nfilm = "yes"', ('run.film = "yes"', "true or false")),
+    (BOX + "[run]\nduration = 2024-01-01", ('run.duration = "2024-01-01"', "a number")),
+    (BOX + "[run]\nfps = 29.97", ("run.fps = 29.97", "a whole number from 1")),
+    ("", ("sources needs at least one entry", "[[sources]]")),
+    ("sources = []", ("sources = []", "needs at least one entry")),
+    ("sources = 5", ("sources = 5", "a list of tables", "[[sources]]")),
+    ("sources = [5]", ("sources.0 = 5", '"box", "sphere", "cylinder", "layer" or "text"')),
+    ('[sources]\nshape = "box"', ("sources = a table", "[[sources]]")),
+    ("[[sources]]\nradius = 1", ("sources.0 has no shape", '"sphere"')),
+    ('[[sources]]\nshape = "shere"', ('sources.0.shape = "shere"', 'did you mean "sphere"?')),
+    ('[[sources]]\nshape = "box"\nradius = 1', ("sources.0.radius is not a known key of a box", "size")),
+    ('[[sources]]\nshape = "box"\nsiez = 1', ("sources.0.siez", "did you mean size?")),
+    ('[[sources]]\nshape = "box"\nsize = [1, 0, 1]', ("sources.0.size = [1, 0, 1]", "greater than 0")),
+    ('[[sources]]\nshape = "sphere"\nradius = 1e7', ("sources.0.radius = 10000000.0", "at most 1000000 [m]")),
+    ('[[sources]]\nshape = "layer"\ncenter = [0, 0, 0]', ("sources.0.center = [0, 0, 0]", "two numbers")),
+    ('[[sources]]\nshape = "text"\ntext = " "', ('sources.0.text = " "', "at least one letter")),
+    ('[[sources]]\nshape = "text"\ntext = 7', ("sources.0.text = 7", "text in quotes")),
+    ('[[sources]]\nshape = "text"\nfont = "no.ttf"', ("sources.0.font", "no.ttf", ".ttf or .otf")),
+    (BOX + "snow = { xi = -5 }", ("sources.0.snow.xi = -5", "from 0 to 100")),
+    (BOX + "snow = { hardening = 5 }", ("sources.0.snow.hardening", "did you mean xi?")),
+    (BOX + "stiffness_noise = { octaves = 99 }", ("sources.0.stiffness_noise.octaves = 99", "from 1 to 8")),
+    (BOX + "stiffness_noise = 0.5", ("sources.0.stiffness_noise = 0.5", "a table")),
+    (BOX + '[[colliders]]\nshape = "plan"', ('colliders.0.shape = "plan"', 'did you mean "plane"?')),
+    (BOX + PLANE + "normal = [0, 0, 0]", ("colliders.0.normal = [0, 0, 0]", "zero vector")),
+    (BOX + PLANE + "friction = 1", ("colliders.0.friction", "of a plane", "did you mean mu_c?")),
+    (BOX + PLANE + "mu_c = -0.1", ("colliders.0.mu_c = -0.1", "from 0 to 100")),
+    (BOX + PLANE + 'mode = "stick"', ('colliders.0.mode = "stick"', 'did you mean "sticky"?')),
+    (
+        BOX + PLANE + "keyframes = [{t = 1}, {t = 1}]",
+        ("colliders.0.keyframes.1.t = 1", "later than", "1 [s]"),
+    ),
+    (BOX + PLANE + "keyframes = [{time = 1}]", ("colliders.0.keyframes.0.time", "t, position, rotation")),
+    (BOX + PLANE + "keyframes = [5]", ("colliders.0.keyframes.0 = 5", "table")),
+    (BOX + PLANE + "velocity = [1, 0, 0]\nkeyframes = [{t = 1}]", ("colliders.0.velocity", "keyframes")),
+    (BOX + PLANE + "spin = [1, 0, 0]\nkeyframes = [{t = 1}]", ("colliders.0.spin", "keyframes")),
+    (BOX + PLANE + "visible = 0", ("colliders.0.visible = 0", "true or false")),
+    ("[numerics\ndx = 1", ("line 1", "not valid TOML")),
+    (BOX + "[numerics]\ndx = \n", ("line 5", "not valid TOML")),
+    (BOX + "[numerics]\ndx = 0.1\ndx = 0.2\n", ("line 6", "not valid TOML")),
+    ("a = " + "[" * 5000, ("nested too deeply",)),
+]
+
+# An override of a scene with one box of snow -> what the sentence must say.
+BAD_OVERRIDES: list[tuple[str, tuple[str, ...]]] = [
+    ("numerics.dx", ("--set numerics.dx:", "key=value")),
+    ("=1", ("--set =1", "key=value")),
+    ("numerics.dx=", ("--set numerics.dx=", "key=value")),
+    ("numerics..dx=1", ("--set numerics..dx=1", "key=value")),
+    ("numerics.dx=-1", ("--set numerics.dx=-1: numerics.dx = -1", "greater than 0")),
+    ("numerics.dxx=1", ("numerics.dxx is not a known key", "did you mean dx?")),
+    ("snwo.xi=1", ("snwo is not a known key", "did you mean snow?")),
+    ("numerics.transfer=flp", ('numerics.transfer = "flp"', 'did you mean "flip"?')),
+    ("sources.1.size=[1,1,1]", ("sources has no entry 1", "0 is the only one")),
+    ("sources.-1.size=[1,1,1]", ("sources.-1", "number of an entry")),
+    ("sources.size=[1,1,1]", ("sources is a list", "number of an entry")),
+    ("sources.0.size.3=1", ("sources.0.size has no entry 3", "0 to 2")),
+    ("sources.0.size.1=-3", ("sources.0.size = [1, -3, 1]", "greater than 0")),
+    ("sources.0.size=[1,", ("not valid TOML",)),
+    ("colliders.0.mu_c=1", ("colliders has no entries",)),
+    ("sources.0.shape.x=1", ("sources.0.shape", "single value")),
+    ("sources.0.radius=1", ("sources.0.radius is not a known key of a box",)),
+    ("numerics.seed=1\nx = 2", ("numerics.seed", "a whole number")),
+]
+
+
+def sentence_of(error: SceneError) -> str:
+    """Return the sentence of `error`, after checking that it is one."""
+    text = str(error)
+    assert "\n" not in text
+    assert text.endswith(".")
+    assert not re.search(r"[.!] [A-Z]", text), "more than one sentence"
+    assert "Input should" not in text
+    assert "Traceback" not in text
+    return text
+
+
+@pytest.mark.parametrize(("content", "parts"), BAD_FILES)
+def test_bad_file_is_one_sentence(content: str, parts: tuple[str, ...], tmp_path: Path) -> None:
+    """A bad file: the sentence starts with the file, names the key and says what is allowed."""
+    path = tmp_path / "bad.toml"
+    path.write_text(content)
+    with pytest.raises(SceneError) as caught:
+        load(path)
+    sentence = sentence_of(caught.value)
+    assert sentence.startswith(str(path))
+    for part in parts:
+        assert part in sentence
+
+
+@pytest.mark.parametrize(("text", "parts"), BAD_OVERRIDES)
+def test_bad_override_is_one_sentence(text: str, parts: tuple[str, ...], tmp_path: Path) -> None:
+    """A bad override: the sentence starts with --set, not with the file."""
+    path = tmp_path / "good.toml"
+    path.write_text(BOX)
+    with pytest.raises(SceneError) as caught:
+        load(path, [text])
+    sentence = sentence_of(caught.value)
+    assert sentence.startswith("--set ")
+    for part in parts:
+        assert part in sentence
+
+
+def test_other_problems_are_counted() -> None:
+    """The first problem is told, the others are counted."""
+    tables = {"sources": [{"shape": "box"}], "numerics": {"dx": -1, "cfl": -1, "seed": -1}}
+    with pytest.raises(SceneError, match=r"^scene: numerics\.dx = -1 .* \(and 2 more\)\.$"):
+        scene_from(tables)
+
+
+def test_unknown_preset_names_the_nearest() -> None:
+    """A misspelled preset: the nearest name and the list."""
+    with pytest.raises(SceneError) as caught:
+        load("throw_bal")
+    sentence = sentence_of(caught.value)
+    assert 'called "throw_bal"' in sentence
+    assert "did you mean throw_ball?" in sentence
+    assert "text_fall" in sentence
+    with pytest.raises(SceneError, match="did you mean plow"):
+        preset_about("plough")
+
+
+def test_missing_file_names_the_nearest(tmp_path: Path) -> None:
+    """A misspelled file: the nearest file of its folder."""
+    (tmp_path / "ball.toml").write_text(BOX)
+    with pytest.raises(SceneError) as caught:
+        load(tmp_path / "bal.toml")
+    sentence = sentence_of(caught.value)
+    assert "bal.toml: there is no such file" in sentence
+    assert f"did you mean {tmp_path / 'ball.toml'}?" in sentence
+    with pytest.raises(SceneError, match="there is no such file"):
+        load(tmp_path / "nowhere" / "ball.toml")
+
+
+def test_folder_without_scene(tmp_path: Path) -> None:
+    """A folder that is no run."""
+    with pytest.raises(SceneError, match=r"is a folder without scene\.toml"):
+        load(tmp_path)
+
+
+def test_file_that_is_not_text(tmp_path: Path) -> None:
+    """A picture, say, given as a scene."""
+    path = tmp_path / "x.toml"
+    path.write_bytes(b"\x89PNG\xff")
+    with pytest.raises(SceneError, match=r"x\.toml: byte 0 is not UTF-8 text"):
+        load(path)

@@ -1,0 +1,106 @@
+"""Poses of scripted bodies: known places, and velocities that are the derivatives of the places."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from neve.colliders.motion import Pose, pose, rotation_vector, turn
+from neve.scene.scene import Box, Collider, Cylinder, Keyframe, Plane, Sphere
+
+RNG = np.random.default_rng(0)
+KEYS = (
+    Keyframe(t=0.5, position=(0.0, 0.0, 1.0), rotation=(0.0, 0.0, 0.0)),
+    Keyframe(t=1.5, position=(2.0, 0.0, 1.0), rotation=(0.0, 0.0, 90.0)),
+    Keyframe(t=2.0, position=(2.0, 1.0, 3.0), rotation=(40.0, -20.0, 120.0)),
+)
+MOVING: list[Collider] = [
+    Box(keyframes=KEYS),
+    Plane(normal=(0.3, -0.4, 0.8), keyframes=KEYS),
+    Sphere(velocity=(1.0, -2.0, 0.5), spin=(0.5, 2.0, -1.0)),
+    Cylinder(rotation=(30.0, 40.0, -70.0), velocity=(1.0, 0.0, 0.0), spin=(3.0, 0.0, 4.0)),
+    Plane(normal=(1.0, 1.0, 0.0), point=(0.0, 0.0, 2.0), velocity=(0.0, 0.0, 1.0), spin=(0.0, 0.0, 1.0)),
+]
+
+
+def test_turn_is_the_rotation_by_an_angle_about_an_axis() -> None:
+    """turn(w): keeps the axis, is orthogonal with determinant 1, and its trace is 1 + 2 cos |w|."""
+    for w in RNG.normal(size=(50, 3)) * 3.0:
+        R = turn(w)
+        assert R @ w == pytest.approx(w, abs=1e-12)
+        assert np.eye(3) == pytest.approx(R @ R.T, abs=1e-14)
+        assert np.linalg.det(R) == pytest.approx(1.0)
+        assert np.trace(R) == pytest.approx(1.0 + 2.0 * np.cos(np.linalg.norm(w)))
+    assert turn(np.array([0.0, 0.0, np.pi / 2])) @ [1.0, 0.0, 0.0] == pytest.approx(
+        [0.0, 1.0, 0.0], abs=1e-15
+    )
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-4, 1.0, 3.0, np.pi - 1e-8, np.pi])
+def test_rotation_vector_undoes_turn(angle: float) -> None:
+    """rotation_vector(turn(w)) turns as w does, for angles from nothing to half a turn."""
+    for axis in (*np.eye(3), -np.eye(3)[1], *RNG.normal(size=(20, 3))):
+        w = angle * axis / np.linalg.norm(axis)
+        back = rotation_vector(turn(w))
+        assert np.linalg.norm(back) == pytest.approx(angle, abs=1e-8)
+        assert turn(back) == pytest.approx(turn(w), abs=1e-12)
+
+
+@pytest.mark.parametrize("body", MOVING, ids=lambda body: f"{body.shape}-{len(body.keyframes)}")
+@pytest.mark.parametrize("t", [0.2, 0.9, 1.7, 2.5])
+def test_velocities_are_derivatives(body: Collider, t: float) -> None:
+    """v = dx/dt and dR/dt = [omega]_x R, by central differences (error h^2 |omega|^3 / 6)."""
+    h = 1e-5
+    before, now, after = pose(body, t - h), pose(body, t), pose(body, t + h)
+    assert (after.position - before.position) / (2 * h) == pytest.approx(now.velocity, abs=1e-8)
+    rate = (after.rotation - before.rotation) / (2 * h)
+    assert rate == pytest.approx(np.cross(now.omega, now.rotation.T).T, abs=1e-7)
+    point = now.rotation @ np.array([0.3, -0.2, 0.5])
+    ends = [p.position + p.rotation @ np.array([0.3, -0.2, 0.5]) for p in (before, after)]
+    assert (ends[1] - ends[0]) / (2 * h) == pytest.approx(now.velocity_at(now.position + point), abs=1e-7)
+
+
+def test_keyframes_are_met_and_held() -> None:
+    """At a keyframe the body is where it says; before the first and after the last it rests there."""
+    body = Box(keyframes=KEYS)
+    for key in KEYS:
+        assert pose(body, key.t).position == pytest.approx(key.position)
+        assert pose(body, key.t).rotation == pytest.approx(turn(np.radians(key.rotation)), abs=1e-12)
+    for t, key in ((0.0, KEYS[0]), (2.0, KEYS[2]), (9.0, KEYS[2])):
+        resting = pose(body, t)
+        assert resting.position == pytest.approx(key.position)
+        assert not resting.velocity.any()
+        assert not resting.omega.any()
+    half = pose(body, 1.0)
+    assert half.position == pytest.approx([1.0, 0.0, 1.0])
+    assert half.rotation == pytest.approx(turn(np.array([0.0, 0.0, np.pi / 4])), abs=1e-12)
+    assert half.velocity == pytest.approx([2.0, 0.0, 0.0])
+    assert half.omega == pytest.approx([0.0, 0.0, np.pi / 2])
+
+
+def test_left_out_parts_of_a_keyframe_are_the_bodys_own() -> None:
+    """A keyframe without position or rotation keeps the body's own."""
+    body = Cylinder(
+        center=(1.0, 2.0, 3.0), rotation=(90.0, 0.0, 0.0), keyframes=(Keyframe(t=0), Keyframe(t=1))
+    )
+    resting = pose(body, 0.5)
+    assert resting.position == pytest.approx([1.0, 2.0, 3.0])
+    assert resting.rotation @ [0.0, 0.0, 1.0] == pytest.approx([0.0, -1.0, 0.0], abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "normal", [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0, -2, 0), (1, 2, 3), (1e-9, 0, -1), (-1, 1e-7, -1)]
+)
+def test_z_of_a_plane_is_its_normal(normal: tuple[float, float, float]) -> None:
+    """The frame of a plane is a proper rotation whose z is the normal."""
+    R = pose(Plane(normal=normal), 0.0).rotation
+    assert R[:, 2] == pytest.approx(np.array(normal) / np.linalg.norm(normal), abs=1e-12)
+    assert np.eye(3) == pytest.approx(R @ R.T, abs=1e-14)
+    assert np.linalg.det(R) == pytest.approx(1.0)
+
+
+def test_default_plane_is_the_ground() -> None:
+    """The default plane has the world's own axes."""
+    ground: Pose = pose(Plane(), 3.0)
+    assert np.array_equal(ground.rotation, np.eye(3))
+    assert np.array_equal(ground.position, np.zeros(3))
