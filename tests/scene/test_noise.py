@@ -53,7 +53,7 @@ def test_noise_is_smooth_and_of_the_asked_size() -> None:
 
 
 def test_noise_has_no_jumps() -> None:
-    """Along a line through many lattice cells, on both sides of 0, steps of 0.002 features change it by < 0.02."""
+    """Along lines through many lattice cells, steps of 0.002 features change it by less than 0.02."""
     t = np.linspace(-10.0, 10.0, 10_001)
     for direction in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.0, -0.8]):
         line = np.outer(t, direction) + np.array([0.3, 0.7, 0.1])
