@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 class Diagnostics:
     """Hold the sums over all particles at one instant, added up in double precision in a fixed order.
 
-    mass [kg], momentum (3,) [kg m/s], kinetic, elastic and potential energy [J] (potential: -m g . x; kinetic:
-    of the particles' velocities, without the affine part of APIC), number of particles and of allocated blocks.
+    mass [kg], momentum (3,) [kg m/s], kinetic, elastic and potential energy [J], numbers of particles and of
+    allocated blocks. The potential is -m g . x; the kinetic energy is that of the particles' velocities,
+    without the affine part of APIC.
     """
 
     mass: float
