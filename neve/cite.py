@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from neve.io.version import version
+
 if TYPE_CHECKING:
     from neve.scene.scene import Scene
 
@@ -116,10 +118,8 @@ def bibtex(scene: Scene) -> str:
 
 
 def _neve() -> str:
-    import neve
-
     return f"""@software{{neve,
   author  = {{{{The Neve developers}}}},
   title   = {{Neve: a snow laboratory}},
-  version = {{{neve.__version__}}}
+  version = {{{version()}}}
 }}"""

@@ -56,9 +56,9 @@ def _whole(ctx: click.Context, param: click.Parameter, value: str | None) -> int
 def cli(ctx: click.Context, version: bool) -> None:
     """Neve, a snow laboratory: simulate snow and film it."""
     if version:
-        import neve
+        from neve.io.version import version as installed
 
-        click.echo(f"neve {neve.__version__}")
+        click.echo(f"neve {installed()}")
         ctx.exit()
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())
@@ -145,11 +145,11 @@ def info(as_json: bool) -> None:
     """Show the version and what the core was built for."""
     import platform
 
-    import neve
     from neve import _core
+    from neve.io.version import version
 
     facts: dict[str, Any] = {
-        "version": neve.__version__,
+        "version": version(),
         **_core.build_info(),
         "python": platform.python_version(),
         "platform": platform.platform(),

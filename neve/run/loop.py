@@ -16,6 +16,7 @@ from neve.io.atomic import write_text
 from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
+from neve.io.version import version
 from neve.progress import Progress, follow
 from neve.run.interrupt import Interrupt
 from neve.run.outputs import CheckpointOutput, Clock, FrameOutput, LogOutput, Moment, Output
@@ -99,7 +100,6 @@ def _run(
     observers: Sequence[Output],
 ) -> Simulation:
     """Make the folder ready, start or restore the simulation, and run the loop with the run's outputs."""
-    import neve
     from neve.scene.load import to_toml
 
     folder.check(resume, force)
@@ -110,7 +110,7 @@ def _run(
             _check_same(folder.path, checkpoint.scene, toml)
         sim = start(checkpoint)
         done = None if checkpoint is None else checkpoint.frame
-        folder.open(neve.__version__, resume, force)
+        folder.open(version(), resume, force)
         write_text(folder.scene, toml)
         if done is not None:
             folder.drop_frames_after(done)
@@ -122,7 +122,7 @@ def _run(
                 anew = checkpoint is not None and _looks(checkpoint.scene) != _looks(toml)
                 outputs.append(stack.enter_context(FilmOutput(folder, scene, painter, done, anew)))
             outputs += [LogOutput(folder, done), *observers]
-            outputs.append(CheckpointOutput(folder, toml, neve.__version__, done))
+            outputs.append(CheckpointOutput(folder, toml, version(), done))
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
             interrupt = stack.enter_context(Interrupt(quiet))
             reached = _loop(sim, done, last, outputs, progress, interrupt)
