@@ -84,12 +84,19 @@ class Backdrop {
   // Between nodes that differ by more than this the light is found pixel by pixel.
   static constexpr float smooth = 0.06f;
 
+  /// What arrives at a point of the set: shares of the sun past the snow and past the bodies, and of the sky.
+  struct Arrival {
+    float snow = 1, bodies = 1, sky = 1;
+  };
   struct Node {
     Arrival arrival;
+    Vec3 point;
     int body = unknown;
   };
 
-  static Vec3 compose(const SetPoint& set, Arrival a) { return set.sun * a.sun + set.sky * a.sky + set.rest; }
+  static Vec3 compose(const SetPoint& set, Arrival a) {
+    return set.sun * (a.snow * a.bodies) + set.sky * a.sky + set.rest;
+  }
   size_t at(int i, int j) const { return size_t(i) * size_t(columns_) + size_t(j); }
 
   struct Nearest {
@@ -136,42 +143,54 @@ class Backdrop {
     const Vec3 ray = camera_.through(float(j * cell) + 0.5f, float(i * cell) + 0.5f);
     const Nearest found = nearest(ray);
     if (found.body < 0) return {};
-    return {arrival(bodies_[size_t(found.body)], camera_.eye + ray * found.hit.t, found.hit.normal),
-            found.body};
+    const Vec3 point = camera_.eye + ray * found.hit.t;
+    return {arrival(bodies_[size_t(found.body)], point, found.hit.normal), point, found.body};
   }
   Arrival arrival(const Body& self, Vec3 point, Vec3 normal) const {
-    return {sun_arrival(*snow_, bodies_, self, light_, point),
+    return {sun_arrival(*snow_, light_, point), sun_past(bodies_, &self, point, light_.sun),
             sky_arrival(*snow_, bodies_, self, point, normal)};
   }
 
+  /// Interpolate what arrives at pixel (r, c) from the four nodes around it, or find it anew where they
+  /// differ.
   Arrival between_nodes(int r, int c, int body) const {
     const int i = r / cell, j = c / cell;
-    const Node& n00 = node_[at(i, j)];
-    const Node& n01 = node_[at(i, j + 1)];
-    const Node& n10 = node_[at(i + 1, j)];
-    const Node& n11 = node_[at(i + 1, j + 1)];
-    const bool same = n00.body == body && n01.body == body && n10.body == body && n11.body == body;
+    const Corners nodes{&node_[at(i, j)], &node_[at(i, j + 1)], &node_[at(i + 1, j)],
+                        &node_[at(i + 1, j + 1)]};
+    const bool same =
+        std::all_of(nodes.begin(), nodes.end(), [body](const Node* n) { return n->body == body; });
     const float a = float(r % cell) / cell, b = float(c % cell) / cell;
     Arrival here;
-    const bool sun =
-        same && between({n00.arrival.sun, n01.arrival.sun, n10.arrival.sun, n11.arrival.sun}, a, b, here.sun);
-    const bool sky =
-        same && between({n00.arrival.sky, n01.arrival.sky, n10.arrival.sky, n11.arrival.sky}, a, b, here.sky);
-    if (sun && sky) return here;
+    const bool snow = same && between(nodes, &Arrival::snow, snow_tolerance(nodes), a, b, here.snow);
+    const bool past = same && between(nodes, &Arrival::bodies, smooth, a, b, here.bodies);
+    const bool sky = same && between(nodes, &Arrival::sky, smooth, a, b, here.sky);
+    if (snow && past && sky) return here;
     const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
     const Body& self = bodies_[size_t(body)];
     const Hit hit = meet(self, camera_.eye, ray);
     const Vec3 point = camera_.eye + ray * hit.t;
-    if (!sun) here.sun = sun_arrival(*snow_, bodies_, self, light_, point);
+    if (!snow) here.snow = sun_arrival(*snow_, light_, point);
+    if (!past) here.bodies = sun_past(bodies_, &self, point, light_.sun);
     if (!sky) here.sky = sky_arrival(*snow_, bodies_, self, point, hit.normal);
     return here;
   }
 
-  /// Interpolate between four corners if they are much alike; say whether they are.
-  static bool between(const std::array<float, 4>& corner, float a, float b, float& value) {
-    const auto [low, high] = std::minmax({corner[0], corner[1], corner[2], corner[3]});
-    value = mix(mix(corner[0], corner[1], b), mix(corner[2], corner[3], b), a);
-    return high - low < smooth;
+  using Corners = std::array<const Node*, 4>;
+
+  /// The snow's shadow has no details finer than the density's cells: nodes closer than that may differ.
+  float snow_tolerance(const Corners& nodes) const {
+    const Vec3 one = nodes[3]->point - nodes[0]->point, other = nodes[2]->point - nodes[1]->point;
+    const float far = std::max(dot(one, one), dot(other, other)), near = 2.5f * snow_->cell_size();
+    return std::clamp(0.12f * near * near / std::max(far, 1e-20f), smooth, 1.0f);
+  }
+
+  /// Interpolate one share between four nodes; say whether they are as alike as they need to be.
+  static bool between(const Corners& nodes, float Arrival::*share, float tolerance, float a, float b,
+                      float& value) {
+    const float n00 = nodes[0]->arrival.*share, n01 = nodes[1]->arrival.*share;
+    const float n10 = nodes[2]->arrival.*share, n11 = nodes[3]->arrival.*share;
+    value = mix(mix(n00, n01, b), mix(n10, n11, b), a);
+    return std::max({n00, n01, n10, n11}) - std::min({n00, n01, n10, n11}) < tolerance;
   }
 
   Camera camera_;

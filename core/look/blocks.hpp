@@ -119,7 +119,8 @@ class Blocks {
   };
 
   static uint32_t hash(Int3 b) {
-    return scramble(uint32_t(b.x) * 73856093u ^ uint32_t(b.y) * 19349663u ^ uint32_t(b.z) * 83492791u);
+    const uint32_t a = uint32_t(b.x) * 73856093u ^ uint32_t(b.y) * 19349663u ^ uint32_t(b.z) * 83492791u;
+    return a ^ a >> 15;
   }
   Vec3 cell_of(Vec3 p) const { return {p.x * inv_h_ - 0.5f, p.y * inv_h_ - 0.5f, p.z * inv_h_ - 0.5f}; }
   bool inside(Vec3 p) const {

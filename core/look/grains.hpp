@@ -30,7 +30,7 @@ class Cluster {
     solid_ = int(std::clamp(std::min(std::pow(pixels / 1.6f, 3.0f), affordable), 1.0f, float(most)));
     loose_ = int(std::clamp(std::min(3.0f * float(solid_), affordable), float(solid_), float(most)));
     spread_ = loose_ > 1 ? 0.66f * spacing : 0.0f;
-    radius_ = 0.62f * spacing / std::cbrt(float(solid_));
+    radius_ = 0.68f * spacing / std::cbrt(float(solid_));
     for (uint32_t o = 0; o < places; ++o) place_[o] = in_ball(o);
   }
 
@@ -46,12 +46,12 @@ class Cluster {
   /// Place of a grain around its particle [m]. wider: how much the particle's snow has dilated along one
   /// axis.
   Vec3 offset(uint32_t seed, float loose, float powder, float wider) const {
-    return place_[seed & (places - 1)] * (spread_ * wider * mix(1.0f, 0.55f + 1.9f * powder, loose));
+    return place_[seed & (places - 1)] * (spread_ * wider * mix(1.0f, 0.72f + 1.7f * powder, loose));
   }
   /// Radius of grain g [m].
   float radius(uint32_t seed, int g, float loose, float powder) const {
     const float u = float(seed >> 24) * (1.0f / 256.0f), size = radius_ * (0.65f + 0.75f * u * u);
-    const float fine = 0.75f - 0.45f * powder;
+    const float fine = 0.62f - 0.34f * powder;
     return size * (g < solid_ ? mix(1.0f, fine, loose) : fine * loose);
   }
 
@@ -76,8 +76,9 @@ inline bool buried(const Density& snow, Vec3 p, Vec3 eye, float here) {
   constexpr float full = 0.55f;
   if (here < full) return false;
   const Vec3 step = normalize(eye - p) * snow.cell_size();
-  return snow.sample(p + step) > full && snow.sample(p + step * 2.0f) > full &&
-         snow.sample(p + step * 3.0f) > full;
+  for (float far : {1.0f, 2.2f, 3.4f, 4.6f})
+    if (snow.sample(p + step * far) < full) return false;
+  return true;
 }
 
 /// The particles' grains on the film.

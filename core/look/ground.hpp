@@ -56,12 +56,13 @@ struct Finish {
 /// scene [m].
 inline Finish frozen_ground(const Body& body, Vec3 point, float reach, float pixel) {
   const Vec3 p = body.turn.to_local(point - body.position);
-  const Relief drift = fractal(p.x, p.y, 0.62f * reach, 5, 0.45f, pixel, 11);
-  const Relief crust = fractal(p.x, p.y, 0.024f * reach, 5, 0.66f, pixel, 71);
-  const float frost = smoothstep(-1.0f, 1.5f, drift.value + 0.22f * crust.value);
-  const Vec3 soil{0.150f, 0.138f, 0.128f}, rime{0.315f, 0.332f, 0.362f};
-  const Vec3 color = mix(soil, rime, frost) * (1.0f + 0.10f * crust.value);
-  const float bump = 0.0016f * reach;
+  const Relief drift = fractal(p.x, p.y, 0.60f * reach, 6, 0.50f, pixel, 11);
+  const Relief crust = fractal(p.x, p.y, 0.013f * reach, 4, 0.75f, pixel, 71);
+  // Hoarfrost lies on the grains of the crust first: they break the edges of the drifts.
+  const float frost = smoothstep(-0.7f, 1.25f, drift.value + 0.40f * crust.value);
+  const Vec3 soil{0.150f, 0.138f, 0.128f}, rime{0.330f, 0.348f, 0.380f};
+  const Vec3 color = mix(soil, rime, frost) * (1.0f + 0.15f * crust.value);
+  const float bump = 0.0011f * reach;
   const Vec3 local = normalize({-bump * crust.du, -bump * crust.dv, 1.0f});
   return {color, body.turn.to_world(local)};
 }
@@ -128,18 +129,12 @@ inline SetPoint set_point(const Body& body, const Hit& hit, const Camera& camera
   return set;
 }
 
-/// Shares of sun and sky that arrive at a point of the set.
-struct Arrival {
-  float sun = 1, sky = 1;
-};
-
-inline float sun_arrival(const Density& snow, std::span<const Body> bodies, const Body& self,
-                         const Light& light, Vec3 point) {
-  const float past = sun_past(bodies, &self, point, light.sun);
-  return past > 0 && !snow.empty() ? past * std::exp(-sun_path(snow, point, light.sun, 0.3f, 0.0f).far)
-                                   : past;
+/// Share of the sun that the snow leaves to a point of the set.
+inline float sun_arrival(const Density& snow, const Light& light, Vec3 point) {
+  return snow.empty() ? 1.0f : std::exp(-sun_path(snow, point, light.sun, 0.3f, 0.0f).far);
 }
 
+/// Share of the sky that snow and bodies leave to a point of the set.
 inline float sky_arrival(const Density& snow, std::span<const Body> bodies, const Body& self, Vec3 point,
                          Vec3 normal) {
   const float open =

@@ -30,14 +30,18 @@ inline SunPath sun_path(const Density& snow, Vec3 p, Vec3 sun, float start, floa
   constexpr float dark = 8.0f;
   const float h = snow.cell_size();
   const Blocks &middle = snow.level(2), &all = snow.level(Density::levels - 1);
-  float t = start * h, end = 1e30f;
+  float t = start * h, end = 1e30f, inside = 0;  // inside: where the occupied block around t ends
   SunPath path;
   all.clip(p, sun, t, end);
   for (int step = 0; step < step_limit && t < end && path.near + path.far < dark; ++step) {
-    const Vec3 q = p + sun * t;
-    if (!middle.occupied(q)) {
-      t += (all.occupied(q) ? middle : all).exit(q, sun) + 0.01f * h;
-      continue;
+    if (t >= inside) {
+      const Vec3 q = p + sun * t;
+      const bool occupied = middle.occupied(q);
+      inside = t + (occupied || all.occupied(q) ? middle : all).exit(q, sun) + 0.01f * h;
+      if (!occupied) {
+        t = inside;
+        continue;
+      }
     }
     const float width = std::max(1.0f, 0.1f * t / h);  // of the penumbra and the step, in cells
     const Vec3 between = p + sun * (t + 0.5f * width * h);

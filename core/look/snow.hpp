@@ -29,7 +29,7 @@ inline Lit light_particle(const Density& snow, std::span<const Body> bodies, con
   const Vec3 above = p + lit.normal * (h * (0.5f + 0.8f * saturate(cover - 0.3f)));
   const float past = sun_past(bodies, nullptr, p, light.sun);
   const SunPath path = sun_path(snow, above, light.sun, 0.25f, 1.8f);
-  const float direct = std::exp(-path.far - 0.25f * path.near),
+  const float direct = std::exp(-path.far - (0.55f - 0.3f * saturate(cover)) * path.near),
               through = std::exp(-0.38f * (path.near + path.far));
   lit.sun = light.sun_color * (direct * past);
   const float sky =

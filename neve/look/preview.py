@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 STEEL = (0.20, 0.23, 0.27)
 # What a strength of one means: light on a surface that faces the sun, and on open level ground, in the
 # units in which the film's curve shows 1 as bright sunlit snow.
-SUN = 2.05
+SUN = 1.9
 SKY = 0.5
 
 
