@@ -90,7 +90,7 @@ FRAME = Block((25, 10, 10), 40, 25, 120)
 
 def landing_block(cells: tuple[int, int, int], **numerics: Any) -> Scene:
     """Return the scene of a block of `cells` cells, standing on the ground and moving down into it."""
-    size = tuple(n * DX for n in cells)
+    size = (cells[0] * DX, cells[1] * DX, cells[2] * DX)
     return Scene(
         numerics=Numerics(**{"dx": DX, "dt": DT, "initial_volume": "sampled", **numerics}),
         sources=(SnowBox(center=(0.0, 0.0, size[2] / 2), size=size, velocity=(0.0, 0.0, -SPEED)),),

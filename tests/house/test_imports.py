@@ -1,30 +1,30 @@
 """What an import may load, and that the tests look at the code that stands here."""
 
+import ast
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import neve
 
 ROOT = Path(__file__).parents[2]
-NEEDED = {
-    "neve",
-    "numpy",
-    "pydantic",
-    "pydantic_core",
-    "annotated_types",
-    "typing_extensions",
-    "typing_inspection",
-}
+MODULES = sorted((ROOT / "neve").rglob("*.py"))
+PYDANTIC = {"pydantic", "pydantic_core", "annotated_types", "typing_extensions", "typing_inspection"}
+NEEDED = {"neve", "numpy", "tomli_w", *PYDANTIC}
 LISTING = "import json, sys; seen = set(sys.modules); {}; print(json.dumps(sorted(set(sys.modules) - seen)))"
 
 
 def loaded_by(statement):
     """Top-level modules that a fresh interpreter loads for a statement."""
     command = [sys.executable, "-P", "-c", LISTING.format(statement)]
-    modules = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-    return {name.partition(".")[0] for name in modules}
+    place = {**os.environ, "PYTHONPATH": str(Path(neve.__file__).parents[1])}
+    told = subprocess.run(command, check=True, capture_output=True, text=True, env=place).stdout
+    modules = json.loads(told)
+    return {name.partition(".")[0] for name in modules if not name.startswith("_sysconfigdata")}
 
 
 def test_import_loads_only_what_a_scene_needs():
@@ -49,3 +49,19 @@ def test_installed_package_is_this_checkout():
         if not (installed / name).exists() or (installed / name).read_bytes() != path.read_bytes()
     ]
     assert differs == [], "the installed package is not this checkout; run: pip install ."
+
+
+def taken_from_the_top(path):
+    """Names that a module takes from the package itself: `from neve import NAME`, `neve.NAME`."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module == "neve":
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "neve":
+            yield node.attr
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_no_module_asks_the_top_for_what_lies_below(path):
+    """A module imports others by their own names, so that the import rules see it."""
+    below = {p.stem for p in (ROOT / "neve").iterdir() if p.is_dir() or p.suffix == ".py"}
+    assert set(taken_from_the_top(path)) - below - {"_core", "_look", "__version__"} == set()
