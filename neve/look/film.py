@@ -76,7 +76,11 @@ class Film:
                 self._end_segment()
             if self._encoder is None:
                 self._encoder = _Encoder(self._parts, frame, self.fps, self.size)
-            self._encoder.add(np.ascontiguousarray(image).data)
+            try:
+                self._encoder.add(np.ascontiguousarray(image).data)
+            except FilmError:
+                self._lose_segment(self._encoder)
+                raise
         self._held.add(frame)
         self._next = max(self._next, frame + 1)
 
@@ -123,7 +127,15 @@ class Film:
     def _end_segment(self) -> None:
         encoder, self._encoder = self._encoder, None
         if encoder:
-            encoder.close()
+            try:
+                encoder.close()
+            except FilmError:
+                self._lose_segment(encoder)
+                raise
+
+    def _lose_segment(self, encoder: _Encoder) -> None:
+        self._encoder = None
+        self._held.difference_update(range(encoder.first, encoder.last + 1))
 
     def _join(self, parts: list[Path]) -> None:
         temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}.tmp")
