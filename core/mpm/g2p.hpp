@@ -37,12 +37,15 @@ auto parameters_of(const Model<T>& model, const State<T>& state, std::size_t p, 
   return q;
 }
 
-// F_E of a batch; lanes without a particle hold the identity, which costs the SVD nothing.
+// Put the identity into the lanes without a particle: they then take no part in the SVD's common decisions, on which
+// the last bits of the other lanes depend.
+template <class R>
+Mat3<R> quiet(const Mat3<R>& F, int count) {
+  return count < width<R> ? select(first_lanes<R>(count), F, identity<R>()) : F;
+}
 template <class R>
 Mat3<R> load_deformation(const State<scalar_t<R>>& state, std::size_t p, int count) {
-  Mat3<R> F = load_matrix<R>(state.F_E, p, count);
-  if (count < width<R>) F = select(first_lanes<R>(count), F, identity<R>());
-  return F;
+  return quiet(load_matrix<R>(state.F_E, p, count), count);
 }
 
 template <class R>
@@ -103,10 +106,10 @@ class HomeGather {
     const Mat3<R> grad_v = X::template velocity_gradient<S>(G, model_.dx);
 
     // 7. deformation, plastic flow, hardening; and the stress of the new state
-    const Mat3<R> F = load_deformation<R>(state_, p, count);
+    const Mat3<R> F = load_matrix<R>(state_.F_E, p, count);
     const R J_P = load<R>(state_.J_P.column(0) + p, count);
     const auto q = parameters_of<T, Law>(model_, state_, p, count);
-    const Mapped<R> mapped = Law::return_map(F + scaled(grad_v * F, dt_), J_P, q);
+    const Mapped<R> mapped = Law::return_map(quiet(F + scaled(grad_v * F, dt_), count), J_P, q);
 
     // 8. velocities, 9. particle collisions, 10. positions
     Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, model_.flip_alpha);
@@ -124,13 +127,11 @@ class HomeGather {
 
   void gather(int count) {
     for (int l = 0; l < count; ++l) {
-      from_.move_to(stencils_.cell[l]);
       const Row<T> s = from_.sums(stencils_, l);
       for (int k = 0; k < 4; ++k) std::memcpy(sums_[k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
     }
     if constexpr (X::has_change) {
       for (int l = 0; l < count; ++l) {
-        from_change_.move_to(stencils_.cell[l]);
         const Row<T> s = from_change_.sum(stencils_, l);
         std::memcpy(sums_[4] + 4 * l, &s, 4 * sizeof(T));
       }

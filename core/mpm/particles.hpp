@@ -40,7 +40,6 @@ void volumes_from_grid(const Model<T>& model, State<T>& state, Grid<T>& grid) {
       const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
       st.template fill<Flip>(frame, load_vector<R>(state.x, p, count));
       for (int l = 0; l < count; ++l) {
-        from.move_to(st.cell[l]);
         const T mass_per_cell = from.sum(st, l)[3];
         state.V0.column(0)[p + static_cast<std::size_t>(l)] =
             state.m.column(0)[p + static_cast<std::size_t>(l)] * cell / mass_per_cell;

@@ -152,32 +152,24 @@ class Scatter {
   Row<T> sum_[S::nodes][S::nodes] = {};
 };
 
-// Reads sums over a stencil from the tile; the stencil's rows stay in registers while the cell does not change.
+// Reads sums over a stencil from the tile.
 template <class T, class S>
 class Gather {
  public:
   explicit Gather(const Tile<T>& tile) : tile_(tile.value) {}
 
-  void move_to(int cell) {
-    if (cell == cell_) return;
-    cell_ = cell;
-#pragma GCC unroll 4
-    for (int i = 0; i < S::nodes; ++i) {
-#pragma GCC unroll 4
-      for (int j = 0; j < S::nodes; ++j) row_[i][j] = load<Row<T>>(tile_ + cell + row_offset(i, j));
-    }
-  }
-
   // Four quads: sum w u, sum g_x u, sum g_y u, sum g_z u, of lane l.
   [[gnu::always_inline]] Row<T> sums(const Stencils<T, S>& st, int l) const {
+    const T* corner = tile_ + st.cell[l];
     Row<T> a{}, ax{}, ay{};
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       Row<T> r{}, ry{};
 #pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) {
-        r += st.wy[j][l] * row_[i][j];
-        ry += st.sy[j][l] * row_[i][j];
+        const Row<T> u = load<Row<T>>(corner + row_offset(i, j));
+        r += st.wy[j][l] * u;
+        ry += st.sy[j][l] * u;
       }
       a += st.wx[i][l] * r;
       ax += st.sx[i][l] * r;
@@ -189,12 +181,13 @@ class Gather {
 
   // The quad sum w u alone.
   [[gnu::always_inline]] Row<T> sum(const Stencils<T, S>& st, int l) const {
+    const T* corner = tile_ + st.cell[l];
     Row<T> a{};
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       Row<T> r{};
 #pragma GCC unroll 4
-      for (int j = 0; j < S::nodes; ++j) r += st.wy[j][l] * row_[i][j];
+      for (int j = 0; j < S::nodes; ++j) r += st.wy[j][l] * load<Row<T>>(corner + row_offset(i, j));
       a += st.wx[i][l] * r;
     }
     a *= row_of_weights(st.wz + 4 * l);
@@ -203,8 +196,6 @@ class Gather {
 
  private:
   const T* tile_;
-  int cell_ = -1;
-  Row<T> row_[S::nodes][S::nodes] = {};
 };
 
 }  // namespace neve
