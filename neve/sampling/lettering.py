@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
 
 from neve.scene.errors import SceneError
 from neve.scene.scene import SnowText
+
+if TYPE_CHECKING:
+    from PIL.ImageFont import FreeTypeFont
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -64,6 +67,8 @@ def letters(source: SnowText, spacing: float, name: str) -> Letters:
 
     Errors: SceneError if the font cannot be read or lacks a letter; `name` tells the source.
     """
+    from PIL import Image, ImageDraw
+
     font = _open(source, 256.0, name)
     _check_glyphs(source, font, name)
     left, top, right, bottom = _box(source.text, font)
@@ -82,7 +87,9 @@ def letters(source: SnowText, spacing: float, name: str) -> Letters:
     return Letters(solid, source.height / _capital(source.text, font))
 
 
-def _open(source: SnowText, size: float, name: str) -> ImageFont.FreeTypeFont:
+def _open(source: SnowText, size: float, name: str) -> FreeTypeFont:
+    from PIL import ImageFont
+
     try:
         return ImageFont.truetype(source.font or FONT, size, layout_engine=ImageFont.Layout.BASIC)
     except OSError:
@@ -91,7 +98,7 @@ def _open(source: SnowText, size: float, name: str) -> ImageFont.FreeTypeFont:
         ) from None
 
 
-def _check_glyphs(source: SnowText, font: ImageFont.FreeTypeFont, name: str) -> None:
+def _check_glyphs(source: SnowText, font: FreeTypeFont, name: str) -> None:
     box = _picture(NO_CHARACTER, font)
     lacking = [c for c in dict.fromkeys(source.text) if not c.isspace() and _picture(c, font) in (box, None)]
     if lacking:
@@ -102,18 +109,20 @@ def _check_glyphs(source: SnowText, font: ImageFont.FreeTypeFont, name: str) -> 
         )
 
 
-def _picture(character: str, font: ImageFont.FreeTypeFont) -> tuple[tuple[int, int], bytes] | None:
+def _picture(character: str, font: FreeTypeFont) -> tuple[tuple[int, int], bytes] | None:
     """Return the pixels of `character`, or None if it leaves no ink."""
     mask = font.getmask(character, mode="L")
     return (mask.size, bytes(mask)) if mask.getbbox() else None
 
 
-def _box(text: str, font: ImageFont.FreeTypeFont) -> tuple[float, float, float, float]:
+def _box(text: str, font: FreeTypeFont) -> tuple[float, float, float, float]:
+    from PIL import Image, ImageDraw
+
     draw = ImageDraw.Draw(Image.new("L", (1, 1)))
     return draw.multiline_textbbox((0, 0), text, font=font, align="center")
 
 
-def _capital(text: str, font: ImageFont.FreeTypeFont) -> float:
+def _capital(text: str, font: FreeTypeFont) -> float:
     """Return the height of a capital H in pixels, or of the tallest glyph of `text` if the font has no H."""
     tall = "H" if _picture("H", font) not in (None, _picture(NO_CHARACTER, font)) else text
     boxes = [font.getbbox(c) for c in dict.fromkeys(tall) if not c.isspace()]
