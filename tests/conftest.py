@@ -1,5 +1,11 @@
 """Shared by all tests. Standing here also puts tests/ on the path, so that `reference` can be imported."""
 
+import os
+
+# The tests are many short runs, often on a busy machine: threads that wait sleep, and LAPACK uses one.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 import pytest
 

@@ -24,18 +24,24 @@ class Cluster {
 
   /// spacing: between neighbouring particles of solid snow [m]; n: number of particles.
   Cluster(float spacing, size_t n, const Camera& camera) {
-    // Grains a pixel or two apart where the camera looks, but no more than two cores can draw in time.
-    const float pixels = spacing * camera.focal / camera.reach,
-                affordable = 1.6e6f / float(std::max<size_t>(n, 1));
-    solid_ = int(std::clamp(std::min(std::pow(pixels / 1.6f, 3.0f), affordable), 1.0f, float(most)));
-    loose_ = int(std::clamp(std::min(3.0f * float(solid_), affordable), float(solid_), float(most)));
-    spread_ = loose_ > 1 ? 0.66f * spacing : 0.0f;
-    radius_ = 0.68f * spacing / std::cbrt(float(solid_));
+    // Grains a pixel or two apart where the camera looks. Of solid snow only the surface is drawn; loose snow
+    // shows every particle, and gets no more grains than two cores can draw in time.
+    const float pixels = spacing * camera.focal / camera.reach;
+    solid_ = int(std::clamp(std::pow(pixels / 1.35f, 3.0f), 1.0f, float(most)));
+    loose_ = int(std::clamp(1.6e6f / float(std::max<size_t>(n, 1)), 1.0f, float(most)));
+    loose_ = std::min(loose_, 3 * solid_);
+    spread_ = solid_ > 1 || loose_ > 1 ? 0.66f * spacing : 0.0f;
+    solid_radius_ = 0.68f * spacing / std::cbrt(float(solid_));
+    loose_radius_ = 0.68f * spacing / std::cbrt(float(loose_));
     for (uint32_t o = 0; o < places; ++o) place_[o] = in_ball(o);
   }
 
-  int grains(float loose) const { return loose > 0.05f ? loose_ : solid_; }
-  float reach() const { return 2.5f * (spread_ + radius_); }  // no grain lies farther from its particle [m]
+  int grains(float loose) const {
+    return loose <= 0 ? solid_ : loose >= 1 ? loose_ : std::max(solid_, loose_);
+  }
+  float reach() const {
+    return 2.5f * (spread_ + std::max(solid_radius_, loose_radius_));
+  }  // no grain lies farther from its particle [m]
   static uint32_t seed(uint32_t particle, int g) { return scramble(particle * uint32_t(most) + uint32_t(g)); }
 
   /// How a loose particle looks, from a clod (0) to a puff of powder (1); most are nearer to clods.
@@ -48,11 +54,12 @@ class Cluster {
   Vec3 offset(uint32_t seed, float loose, float powder, float wider) const {
     return place_[seed & (places - 1)] * (spread_ * wider * mix(1.0f, 0.72f + 1.7f * powder, loose));
   }
-  /// Radius of grain g [m].
+  /// Radius of grain g [m]: it shrinks to nothing where its snow has fewer grains.
   float radius(uint32_t seed, int g, float loose, float powder) const {
-    const float u = float(seed >> 24) * (1.0f / 256.0f), size = radius_ * (0.65f + 0.75f * u * u);
-    const float fine = 0.62f - 0.34f * powder;
-    return size * (g < solid_ ? mix(1.0f, fine, loose) : fine * loose);
+    const float u = float(seed >> 24) * (1.0f / 256.0f), uneven = 0.65f + 0.75f * u * u;
+    const float in_solid = g < solid_ ? solid_radius_ : 0.0f;
+    const float in_loose = g < loose_ ? (0.70f - 0.38f * powder) * loose_radius_ : 0.0f;
+    return uneven * mix(in_solid, in_loose, loose);
   }
 
  private:
@@ -64,9 +71,9 @@ class Cluster {
     return {flat * std::cos(turn), flat * std::sin(turn), out * z};
   }
 
-  int solid_, loose_;  // grains of a particle in solid and in loose snow
-  float spread_;       // radius of a cluster [m]
-  float radius_;       // mean radius of a grain [m]
+  int solid_, loose_;                  // grains of a particle in solid and in loose snow
+  float spread_;                       // radius of a cluster [m]
+  float solid_radius_, loose_radius_;  // of their grains [m]
   Vec3 place_[places];
 };
 
@@ -119,7 +126,7 @@ class Projection {
     if (!on_film(camera_.project(x))) return;
     const float here = snow_.sample(x);
     if (buried(snow_, x, camera_.eye, here)) return;
-    const float loose = 1.0f - smoothstep(0.2f, 0.8f, here);
+    const float loose = 1.0f - smoothstep(0.12f, 0.5f, here);
     const float wider = J_P_.empty() ? 1.0f : std::clamp(std::cbrt(J_P_[p]), 0.9f, 1.35f);
     const float powder = Cluster::powder(uint32_t(p));
     const int count = cluster_.grains(loose);

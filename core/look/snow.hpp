@@ -26,7 +26,7 @@ inline Lit light_particle(const Density& snow, std::span<const Body> bodies, con
   lit.normal = snow_normal(snow, p);
   // Light is asked for just above the surface, and higher for grains that lie deeper.
   const float cover = snow.sample(p);
-  const Vec3 above = p + lit.normal * (h * (0.5f + 0.8f * saturate(cover - 0.3f)));
+  const Vec3 above = p + lit.normal * (h * (0.8f + 0.6f * saturate(cover - 0.3f)));
   const float past = sun_past(bodies, nullptr, p, light.sun);
   const SunPath path = sun_path(snow, above, light.sun, 0.25f, 1.8f);
   const float direct = std::exp(-path.far - (0.55f - 0.3f * saturate(cover)) * path.near),
@@ -36,7 +36,7 @@ inline Lit light_particle(const Density& snow, std::span<const Body> bodies, con
       sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(bodies, nullptr, p, lit.normal);
   // Snow gives back nearly all light, so its hollows light themselves.
   const float bright = sky / (1.0f - 0.60f * (1.0f - saturate(sky)));
-  lit.around = light.sky_color * Vec3{0.90f, 0.98f, 1.08f} * bright;
+  lit.around = light.sky_color * Vec3{0.86f, 0.98f, 1.14f} * bright;
   // Where the sky is hidden, it is hidden by snow, which shines as well.
   lit.around +=
       (light.sun_color * Vec3{0.062f, 0.074f, 0.090f} + light.sky_color * 0.16f) * (1.0f - saturate(sky));

@@ -92,12 +92,13 @@ class Numerics(Part):
         "poisson: Bridson 2007 names the goal; the algorithm is ours",
     )
     seed: Whole = entry(0, "Seed of everything random.", "1", ge=0, lt=2**32)
-    initial_volume: Literal["grid", "sampled"] = entry(
-        "grid",
-        'Volume of a particle: "grid" measures the density on the grid in the first step, "sampled" shares '
-        "out the volume of the shape.",
+    initial_volume: Literal["sampled", "grid"] = entry(
+        "sampled",
+        'Volume of a particle: "sampled" shares out the volume of the shape; "grid" measures the density on '
+        "the grid in the first step, which makes the snow's skin lighter than it is, so stiffer, and the steps "
+        "a quarter to a third shorter.",
         "",
-        "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes)",
+        "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes); sampled: our choice, measured",
     )
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 from reference import snow
-from verification.material import DEFAULT, ELASTIC, near_identity, respond, transpose
+from verification.material import DEFAULT, ELASTIC, LAPACK, near_identity, respond, transpose
 
 from neve import _core
 
@@ -27,33 +27,30 @@ def test_stress_is_the_derivative_of_energy():
 
 
 def test_both_precisions_agree(core, precision, eps):
-    """tau of this precision equals the oracle's.
+    """F_E, J_P, tau and psi equal the oracle's: 30 eps of this precision and what float64's LAPACK adds.
 
-    F carries eps/2, so each stretch does; tau = M_c (s - 1) s amplifies that by M_c, twice through F - R
-    and J - 1, and the decomposition adds its own few eps: 30 eps M_c h(J_P), far below the yield stress M_c
+    F carries eps/2, so each stretch does; tau = M_c (s - 1) s amplifies that by M_c, twice through F - R and
+    J - 1, and the decomposition adds its own few eps. 30 eps M_c h(J_P) is far below the yield stress M_c
     theta_c.
     """
     F = near_identity(500, 0.02, seed=4).astype(precision)
     J_P = np.linspace(0.97, 1.03, 500).astype(precision)
     F_E, J_P_new, tau, psi = respond(core, F, J_P, DEFAULT, precision)
     F_E_64, J_P_64 = snow.return_map(F.astype(float), J_P.astype(float), DEFAULT)
-    scale = DEFAULT.M_c * DEFAULT.hardening(J_P_64)
-    tau_64 = snow.kirchhoff(F_E_64, J_P_64, DEFAULT)
-    psi_64 = snow.energy(F_E_64, J_P_64, DEFAULT)
-    np.testing.assert_allclose(F_E, F_E_64, atol=30 * eps, rtol=0)
-    np.testing.assert_allclose(J_P_new, J_P_64, rtol=30 * eps)
-    np.testing.assert_allclose((tau - tau_64) / scale[:, None, None], 0, atol=30 * eps)
-    np.testing.assert_allclose((psi - psi_64) / scale, 0, atol=3 * eps)
+    tau_64, psi_64 = snow.kirchhoff(F_E_64, J_P_64, DEFAULT), snow.energy(F_E_64, J_P_64, DEFAULT)
+    unit, tolerance = DEFAULT.M_c * DEFAULT.hardening(J_P_64), 30 * eps + LAPACK
+    np.testing.assert_allclose(F_E, F_E_64, atol=tolerance, rtol=0)
+    np.testing.assert_allclose(J_P_new, J_P_64, rtol=tolerance)
+    np.testing.assert_allclose((tau - tau_64) / unit[:, None, None], 0, atol=tolerance)
+    np.testing.assert_allclose((psi - psi_64) / unit, 0, atol=0.1 * tolerance)
 
 
 def test_small_strains_keep_their_digits(core, precision, eps):
-    """At a strain of 1e-5 the stress is right to 30 eps / 1e-5 of itself at most.
+    """At a strain of 1e-5 the law loses 4 eps of the strain at most, where eps/2 is what F itself can hold.
 
-    That is 36 % in float32 for an F that holds its strain to eps/2 in the diagonal; here F is rounded first
-    and the answer taken from the rounded F, so what is tested is the law: it must not lose digits beyond 4
-    eps in F - R.
+    F is rounded first and the answer taken from the rounded F, so what is tested is the law's own arithmetic.
     """
     F = near_identity(200, 1e-5, seed=5).astype(precision)
     tau = respond(core, F, 1.0, ELASTIC, precision)[2]
     exact = snow.kirchhoff(F.astype(float), np.ones(len(F)), ELASTIC)
-    np.testing.assert_allclose(tau, exact, atol=4 * eps * ELASTIC.M_c, rtol=0)
+    np.testing.assert_allclose(tau, exact, atol=(4 * eps + LAPACK) * ELASTIC.M_c, rtol=0)
