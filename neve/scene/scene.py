@@ -95,7 +95,7 @@ class Numerics(Part):
     initial_volume: Literal["sampled", "grid"] = entry(
         "sampled",
         'Volume of a particle: "sampled" shares out the volume of the shape; "grid" measures the density on '
-        "the grid in the first step, which makes the snow's skin lighter than it is, so stiffer, and the steps "
+        "the grid in the first step, where the skin of the snow looks lighter than it is; the steps are then "
         "a quarter to a third shorter.",
         "",
         "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes); sampled: our choice, measured",
