@@ -52,22 +52,26 @@ inline SunPath sun_path(const Density& snow, Vec3 p, Vec3 sun, float start, floa
   return path;
 }
 
-// Directions in which the sky is asked: one up, five around at 35 degrees. Fixed in the world, so that the
+// Directions in which the sky is asked: one up, five around at 40 degrees. Fixed in the world, so that the
 // answers do not shimmer.
 struct SkyCone {
   Vec3 direction;
   float weight;  // share of the sky's light
 };
-constexpr SkyCone sky_cones[6] = {{{0.0f, 0.0f, 1.0f}, 0.30f},         {{0.819f, 0.0f, 0.574f}, 0.14f},
-                                  {{0.253f, 0.779f, 0.574f}, 0.14f},   {{-0.663f, 0.481f, 0.574f}, 0.14f},
-                                  {{-0.663f, -0.481f, 0.574f}, 0.14f}, {{0.253f, -0.779f, 0.574f}, 0.14f}};
+constexpr SkyCone sky_cones[6] = {{{0.0f, 0.0f, 1.0f}, 0.30f},
+                                  {{0.7660f, 0.0000f, 0.6428f}, 0.14f},
+                                  {{0.2367f, 0.7285f, 0.6428f}, 0.14f},
+                                  {{-0.6197f, 0.4502f, 0.6428f}, 0.14f},
+                                  {{-0.6197f, -0.4502f, 0.6428f}, 0.14f},
+                                  {{0.2367f, -0.7285f, 0.6428f}, 0.14f}};
 
-/// Return the share of a cone's light that passes the snow: five samples, each about twice as wide and as
-/// far away as the one before. start: of the first [cells].
+/// Return the share of a cone's light that passes the snow: five samples, each about twice as wide and as far
+/// away as the one before. start: of the first [cells]. The samples are narrower than the steps between them,
+/// so that a cone over level snow does not graze it.
 inline float cone_light(const Density& snow, Vec3 p, Vec3 direction, float start) {
   const float h = snow.cell_size();
   float depth = 0, t = start;
-  for (int l = 1; l < Density::levels; ++l) {
+  for (int l = 0; l + 1 < Density::levels; ++l) {
     const float width = std::max(t, 2.0f);
     depth += 0.7f * cell_depth * width * snow.sample(p + direction * ((t + 0.5f * width) * h), l);
     if (depth > 6.0f) return 0.0f;
@@ -89,7 +93,7 @@ inline float sky_light(const Density& snow, Vec3 p, Vec3 normal, float wrap, flo
     const float facing = (dot(normal, cone.direction) + wrap) / (1.0f + wrap);
     if (facing > 0) light += cone.weight * facing * cone_light(snow, p, cone.direction, start);
   }
-  return 1.425f * light;  // level open ground receives one
+  return 1.333f * light;  // level open ground receives one
 }
 
 /// Return the light [share] that the ground sends up to a surface at p with this normal.

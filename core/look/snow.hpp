@@ -36,7 +36,7 @@ inline Lit light_particle(const Density& snow, std::span<const Body> bodies, con
       sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(bodies, nullptr, p, lit.normal);
   // Snow gives back nearly all light, so its hollows light themselves.
   const float bright = sky / (1.0f - 0.60f * (1.0f - saturate(sky)));
-  lit.around = light.sky_color * Vec3{0.86f, 0.98f, 1.14f} * bright;
+  lit.around = light.sky_color * Vec3{0.68f, 0.79f, 0.94f} * bright;
   // Where the sky is hidden, it is hidden by snow, which shines as well.
   lit.around +=
       (light.sun_color * Vec3{0.062f, 0.074f, 0.090f} + light.sky_color * 0.16f) * (1.0f - saturate(sky));
