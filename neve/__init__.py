@@ -1,26 +1,46 @@
 """Neve: a snow laboratory. Scene -> Simulation -> run folder, film and arrays.
 
-scene = neve.load("throw_ball")
-sim = neve.Simulation(scene)
-sim.run(out="runs/ball")
+    scene = neve.load("throw_ball")
+    sim = neve.Simulation(scene)
+    sim.run(out="runs/ball")
+
+The names below are loaded at their first use: `neve --help` waits for none of them.
 """
 
 import os
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from neve.scene.load import load as load
+    from neve.scene.load import presets as presets
+    from neve.scene.scene import Scene as Scene
+    from neve.simulation import Simulation as Simulation
 
 # A thread that waits for the others spins for some 50 microseconds, then sleeps: on a busy machine the
 # default of libgomp, to spin for milliseconds, takes the very cores that the awaited threads need. It is
 # read once, when the core is loaded.
 os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 
-from importlib.metadata import PackageNotFoundError, version
+_HOME = {
+    "Scene": "neve.scene.scene",
+    "load": "neve.scene.load",
+    "presets": "neve.scene.load",
+    "Simulation": "neve.simulation",
+}
 
-from neve.scene.load import load, presets
-from neve.scene.scene import Scene
-from neve.simulation import Simulation
+__all__ = ["Scene", "Simulation", "load", "presets"]
 
-try:
-    __version__ = version("neve")
-except PackageNotFoundError:  # a source tree that is not installed
-    __version__ = "0+source"
 
-__all__ = ["Scene", "Simulation", "__version__", "load", "presets"]
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return import_module("neve.io.version").version()
+    if name not in _HOME:
+        raise AttributeError(f"module 'neve' has no attribute {name!r}")
+    value = getattr(import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
