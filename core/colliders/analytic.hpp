@@ -1,7 +1,7 @@
 // Solids with an exact signed distance: plane, box, sphere, cylinder, placed by a centre and a rotation.
 #pragma once
 
-#include <algorithm>
+#include <vector>
 
 #include "colliders/contact.hpp"
 
@@ -22,79 +22,95 @@ struct Solid {
   Vec3<T> velocity;
   Vec3<T> omega;  // [rad/s]
 
-  Vec3<T> velocity_at(const Vec3<T>& x) const { return velocity + cross(omega, x - centre); }
+  template <class R>
+  Vec3<R> velocity_at(const Vec3<R>& x) const {
+    return spread<R>(velocity) + cross(spread<R>(omega), x - spread<R>(centre));
+  }
 };
 
 // Signed distance phi [m] (negative inside) and its gradient, the outward unit normal.
-template <class T>
+template <class R>
 struct Surface {
-  T phi;
-  Vec3<T> normal;
+  R phi;
+  Vec3<R> normal;
 };
 
 namespace detail {
 
-template <class T>
-inline Surface<T> sphere_surface(const Vec3<T>& x, T radius) {
-  const T r = std::sqrt(dot(x, x));
-  if (r == T(0)) return {-radius, {T(0), T(0), T(1)}};
-  return {r - radius, x * (T(1) / r)};
+template <class R>
+inline Surface<R> sphere_surface(const Vec3<R>& x, scalar_t<R> radius) {
+  const R zero = splat<R>(0), one = splat<R>(1);
+  const R r = sqrt(dot(x, x));
+  const auto off_centre = r > zero;
+  const Vec3<R> n = x * (one / select(off_centre, r, one));
+  return {r - radius, select(off_centre, n, Vec3<R>{zero, zero, one})};
 }
 
-template <class T>
-inline Surface<T> box_surface(const Vec3<T>& x, const Vec3<T>& half) {
-  Vec3<T> q, out, sign;
-  int nearest = 0;
-  for (int k = 0; k < 3; ++k) {
-    sign[k] = x[k] < T(0) ? T(-1) : T(1);
-    q[k] = std::abs(x[k]) - half[k];
-    out[k] = std::max(q[k], T(0));
-    if (q[k] > q[nearest]) nearest = k;
-  }
-  Vec3<T> n{T(0), T(0), T(0)};
-  const T far = std::sqrt(dot(out, out));
-  if (far == T(0)) {  // inside: the nearest face
-    n[nearest] = sign[nearest];
-    return {q[nearest], n};
-  }
-  for (int k = 0; k < 3; ++k) n[k] = sign[k] * out[k] / far;
-  return {far, n};
+template <class R>
+inline R sign_of(R a) {
+  return select(a < splat<R>(0), splat<R>(-1), splat<R>(1));
 }
 
-template <class T>
-inline Surface<T> cylinder_surface(const Vec3<T>& x, T radius, T half_height) {
-  const T r = std::sqrt(x.x * x.x + x.y * x.y);
-  const Vec3<T> radial = r > T(0) ? Vec3<T>{x.x / r, x.y / r, T(0)} : Vec3<T>{T(1), T(0), T(0)};
-  const Vec3<T> axial{T(0), T(0), x.z < T(0) ? T(-1) : T(1)};
-  const T side = r - radius, cap = std::abs(x.z) - half_height;
-  if (side <= T(0) || cap <= T(0)) {
-    return side > cap ? Surface<T>{side, radial} : Surface<T>{cap, axial};
-  }
-  const T far = std::sqrt(side * side + cap * cap);
-  return {far, (radial * side + axial * cap) * (T(1) / far)};
+template <class R>
+inline Surface<R> box_surface(const Vec3<R>& x, const Vec3<scalar_t<R>>& half) {
+  const R zero = splat<R>(0), one = splat<R>(1);
+  const Vec3<R> sign{sign_of(x.x), sign_of(x.y), sign_of(x.z)};
+  const Vec3<R> q{abs(x.x) - half.x, abs(x.y) - half.y, abs(x.z) - half.z};
+  const Vec3<R> out{max(q.x, zero), max(q.y, zero), max(q.z, zero)};
+  const R far = sqrt(dot(out, out));
+  const auto outside = far > zero;
+  // inside: the nearest face
+  const R inner = max(q.x, max(q.y, q.z));
+  const R nx = select(q.x >= inner, one, zero);
+  const R ny = select(q.y >= inner, one - nx, zero), nz = one - nx - ny;
+  const R inv = one / select(outside, far, one);
+  const Vec3<R> n = select(outside, out * inv, Vec3<R>{nx, ny, nz});
+  return {select(outside, far, inner), {n.x * sign.x, n.y * sign.y, n.z * sign.z}};
+}
+
+template <class R>
+inline Surface<R> cylinder_surface(const Vec3<R>& x, scalar_t<R> radius, scalar_t<R> half_height) {
+  const R zero = splat<R>(0), one = splat<R>(1);
+  const R r = sqrt(x.x * x.x + x.y * x.y);
+  const auto off_axis = r > zero;
+  const R inv_r = one / select(off_axis, r, one);
+  const Vec3<R> radial{select(off_axis, x.x * inv_r, one), x.y * inv_r, zero};
+  const Vec3<R> axial{zero, zero, sign_of(x.z)};
+  const R side = r - radius, cap = abs(x.z) - half_height;
+  const R out_side = max(side, zero), out_cap = max(cap, zero);
+  const R far = sqrt(out_side * out_side + out_cap * out_cap);
+  const auto outside = far > zero;
+  const R inv = one / select(outside, far, one);
+  const Vec3<R> face = select(side > cap, radial, axial);
+  const Vec3<R> edge = radial * (out_side * inv) + axial * (out_cap * inv);
+  return {select(outside, far, max(side, cap)), select(outside, edge, face)};
 }
 
 }  // namespace detail
 
-template <class T>
-inline Surface<T> surface(const Solid<T>& solid, const Vec3<T>& x) {
-  const Vec3<T> local = transposed_times(solid.rotation, x - solid.centre);
-  Surface<T> s{};
+template <class R>
+inline Surface<R> surface(const Solid<scalar_t<R>>& solid, const Vec3<R>& x) {
+  const Mat3<R> to_world{spread<R>(solid.rotation.c0), spread<R>(solid.rotation.c1), spread<R>(solid.rotation.c2)};
+  const Vec3<R> local = transposed_times(to_world, x - spread<R>(solid.centre));
+  Surface<R> s{};
   switch (solid.shape) {
-    case Shape::plane: return {local.z, solid.rotation.c2};
+    case Shape::plane: return {local.z, to_world.c2};
     case Shape::sphere: s = detail::sphere_surface(local, solid.half.x); break;
     case Shape::box: s = detail::box_surface(local, solid.half); break;
     case Shape::cylinder: s = detail::cylinder_surface(local, solid.half.x, solid.half.z); break;
   }
-  return {s.phi, solid.rotation * s.normal};
+  return {s.phi, to_world * s.normal};
 }
 
 // The velocity of snow at x after every solid that holds x has acted on it, in the order of the scene.
-template <class T, class Solids>
-inline Vec3<T> collide(const Solids& solids, const Vec3<T>& x, Vec3<T> v) {
-  for (const Solid<T>& solid : solids) {
-    const Surface<T> s = surface(solid, x);
-    if (s.phi <= T(0)) v = after_contact(v, s.normal, solid.velocity_at(x), solid.mode, solid.mu_c);
+template <class R>
+inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v) {
+  for (const auto& solid : solids) {
+    const Surface<R> s = surface(solid, x);
+    const auto inside = s.phi <= splat<R>(0);
+    if (any(inside)) {
+      v = select(inside, after_contact(v, s.normal, solid.velocity_at(x), solid.mode, solid.mu_c), v);
+    }
   }
   return v;
 }

@@ -10,18 +10,21 @@ namespace neve {
 // separate: snow may leave; Coulomb friction while it is pressed on.
 enum class Contact { sticky, slip, separate };
 
-// The velocity after contact of snow that moves with `v` at a surface of unit normal n that moves with `v_co`.
-template <class T>
-inline Vec3<T> after_contact(const Vec3<T>& v, const Vec3<T>& n, const Vec3<T>& v_co, Contact mode, T mu_c) {
+// The velocity after contact of snow that moves with `v` at a surface of unit normal n that moves with `v_co`:
+// v_n -> 0, and v_t shrinks by mu_c |v_n|, at most to zero.
+template <class R>
+inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, Contact mode, scalar_t<R> mu_c) {
   if (mode == Contact::sticky) return v_co;
-  const Vec3<T> v_rel = v - v_co;
-  const T v_n = dot(v_rel, n);
-  if (v_n >= T(0) && mode == Contact::separate) return v;
-  const Vec3<T> v_t = v_rel - n * v_n;
-  if (v_n >= T(0)) return v_t + v_co;
-  const T speed = std::sqrt(dot(v_t, v_t));
-  if (speed <= -mu_c * v_n) return v_co;
-  return v_t * (T(1) + mu_c * v_n / speed) + v_co;
+  using T = scalar_t<R>;
+  const R zero = splat<R>(0), one = splat<R>(1);
+  const Vec3<R> v_rel = v - v_co;
+  const R v_n = dot(v_rel, n);
+  const Vec3<R> v_t = v_rel - n * v_n;
+  const R speed = sqrt(dot(v_t, v_t));
+  const R pressed = max(-v_n, zero);
+  const R kept = max(one - mu_c * pressed / select(speed > zero, speed, one), zero);
+  const Vec3<R> slid = v_t * select(speed > zero, kept, zero) + v_co;
+  return mode == Contact::separate ? select(v_n < T(0), slid, v) : slid;
 }
 
 }  // namespace neve

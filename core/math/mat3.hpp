@@ -24,6 +24,11 @@ template <class R, class S>
 inline Vec3<R> operator*(const Vec3<R>& a, S s) {
   return {a.x * s, a.y * s, a.z * s};
 }
+// The same vector in every lane.
+template <class R>
+inline Vec3<R> spread(const Vec3<scalar_t<R>>& a) {
+  return {splat<R>(a.x), splat<R>(a.y), splat<R>(a.z)};
+}
 template <class R>
 inline R dot(const Vec3<R>& a, const Vec3<R>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;

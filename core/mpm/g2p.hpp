@@ -113,7 +113,7 @@ class HomeGather {
 
     // 8. velocities, 9. particle collisions, 10. positions
     Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, model_.flip_alpha);
-    if (!solids_.empty()) collide_lanes(x, v, count);
+    v = collide(solids_, x, v);
     x = x + v * dt_;
 
     store_vector(state_.x, p, x, count);
@@ -135,13 +135,6 @@ class HomeGather {
         const Row<T> s = from_change_.sum(stencils_, l);
         std::memcpy(sums_[4] + 4 * l, &s, 4 * sizeof(T));
       }
-    }
-  }
-
-  void collide_lanes(const Vec3<R>& x, Vec3<R>& v, int count) const {
-    for (int l = 0; l < count; ++l) {
-      const Vec3<T> after = collide(solids_, Vec3<T>{x.x[l], x.y[l], x.z[l]}, Vec3<T>{v.x[l], v.y[l], v.z[l]});
-      for (int k = 0; k < 3; ++k) v[k][l] = after[k];
     }
   }
 

@@ -52,17 +52,25 @@ struct BlockUpdate {
     store(node, select(full, select(is_mass(), mass, a * inv + step), Row<T>{}));
   }
 
-  // Let the near solids act on the four nodes; the change keeps what they did.
-  void collide_row(const std::vector<Solid<T>>& solids, BlockCoord at, int i, int j, T* node, T* change) const {
-    for (int k = 0; k < 4; ++k, node += 4, change += 4) {
-      if (!(node[3] > T(0))) continue;
-      const Vec3<T> v{node[0], node[1], node[2]};
-      const Vec3<T> after = collide(solids, node_position(model, at, i, j, k), v);
-      for (int c = 0; c < 3; ++c) {
-        if (has_change) change[c] += after[c] - v[c];
-        node[c] = after[c];
-      }
+  // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
+  void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node, T* change) const {
+    using R = Lanes<T>;
+    Vec3<R> v, x;
+    R mass;
+    for (int l = 0; l < width<R>; ++l) {
+      const int n = first + l;
+      const Vec3<T> p = node_position(model, at, n / 16, n / 4 % 4, n % 4);
+      x.x[l] = p.x, x.y[l] = p.y, x.z[l] = p.z;
     }
+    load_quads(node, v.x, v.y, v.z, mass);
+    const Vec3<R> after = select(mass > T(0), collide(solids, x, v), v);
+    store_quads(node, after.x, after.y, after.z, mass);
+    if (!has_change) return;
+    Vec3<R> dv;
+    R unused;
+    load_quads(change, dv.x, dv.y, dv.z, unused);
+    dv = dv + (after - v);
+    store_quads(change, dv.x, dv.y, dv.z, unused);
   }
 
   void block(Grid<T>& grid, std::int32_t b) const {
@@ -75,7 +83,7 @@ struct BlockUpdate {
     const Vec3<T> corner = node_position(model, at, 0, 0, 0), half{T(1.5) * dx, T(1.5) * dx, T(1.5) * dx};
     const auto near = solids_near(model.solids, corner + half, T(2.7) * dx);
     if (near.empty()) return;
-    for (int r = 0; r < 16; ++r) collide_row(near, at, r / 4, r % 4, node + 16 * r, change + 16 * r);
+    for (int n = 0; n < 64; n += lane_count<T>) collide_nodes(near, at, n, node + 4 * n, change + 4 * n);
   }
 
  private:
