@@ -1,5 +1,7 @@
 // A picture of snow, start to end: density, grains, z-buffer, light, film.
 #pragma once
+#include <atomic>
+
 #include "look/backdrop.hpp"
 #include "look/film_curve.hpp"
 #include "look/snow.hpp"
@@ -38,8 +40,13 @@ class Painter {
  private:
   void light_visible(const Density& snow, std::span<const Body> bodies, std::span<const Vec3> x) {
     std::vector<uint8_t> seen(x.size(), 0);
-    for (Key key : samples_.key)
-      if (index_of(key) < first_body) seen[grains_[index_of(key)].particle] = 1;
+#pragma omp parallel for schedule(static)
+    for (int r = 0; r < samples_.height; ++r) {
+      const Key* row = samples_.row(r);
+      for (int c = 0; c < samples_.width; ++c)
+        if (index_of(row[c]) < first_body)  // several threads may say so of the same particle
+          std::atomic_ref(seen[grains_[index_of(row[c])].particle]).store(1, std::memory_order_relaxed);
+    }
     lit_.resize(x.size());
 #pragma omp parallel for schedule(dynamic, 256)
     for (size_t p = 0; p < x.size(); ++p)
