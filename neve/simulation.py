@@ -14,7 +14,7 @@ from neve import _core
 from neve.build import build, make_model
 from neve.colliders.motion import Pose
 from neve.diagnostics import Diagnostics, diagnose
-from neve.mpm.solver import STAGES, measure_volumes, require_finite, step
+from neve.mpm.solver import STAGES, measure_volumes, require_finite, sort, step
 from neve.mpm.time_step import fitted, largest
 from neve.scene.scene import Collider, Scene
 from neve.state import from_arrays, to_arrays
@@ -90,11 +90,12 @@ class Simulation:
         model, state, numerics = self.model, self._state, self.scene.numerics
         start, done = self.time, 0.0
         self.stats = Stats()
-        if self.steps == 0 and numerics.initial_volume == "grid":
-            measure_volumes(model, state, self._grid)
         report = model.core.refresh(model.native, state)
         require_finite(model, state, report, self.steps, self.time, 0.0)
-        model.core.sort(model.native, state, self._grid)
+        if self.steps == 0 and numerics.initial_volume == "grid":
+            measure_volumes(model, state, self._grid)
+            report = model.core.refresh(model.native, state)  # the wave speed depends on the volume
+        sort(model, state, self._grid)
         while done < seconds:
             choice = largest(numerics, report)
             dt = fitted(choice.dt, seconds - done)

@@ -5,9 +5,11 @@
 //   tau = 2 mu (F_E - R_E) F_E^T + lam (J_E - 1) J_E I,  in the frame of U:  tau_k = 2 mu (s_k - 1) s_k + lam (J - 1) J
 //   flow: sigma <- clamp(sigma, [1 - theta_c, 1 + theta_s]),  J_P <- J_P prod(sigma_trial / sigma)
 //
-// J_P is bounded to [J_P_min, J_P_max] inside the exponent only, never in the state (F_E F_P = F must hold). The
-// paper sets no bound; without one, J_P = 0.3 multiplies the stiffness by exp(7) = 1100 and the time step shrinks 33
-// times, for a compaction past solid ice (400 kg/m3 / 917 kg/m3 = 0.44).
+// J_P is bounded, which the paper does not do. From below by J_P_min inside the exponent only: J_P = 0.3 would multiply
+// the stiffness by exp(7) = 1100 and shrink the time step 33 times, for a compaction past solid ice (400 kg/m3 / 917
+// kg/m3 = 0.44); the state keeps the true J_P, since F_E F_P = F must hold. From above by J_P_max in the state too: a
+// grain that flies alone keeps its affine velocity, so its "expansion" grows exponentially and means nothing; without
+// the bound it overflows. At 20 the stiffness is long gone (exp(-190)), so the bound moves nothing that can be seen.
 #pragma once
 
 #include "constitutive/law.hpp"
@@ -84,6 +86,7 @@ struct Stomakhin2013 {
         out.J_P = out.J_P * select(excess[k] != T(0), svd.sigma[k] / (T(1) + low[k]), splat<R>(1));
       }
     }
+    out.J_P = min(q.J_P_max, out.J_P);  // in this order a NaN stays one
     out.stress = principal_stress(svd.U, low, out.J_P, q);
     return out;
   }

@@ -49,14 +49,14 @@ Mat3<R> load_deformation(const State<scalar_t<R>>& state, std::size_t p, int cou
 }
 
 template <class R>
-Report report_of(const Vec3<R>& v, const Mat3<R>& F_E, const Vec3<R>& x, R modulus, R m, R V0, int count) {
+Report report_of(const Vec3<R>& v, const Mat3<R>& F_E, R J_P, const Vec3<R>& x, R modulus, R m, R V0, int count) {
   using T = scalar_t<R>;
   const auto here = first_lanes<R>(count);
   const R mass = select(m > T(0), m, splat<R>(1));
   const R wave = select(here, sqrt(modulus * V0 / mass), R{});
   const R speed = select(here, sqrt(dot(v, v)), R{});
   const Vec3<R> f = F_E.c0 + F_E.c1 + F_E.c2 + v + x;
-  const R sum = select(here, f.x + f.y + f.z + modulus, R{});
+  const R sum = select(here, f.x + f.y + f.z + J_P + modulus, R{});
   Report r;
   r.wave = static_cast<double>(max_lane(wave));
   r.speed = static_cast<double>(max_lane(speed));
@@ -140,7 +140,7 @@ class HomeGather {
 
   Report check(std::size_t p, int count, const Vec3<R>& x, const Vec3<R>& v, const Mapped<R>& mapped) const {
     const R m = load<R>(state_.m.column(0) + p, count), V0 = load<R>(state_.V0.column(0) + p, count);
-    Report r = report_of(v, mapped.F_E, x, mapped.stress.modulus, m, V0, count);
+    Report r = report_of(v, mapped.F_E, mapped.J_P, x, mapped.stress.modulus, m, V0, count);
     const auto here = first_lanes<R>(count);
     for (int a = 0; a < 3; ++a) {
       const R u = frame_.local(x[a], a);

@@ -18,8 +18,9 @@ Report refresh(const Model<T>& model, State<T>& state) {
     const R J_P = load<R>(state.J_P.column(0) + p, count);
     const auto stress = Law::stress(F, J_P, detail::parameters_of<T, Law>(model, state, p, count));
     store_symmetric(state.tau, p, stress.tau, count);
-    return detail::report_of(load_vector<R>(state.v, p, count), F, load_vector<R>(state.x, p, count), stress.modulus,
-                             load<R>(state.m.column(0) + p, count), load<R>(state.V0.column(0) + p, count), count);
+    return detail::report_of(load_vector<R>(state.v, p, count), F, J_P, load_vector<R>(state.x, p, count),
+                             stress.modulus, load<R>(state.m.column(0) + p, count),
+                             load<R>(state.V0.column(0) + p, count), count);
   });
 }
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from neve.model import Model
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ def step(model: Model, state: State, grid: Grid, dt: float, seconds: dict[str, f
     core, native = model.core, model.native
     started = perf_counter()
     if not grid.current:
-        core.sort(native, state, grid)
+        sort(model, state, grid)
     sorted_ = perf_counter()
     core.p2g(native, state, grid, dt)  # 1, 3
     scattered = perf_counter()
@@ -44,12 +46,24 @@ def step(model: Model, state: State, grid: Grid, dt: float, seconds: dict[str, f
     return report
 
 
+def sort(model: Model, state: State, grid: Grid) -> None:
+    """Sort the particles and lay out the grid.
+
+    Errors: Blowup for a particle that has left the lattice of 2^22 cells each way.
+    """
+    try:
+        model.core.sort(model.native, state, grid)
+    except ValueError as error:
+        reach = 2**22 * model.numerics.dx
+        raise Blowup(f"{error}, which ends {reach:.4g} m from the origin: {_remedy(model)}") from None
+
+
 def measure_volumes(model: Model, state: State, grid: Grid) -> None:
     """Take each particle's rest volume from the density on the grid (stage 2): V0_p = m_p / rho_p.
 
     rho_p = sum_i m_i w_ip / dx^3. Stomakhin et al. 2013, section 4.1, step 2.
     """
-    model.core.sort(model.native, state, grid)
+    sort(model, state, grid)
     model.core.p2g(model.native, state, grid, 0.0)
     model.core.volumes_from_grid(model.native, state, grid)
 
@@ -62,19 +76,19 @@ def require_finite(model: Model, state: State, report: Report, steps: int, time:
     values = {"x": state.x[row], "v": state.v[row], "F_E": state.F_E[row], "J_P": state.J_P[row]}
     broken = [name for name, value in values.items() if not _finite(value)]
     where = ", ".join(f"{a:.4g}" for a in state.x[row])
-    fixed = model.numerics.dt != "auto"
-    remedy = (
-        f'lower numerics.dt (now {model.numerics.dt:g} s) or set it to "auto"'
-        if fixed
-        else f"lower numerics.cfl (now {model.numerics.cfl:g}) or check E0, xi and velocities"
-    )
     raise Blowup(
         f"particle {state.id[row]} (snow {state.material[row]}) at ({where}) m has no finite "
-        f"{' or '.join(broken) or 'stress'} after step {steps} (t = {time:.6g} s, dt = {dt:.3g} s): {remedy}"
+        f"{' or '.join(broken) or 'stress'} after step {steps} (t = {time:.6g} s, dt = {dt:.3g} s): "
+        f"{_remedy(model)}"
     )
+
+
+def _remedy(model: Model) -> str:
+    numerics = model.numerics
+    if numerics.dt != "auto":
+        return f'lower numerics.dt (now {numerics.dt:g} s) or set it to "auto"'
+    return f"lower numerics.cfl (now {numerics.cfl:g}) or check E0, xi and velocities"
 
 
 def _finite(value: object) -> bool:
-    import numpy as np
-
     return bool(np.all(np.isfinite(np.asarray(value, dtype=np.float64))))

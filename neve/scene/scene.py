@@ -143,7 +143,7 @@ class Snow(Part):
     )
     J_P_max: Real = entry(
         20.0,
-        "Upper bound of J_P inside the hardening factor only.",
+        "Upper bound of J_P: grains that fly apart do not remember how far.",
         "1",
         "bounds of the public 88-line MLS-MPM program",
         gt=1,

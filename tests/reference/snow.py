@@ -15,8 +15,8 @@ class Snow:
     theta_c: float | np.ndarray = 2.5e-2  # critical compression [1]
     theta_s: float | np.ndarray = 7.5e-3  # critical stretch [1]
     rho0: float | np.ndarray = 400.0  # density at rest [kg/m3]
-    J_P_min: float | np.ndarray = 0.6  # bounds of J_P inside the exponent only [1]
-    J_P_max: float | np.ndarray = 20.0
+    J_P_min: float | np.ndarray = 0.6  # lower bound of J_P, inside the exponent only [1]
+    J_P_max: float | np.ndarray = 20.0  # upper bound, in the state too [1]
 
     @property
     def mu0(self):
@@ -76,7 +76,7 @@ def return_map(F_trial, J_P, snow):
     U, sigma, V = polar_svd(F_trial)
     kept = np.clip(sigma, column(1 - snow.theta_c, 1), column(1 + snow.theta_s, 1))
     F_E = (U * kept[:, None, :]) @ np.swapaxes(V, -1, -2)
-    return F_E, J_P * (sigma / kept).prod(-1)
+    return F_E, np.minimum(J_P * (sigma / kept).prod(-1), snow.J_P_max)
 
 
 def column(values, axes=2):
