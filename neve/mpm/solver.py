@@ -55,7 +55,9 @@ def sort(model: Model, state: State, grid: Grid) -> None:
         model.core.sort(model.native, state, grid)
     except ValueError as error:
         reach = 2**22 * model.numerics.dx
-        raise Blowup(f"{error}, which ends {reach:.4g} m from the origin: {_remedy(model)}") from None
+        raise Blowup(
+            f"{error}, which ends {reach:.4g} m from the origin: enlarge numerics.dx, or {_remedy(model)}"
+        ) from None
 
 
 def measure_volumes(model: Model, state: State, grid: Grid) -> None:

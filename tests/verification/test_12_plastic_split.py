@@ -44,7 +44,7 @@ def test_idempotent(core, precision, eps):
     np.testing.assert_allclose(again[2] / scale, tau / scale, atol=60 * eps)
 
 
-def test_hardening_is_bounded_only_in_the_exponent(core, precision, eps):
+def test_hardening_is_bounded_from_below_in_the_exponent(core, precision, eps):
     """J_P itself goes on below J_P_min = 0.6; the stress stays at exp(xi (1 - 0.6))."""
     law = Snow(xi=10.0)
     F = np.tile(np.diag([1.0, 1.0, 0.9]), (2, 1, 1))
@@ -53,3 +53,12 @@ def test_hardening_is_bounded_only_in_the_exponent(core, precision, eps):
     np.testing.assert_allclose(J_P, np.array([0.5, 0.3]) * 0.9 / s, rtol=30 * eps)
     expected = np.exp(law.xi * (1 - law.J_P_min)) * law.M_c * (s - 1) * s
     np.testing.assert_allclose(tau[:, 2, 2], expected, rtol=30 * eps / law.theta_c)
+
+
+def test_expansion_is_bounded_in_the_state(core, precision, eps):
+    """J_P stops at J_P_max = 20, where snow has no stiffness left: a lone grain's J_P would grow without end."""
+    F = np.tile(np.diag([1.0, 1.0, 2.0]), (2, 1, 1))
+    _, J_P, tau, _ = respond(core, F, [5.0, 15.0], DEFAULT, precision)
+    top = 1 + DEFAULT.theta_s
+    np.testing.assert_allclose(J_P, [5 * 2 / top, 20.0], rtol=30 * eps)
+    assert np.abs(tau).max() < 1e-30
