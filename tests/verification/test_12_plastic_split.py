@@ -56,7 +56,7 @@ def test_hardening_is_bounded_from_below_in_the_exponent(core, precision, eps):
 
 
 def test_expansion_is_bounded_in_the_state(core, precision, eps):
-    """J_P stops at J_P_max = 20, where snow has no stiffness left: a lone grain's J_P would grow without end."""
+    """J_P stops at J_P_max = 20, where no stiffness is left: a lone grain's would grow without end."""
     F = np.tile(np.diag([1.0, 1.0, 2.0]), (2, 1, 1))
     _, J_P, tau, _ = respond(core, F, [5.0, 15.0], DEFAULT, precision)
     top = 1 + DEFAULT.theta_s

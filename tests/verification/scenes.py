@@ -1,0 +1,114 @@
+"""Small scenes for the tests, and the doors from a Simulation to NumPy and to the oracle."""
+
+import numpy as np
+from reference import contact, splines, step
+from reference.snow import Snow
+
+import neve
+from neve.scene.scene import Scene
+
+ELASTIC = {"theta_c": 0.9, "theta_s": 1.0}  # snow that does not yield in these tests
+NAMES = ("x", "v", "C", "F_E", "J_P", "m", "V0", "material", "stiffness", "id")
+FIELDS = ("E0", "nu", "xi", "theta_c", "theta_s", "rho0", "J_P_min", "J_P_max")
+
+
+def scene(sources, colliders=(), gravity=(0.0, 0.0, 0.0), snow=None, **numerics):
+    """Build a scene from tables as they stand in a TOML file.
+
+    Numerics default to dx = 0.05 m, dt = 1e-4 s, float64, and volumes from the grid as in the paper.
+    """
+    return Scene.model_validate(
+        {
+            "world": {"gravity": gravity},
+            "numerics": {"dx": 0.05, "dt": 1e-4, "precision": "float64", "initial_volume": "grid"} | numerics,
+            "snow": snow or {},
+            "sources": sources,
+            "colliders": colliders,
+        }
+    )
+
+
+def box(center=(0.0, 0.0, 0.0), size=(0.2, 0.2, 0.2), **more):
+    return {"shape": "box", "center": center, "size": size} | more
+
+
+def ball(center=(0.0, 0.0, 0.0), radius=0.15, **more):
+    return {"shape": "sphere", "center": center, "radius": radius} | more
+
+
+def simulate(description, threads=1):
+    """Make a Simulation; on one thread, since these scenes are too small to share."""
+    return neve.Simulation(description, threads=threads)
+
+
+def march(sim, steps):
+    """Take `steps` steps of the scene's fixed dt."""
+    target = sim.steps + steps
+    sim.advance(steps * sim.scene.numerics.dt)
+    assert sim.steps == target
+    return sim
+
+
+def run(description, steps):
+    return march(simulate(description), steps)
+
+
+def columns(sim):
+    """Copy the particles in the order of their id, in the precision of the run."""
+    order = np.argsort(np.asarray(sim.state.id))
+    return {name: np.array(getattr(sim.state, name))[order] for name in NAMES}
+
+
+def wide(sim):
+    """Copy the particles in the order of their id, as float64."""
+    return {name: value.astype(float) for name, value in columns(sim).items()}
+
+
+def angular_momentum(sim):
+    """L = sum x cross m v + axial(m C D) [kg m2/s]; the affine part exists for "apic" alone."""
+    p, method = oracle(sim)
+    return step.angular_momentum(p, method)
+
+
+def oracle(sim):
+    """Copy the particles of a simulation into the oracle, in the order of their id."""
+    c = wide(sim)
+    numerics = sim.scene.numerics
+    table = {name: np.array([getattr(s, name) for s in materials(sim)], float) for name in FIELDS}
+    law = Snow(**table).take(c["material"].astype(int))
+    law = Snow(**{name: getattr(law, name) * (c["stiffness"] if name == "E0" else 1.0) for name in FIELDS})
+    p = step.Particles(c["x"], c["v"], c["C"], c["F_E"], c["J_P"], c["m"], c["V0"], law)
+    method = step.Method(
+        numerics.dx, numerics.spline, numerics.transfer, numerics.flip_alpha, tuple(sim.scene.world.gravity)
+    )
+    return p, method
+
+
+def materials(sim):
+    """Return the snow of each row of the material table."""
+    rows = []
+    for source in sim.scene.sources:
+        snow = sim.scene.snow_of(source)
+        if snow not in rows:
+            rows.append(snow)
+    return rows
+
+
+def bodies(sim):
+    """Copy the colliders at the simulation's time into the oracle."""
+    out = []
+    for collider, pose in sim.bodies():
+        size = {
+            "plane": lambda c: (),
+            "box": lambda c: tuple(c.size),
+            "sphere": lambda c: (c.radius,),
+            "cylinder": lambda c: (c.radius, c.height),
+        }[collider.shape](collider)
+        parts = (np.asarray(a, float) for a in (pose.position, pose.rotation, pose.velocity, pose.omega))
+        out.append(contact.Body(collider.shape, collider.mode, collider.mu_c, size, *parts))
+    return tuple(out)
+
+
+def inertia(sim):
+    """Return D / dx^2 of the spline, the part of a cell's inertia that PIC loses."""
+    return splines.MOMENT[sim.scene.numerics.spline]

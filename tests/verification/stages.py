@@ -1,0 +1,68 @@
+"""The stages of the core, one call each, on particles given as arrays: what happens below a Simulation."""
+
+import numpy as np
+from verification.material import DEFAULT, parameters
+
+from neve import _core
+
+
+class Lab:
+    """A model, a state and a grid of one precision, with the particles' arrays copied in."""
+
+    def __init__(
+        self,
+        core,
+        precision,
+        spline,
+        transfer,
+        laws=(DEFAULT,),
+        dx=0.05,
+        alpha=0.95,
+        gravity=(0, 0, 0),
+        **values,
+    ):
+        _core.set_threads(1)
+        self.core, self.dtype = core, np.dtype(precision)
+        self.model = core.Model(dx, spline, transfer, alpha, np.asarray(gravity, float))
+        for law in laws:
+            self.model.add_snow(np.asarray(parameters(law), float))
+        self.state = core.State(len(values["x"]))
+        self.grid = core.Grid()
+        for name, value in values.items():
+            getattr(self.state, name)[:] = np.asarray(value).astype(getattr(self.state, name).dtype)
+
+    def add_body(self, body):
+        """Add a collider of the oracle."""
+        half = np.zeros(3)
+        if body.shape == "box":
+            half[:] = np.asarray(body.size) / 2
+        elif body.shape == "sphere":
+            half[0] = body.size[0]
+        elif body.shape == "cylinder":
+            half[0], half[2] = body.size[0], body.size[1] / 2
+        self.model.add_solid(body.shape, half, body.mode, body.mu_c)
+        place = (body.position, body.rotation, body.velocity, body.omega)
+        index = self.solids = getattr(self, "solids", -1) + 1
+        self.model.place_solid(index, *(np.ascontiguousarray(a, dtype=float) for a in place))
+
+    def p2g(self, dt):
+        self.core.refresh(self.model, self.state)
+        self.core.sort(self.model, self.state, self.grid)
+        self.core.p2g(self.model, self.state, self.grid, dt)
+
+    def grid_update(self, dt):
+        self.core.grid_update(self.model, self.grid, dt)
+
+    def g2p(self, dt):
+        return self.core.g2p(self.model, self.state, self.grid, dt)
+
+    def step(self, dt):
+        self.p2g(dt)
+        self.grid_update(dt)
+        return self.g2p(dt)
+
+    def columns(self):
+        """Copy the particles in the order of their id, as float64."""
+        order = np.argsort(np.asarray(self.state.id))
+        names = ("x", "v", "C", "F_E", "J_P", "m", "V0", "tau")
+        return {name: np.array(getattr(self.state, name), float)[order] for name in names}
