@@ -34,3 +34,21 @@ def test_free_fall(spline, transfer, precision, eps):
     np.testing.assert_allclose(end["x"], start["x"] + N * DT * start["v"] + fall_x, atol=x_error, rtol=0)
     np.testing.assert_allclose(end["F_E"] - np.eye(3), 0, atol=N * DT * v_error / 0.05)
     np.testing.assert_array_equal(end["m"], start["m"])
+
+
+def test_flight_of_many_cells_a_step(spline, transfer, precision, eps):
+    """Without forces x = x0 + n dt v even at 4.5 cells a step, where each step finds new blocks.
+
+    Velocity errors are those of free fall, 7 n eps |v|; |x| reaches 5 m, eps |x| / 2 a step.
+    """
+    v, dt, n = np.array([180.0, -120.0, 60.0]), 1e-3, 20
+    description = scene(
+        [box(velocity=tuple(v))], dt=dt, precision=precision, spline=spline, transfer=transfer,
+        snow={"E0": 1e-9},
+    )  # fmt: skip
+    sim = simulate(description)
+    start = wide(sim)
+    end = wide(march(sim, n))
+    speed = np.linalg.norm(v)
+    error = n * dt * 7 * n * eps * speed + n * eps * 5
+    np.testing.assert_allclose(end["x"], start["x"] + n * dt * v, rtol=0, atol=error)

@@ -15,6 +15,8 @@ def matrices(kind, n=2000):
 
     if kind == "random":
         return rng.standard_normal((n, 3, 3))
+    if kind == "huge":
+        return 1e6 * rng.standard_normal((n, 3, 3))
     if kind == "near identity":
         return near_identity(n, 1e-3)
     if kind == "identity":
@@ -34,7 +36,18 @@ def matrices(kind, n=2000):
     return of(10.0 ** rng.uniform(-4, 4, (n, 3)))  # "wide": stretches over eight decades
 
 
-KINDS = ["random", "near identity", "identity", "inverted", "rotation", "two equal", "flat", "line", "zero"]
+KINDS = [
+    "random",
+    "huge",
+    "near identity",
+    "identity",
+    "inverted",
+    "rotation",
+    "two equal",
+    "flat",
+    "line",
+    "zero",
+]
 
 
 @pytest.mark.parametrize("kind", KINDS)
