@@ -102,12 +102,16 @@ inline Surface<R> surface(const Solid<scalar_t<R>>& solid, const Vec3<R>& x) {
   return {s.phi, to_world * s.normal};
 }
 
-// The velocity of snow at x after every solid that holds x has acted on it, in the order of the scene.
+// A wall often lies exactly on a row of nodes; this share of a cell decides that it holds them, rather than rounding.
+inline constexpr double skin_cells = 1e-4;
+
+// The velocity of snow at x after every solid that holds x has acted on it, in the order of the scene. A solid holds
+// what is no more than `skin` [m] outside.
 template <class R>
-inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v) {
+inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v, scalar_t<R> skin) {
   for (const auto& solid : solids) {
     const Surface<R> s = surface(solid, x);
-    const auto inside = s.phi <= splat<R>(0);
+    const auto inside = s.phi <= splat<R>(skin);
     if (any(inside)) {
       v = select(inside, after_contact(v, s.normal, solid.velocity_at(x), solid.mode, solid.mu_c), v);
     }

@@ -9,8 +9,9 @@
 //
 // Convergence. Cyclic Jacobi is quadratic once the off-diagonal norm is below the eigenvalues' gap, and inside a
 // cluster of equal eigenvalues any orthogonal basis serves. We sweep until every lane's squared off-diagonal norm
-// is below eps^2 (4 ||E||^2 + 1), so the residual of sigma^2 is of the order of rounding whatever F is (tests: random,
-// inverted, rank one and two, 1e-9..1e9 scaled, near the identity). Snow in its elastic range needs two sweeps.
+// is below eps^2 (4 ||E||^2 + 1), so the absolute error of sigma^2 is of the order of eps (1 + sigma_0^2) whatever F is
+// (tests: random, inverted, rank one and two, large, near the identity). That is rounding for any F that snow can have;
+// a matrix that is tiny as a whole, far below 1, keeps only that absolute precision.
 #pragma once
 
 #include <limits>

@@ -113,7 +113,7 @@ class HomeGather {
 
     // 8. velocities, 9. particle collisions, 10. positions
     Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, model_.flip_alpha);
-    v = collide(solids_, x, v);
+    v = collide(solids_, x, v, T(skin_cells * model_.dx));
     x = x + v * dt_;
 
     store_vector(state_.x, p, x, count);

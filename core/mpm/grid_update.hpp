@@ -63,7 +63,7 @@ struct BlockUpdate {
       x.x[l] = p.x, x.y[l] = p.y, x.z[l] = p.z;
     }
     load_quads(node, v.x, v.y, v.z, mass);
-    const Vec3<R> after = select(mass > T(0), collide(solids, x, v), v);
+    const Vec3<R> after = select(mass > T(0), collide(solids, x, v, T(skin_cells * model.dx)), v);
     store_quads(node, after.x, after.y, after.z, mass);
     if (!has_change) return;
     Vec3<R> dv;

@@ -70,12 +70,15 @@ def beyond(q, axes):
 SHAPES = {"plane": plane, "box": box, "sphere": sphere, "cylinder": cylinder}
 
 
-def respond(v, x, bodies):
-    """Return the velocities after contact of points at x with velocity v (n, 3), one body after another."""
+def respond(v, x, bodies, skin=0.0):
+    """Return the velocities after contact of points at x with velocity v (n, 3), one body after another.
+
+    A body holds what is no more than `skin` [m] outside.
+    """
     v = v.copy()
     for body in bodies:
         phi, n = body.distance(x)
-        touching = phi <= 0
+        touching = phi <= skin
         if touching.any():
             v_co = body.velocity_at(x[touching])
             v[touching] = v_co + relative(v[touching] - v_co, n[touching], body.mode, body.mu_c)

@@ -13,6 +13,8 @@ import numpy as np
 from reference import contact, snow, splines
 from reference.snow import Snow
 
+SKIN = 1e-4  # share of a cell within which a body holds a point: a wall on a row of nodes holds them
+
 
 @dataclass
 class Particles:
@@ -76,11 +78,11 @@ def step(p, method, dt, bodies=(), first=False):
         p.V0 = volumes(p, method, nodes, at, w)  # 2
     f = forces(p, method, nodes, at, ijk, w, grad_w)  # 3
     update_grid_velocities(nodes, method, f, dt)  # 4
-    collide_nodes(nodes, bodies)  # 5
+    collide_nodes(nodes, bodies, SKIN * method.dx)  # 5
     # 6: explicit, v^{n+1} = v*
     grad_v = update_deformation(p, method, nodes, at, ijk, w, grad_w, dt)  # 7
     update_velocities(p, method, nodes, at, w, grad_v)  # 8
-    p.v = contact.respond(p.v, p.x, bodies)  # 9
+    p.v = contact.respond(p.v, p.x, bodies, SKIN * method.dx)  # 9
     p.x = p.x + dt * p.v  # 10
     return nodes
 
@@ -130,10 +132,11 @@ def update_grid_velocities(nodes, method, f, dt):
     nodes.v_new[has_mass] += dt * acceleration
 
 
-def collide_nodes(nodes, bodies):
+def collide_nodes(nodes, bodies, skin):
     """Stage 5. The contact law at every node inside a collider."""
     flat = nodes.v_new.reshape(-1, 3)
-    nodes.v_new = contact.respond(flat, nodes.x.reshape(-1, 3), bodies).reshape(nodes.v_new.shape)
+    after = contact.respond(flat, nodes.x.reshape(-1, 3), bodies, skin)
+    nodes.v_new = after.reshape(nodes.v_new.shape)
 
 
 def update_deformation(p, method, nodes, at, ijk, w, grad_w, dt):
