@@ -29,7 +29,9 @@ inline void set_thread_count(int n) {
 template <class F>
 void each_chunk(std::size_t n, F&& f) {
   const int chunks = thread_count();
-  const auto bound = [&](int c) { return n * static_cast<std::size_t>(c) / static_cast<std::size_t>(chunks); };
+  const auto bound = [&](int c) {
+    return n * static_cast<std::size_t>(c) / static_cast<std::size_t>(chunks);
+  };
 #if defined(_OPENMP)
 #pragma omp parallel for schedule(static, 1)
 #endif

@@ -30,14 +30,16 @@ std::vector<Vec3> copy(const Points& x) {
   return out;
 }
 
-template <class T> auto array(std::vector<T>&& values, std::initializer_list<size_t> shape) {
+template <class T>
+auto array(std::vector<T>&& values, std::initializer_list<size_t> shape) {
   auto* kept = new std::vector<T>(std::move(values));
   nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
   return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
 }
 
 /// Apply f to every point and return the numbers as an array.
-template <class F> auto each(const Points& x, F&& f) {
+template <class F>
+auto each(const Points& x, F&& f) {
   std::vector<float> out(x.shape(0));
   for (size_t p = 0; p < out.size(); ++p) out[p] = f(Vec3{x(p, 0), x(p, 1), x(p, 2)});
   return array(std::move(out), {x.shape(0)});

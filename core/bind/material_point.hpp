@@ -44,7 +44,8 @@ nb::tuple svd(const Matrices<T>& F) {
     write_matrices<T>(u + 9 * p, d.U, count);
     write_matrices<T>(v + 9 * p, d.V, count);
     for (int l = 0; l < count; ++l) {
-      for (int k = 0; k < 3; ++k) s[3 * (p + static_cast<std::size_t>(l)) + static_cast<std::size_t>(k)] = d.sigma[k][l];
+      for (int k = 0; k < 3; ++k)
+        s[3 * (p + static_cast<std::size_t>(l)) + static_cast<std::size_t>(k)] = d.sigma[k][l];
     }
   }
   return nb::make_tuple(U, S, V);
@@ -80,8 +81,8 @@ nb::tuple return_map_of(const Matrices<T>& F, const Numbers<T>& J_P, const In<do
   auto psi = fresh<T>(e, {n});
   for (std::size_t p = 0; p < n; p += width<R>) {
     const int count = static_cast<int>(std::min<std::size_t>(width<R>, n - p));
-    const auto mapped = Stomakhin2013::return_map(matrices<T>(F.data() + 9 * p, count),
-                                                  load<R>(J_P.data() + p, count), q);
+    const auto mapped =
+        Stomakhin2013::return_map(matrices<T>(F.data() + 9 * p, count), load<R>(J_P.data() + p, count), q);
     write_matrices<T>(f + 9 * p, mapped.F_E, count);
     write_matrices<T>(t + 9 * p, full(mapped.stress.tau), count);
     store(j + p, mapped.J_P, count);

@@ -52,19 +52,23 @@ void bind_model(nb::module_& m) {
           "add_solid",
           [](M& self, const std::string& shape, const In<double, nb::shape<3>>& half, const std::string& mode,
              double mu_c) {
-            const Shape s = word<Shape>(
-                shape,
-                {{"plane", Shape::plane}, {"box", Shape::box}, {"sphere", Shape::sphere}, {"cylinder", Shape::cylinder}},
-                "shape");
+            const Shape s = word<Shape>(shape,
+                                        {{"plane", Shape::plane},
+                                         {"box", Shape::box},
+                                         {"sphere", Shape::sphere},
+                                         {"cylinder", Shape::cylinder}},
+                                        "shape");
             const Contact c = word<Contact>(
-                mode, {{"sticky", Contact::sticky}, {"slip", Contact::slip}, {"separate", Contact::separate}}, "mode");
+                mode, {{"sticky", Contact::sticky}, {"slip", Contact::slip}, {"separate", Contact::separate}},
+                "mode");
             self.solids.push_back({s, c, T(mu_c), vec<T>(half), {}, identity<T>(), {}, {}});
           },
           nb::arg("shape"), nb::arg("half"), nb::arg("mode"), nb::arg("mu_c"))
       .def(
           "place_solid",
-          [](M& self, std::size_t i, const In<double, nb::shape<3>>& centre, const In<double, nb::shape<3, 3>>& rotation,
-             const In<double, nb::shape<3>>& velocity, const In<double, nb::shape<3>>& omega) {
+          [](M& self, std::size_t i, const In<double, nb::shape<3>>& centre,
+             const In<double, nb::shape<3, 3>>& rotation, const In<double, nb::shape<3>>& velocity,
+             const In<double, nb::shape<3>>& omega) {
             Solid<T>& s = self.solids.at(i);
             s.centre = vec<T>(centre);
             for (int k = 0; k < 9; ++k) s.rotation(k / 3, k % 3) = T(rotation.data()[k]);
@@ -78,7 +82,8 @@ void bind_model(nb::module_& m) {
 template <class T>
 void bind_state(nb::module_& m) {
   using S = State<T>;
-  nb::class_<S> c(m, "State", "Everything per particle; arrays are views of the core's memory, valid until resize().");
+  nb::class_<S> c(m, "State",
+                  "Everything per particle; arrays are views of the core's memory, valid until resize().");
   c.def("__init__", [](S* self, std::size_t count) {
     new (self) S();
     self->resize(count);
@@ -86,10 +91,10 @@ void bind_state(nb::module_& m) {
   c.def("resize", &S::resize, "Keep the first particles, add fresh ones (F_E = I, J_P = 1) at the end.");
   c.def_ro("count", &S::count);
   c.def_prop_ro("bytes", &S::bytes);
-#define NEVE_FIELD(name) \
+#define NEVE_FIELD(name)                     \
   c.def_prop_ro(#name, [](nb::handle self) { \
-    S& s = nb::cast<S&>(self); \
-    return view(s.name, s.count, self); \
+    S& s = nb::cast<S&>(self);               \
+    return view(s.name, s.count, self);      \
   })
   NEVE_FIELD(x);
   NEVE_FIELD(v);
@@ -113,7 +118,8 @@ nb::tuple nodes(Grid<T>& grid) {
       const T* node = grid.node(static_cast<std::int32_t>(b));
       const BlockCoord at = grid.blocks[b];
       for (int i = 0; i < 64; ++i) {
-        if (node[4 * i + 3] > T(0)) f(4 * at.x + i / 16, 4 * at.y + i / 4 % 4, 4 * at.z + i % 4, node + 4 * i);
+        if (node[4 * i + 3] > T(0))
+          f(4 * at.x + i / 16, 4 * at.y + i / 4 % 4, 4 * at.z + i % 4, node + 4 * i);
       }
     }
   };
@@ -137,11 +143,15 @@ void bind_grid(nb::module_& m) {
   using G = Grid<T>;
   nb::class_<G>(m, "Grid", "The sparse grid: scratch, rebuilt in each step.")
       .def(nb::init<>())
-      .def_prop_ro("current", [](const G& g) { return g.current; }, "No particle has left its home since sort().")
-      .def_prop_ro("blocks", [](const G& g) { return g.blocks.size(); }, "Allocated blocks of 64 nodes.")
-      .def_prop_ro("homes", [](const G& g) { return g.homes.size(); }, "Blocks that own particles.")
+      .def_prop_ro(
+          "current", [](const G& g) { return g.current; }, "No particle has left its home since sort().")
+      .def_prop_ro(
+          "blocks", [](const G& g) { return g.blocks.size(); }, "Allocated blocks of 64 nodes.")
+      .def_prop_ro(
+          "homes", [](const G& g) { return g.homes.size(); }, "Blocks that own particles.")
       .def_prop_ro("bytes", &G::bytes)
-      .def("nodes", &nodes<T>, "(ijk (n, 3), mass (n,), momentum after p2g or velocity after grid_update (n, 3)).");
+      .def("nodes", &nodes<T>,
+           "(ijk (n, 3), mass (n,), momentum after p2g or velocity after grid_update (n, 3)).");
 }
 
 template <class T>
@@ -153,7 +163,8 @@ void require_sorted(const Model<T>& model, const State<T>& state, const Grid<T>&
 template <class T>
 void require_snow(const Model<T>& model, const State<T>& state) {
   for (std::size_t p = 0; p < state.count; ++p) {
-    if (state.material[p] >= model.snows.size()) throw nb::value_error("a particle names a material that the model lacks");
+    if (state.material[p] >= model.snows.size())
+      throw nb::value_error("a particle names a material that the model lacks");
   }
 }
 
@@ -183,7 +194,8 @@ void bind_stages(nb::module_& m) {
       "volumes_from_grid",
       [](const Model<T>& model, State<T>& state, Grid<T>& grid) {
         require_sorted(model, state, grid);
-        with_spline(model.spline, [&](auto spline) { volumes_from_grid<T, decltype(spline)>(model, state, grid); });
+        with_spline(model.spline,
+                    [&](auto spline) { volumes_from_grid<T, decltype(spline)>(model, state, grid); });
       },
       free_gil);
   m.def("grid_update", &grid_update<T>, free_gil);

@@ -90,7 +90,8 @@ inline Surface<R> cylinder_surface(const Vec3<R>& x, scalar_t<R> radius, scalar_
 
 template <class R>
 inline Surface<R> surface(const Solid<scalar_t<R>>& solid, const Vec3<R>& x) {
-  const Mat3<R> to_world{spread<R>(solid.rotation.c0), spread<R>(solid.rotation.c1), spread<R>(solid.rotation.c2)};
+  const Mat3<R> to_world{spread<R>(solid.rotation.c0), spread<R>(solid.rotation.c1),
+                         spread<R>(solid.rotation.c2)};
   const Vec3<R> local = transposed_times(to_world, x - spread<R>(solid.centre));
   Surface<R> s{};
   switch (solid.shape) {
@@ -108,7 +109,8 @@ inline constexpr double skin_cells = 1e-4;
 // The velocity of snow at x after every solid that holds x has acted on it, in the order of the scene. A solid holds
 // what is no more than `skin` [m] outside.
 template <class R>
-inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v, scalar_t<R> skin) {
+inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v,
+                       scalar_t<R> skin) {
   for (const auto& solid : solids) {
     const Surface<R> s = surface(solid, x);
     const auto inside = s.phi <= splat<R>(skin);

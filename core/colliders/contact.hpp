@@ -13,7 +13,8 @@ enum class Contact { sticky, slip, separate };
 // The velocity after contact of snow that moves with `v` at a surface of unit normal n that moves with `v_co`:
 // v_n -> 0, and v_t shrinks by mu_c |v_n|, at most to zero.
 template <class R>
-inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, Contact mode, scalar_t<R> mu_c) {
+inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, Contact mode,
+                             scalar_t<R> mu_c) {
   if (mode == Contact::sticky) return v_co;
   using T = scalar_t<R>;
   const R zero = splat<R>(0), one = splat<R>(1);

@@ -27,8 +27,9 @@ struct Stomakhin2013 {
     using T = scalar_t<R>;
     const double mu = snow.E0 / (2 * (1 + snow.nu));
     const double lam = snow.E0 * snow.nu / ((1 + snow.nu) * (1 - 2 * snow.nu));
-    return {stiffness * T(mu),         stiffness * T(lam),        splat<R>(T(snow.xi)),     splat<R>(T(snow.theta_c)),
-            splat<R>(T(snow.theta_s)), splat<R>(T(snow.J_P_min)), splat<R>(T(snow.J_P_max))};
+    return {stiffness * T(mu),         stiffness * T(lam),        splat<R>(T(snow.xi)),
+            splat<R>(T(snow.theta_c)), splat<R>(T(snow.theta_s)), splat<R>(T(snow.J_P_min)),
+            splat<R>(T(snow.J_P_max))};
   }
 
   template <class R>
@@ -78,7 +79,8 @@ struct Stomakhin2013 {
     const Vec3<R> excess = svd.strain - low;
     Mapped<R> out{F_trial, J_P, {}};
     if (any((excess.x != T(0)) | (excess.y != T(0)) | (excess.z != T(0)))) {
-      for (int k = 0; k < 3; ++k) {  // F_E - U diag(excess) V^T: lanes that did not flow keep F_trial to the bit
+      for (int k = 0; k < 3;
+           ++k) {  // F_E - U diag(excess) V^T: lanes that did not flow keep F_trial to the bit
         const Vec3<R> u = svd.U.column(k) * excess[k];
         out.F_E.c0 = out.F_E.c0 - u * svd.V.column(k).x;
         out.F_E.c1 = out.F_E.c1 - u * svd.V.column(k).y;

@@ -53,7 +53,8 @@ class BlockMap {
  private:
   std::int32_t& find_slot(BlockKey key) {
     std::size_t i = (key * 0x9E3779B97F4A7C15ull) >> shift_;
-    while (slots_[i] != none && keys_[static_cast<std::size_t>(slots_[i])] != key) i = (i + 1) & (slots_.size() - 1);
+    while (slots_[i] != none && keys_[static_cast<std::size_t>(slots_[i])] != key)
+      i = (i + 1) & (slots_.size() - 1);
     return slots_[i];
   }
   void rehash(std::size_t wanted) {
@@ -79,13 +80,14 @@ inline constexpr int block_values = 64 * 4;
 
 template <class T>
 struct Grid {
-  std::vector<Home> homes;                    // by rising key, so neighbours in memory are neighbours in space
-  std::array<std::vector<std::int32_t>, 8> colours;  // homes of one parity per axis: their tiles never overlap
-  std::vector<BlockCoord> blocks;             // node blocks, by rising key
-  Column<T> momentum;                         // 4 per node: (m v, m) after p2g, (v, m) after grid_update
-  Column<T> change;                           // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
-  std::size_t count = 0;                      // particles sorted
-  bool current = false;                       // the homes still hold all their particles
+  std::vector<Home> homes;  // by rising key, so neighbours in memory are neighbours in space
+  std::array<std::vector<std::int32_t>, 8>
+      colours;                     // homes of one parity per axis: their tiles never overlap
+  std::vector<BlockCoord> blocks;  // node blocks, by rising key
+  Column<T> momentum;              // 4 per node: (m v, m) after p2g, (v, m) after grid_update
+  Column<T> change;                // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
+  std::size_t count = 0;           // particles sorted
+  bool current = false;            // the homes still hold all their particles
   bool has_change = false;
 
   T* node(std::int32_t block) { return momentum.data() + std::size_t(block) * block_values; }

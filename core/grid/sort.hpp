@@ -81,8 +81,9 @@ std::vector<BlockKey> find_homes(const State<T>& state, const Placing<T>& placin
     }
   });
   for (std::int64_t p : lost) {
-    if (p >= 0) throw std::domain_error("particle " + std::to_string(state.id[static_cast<std::size_t>(p)]) +
-                                        " has a position that is not finite or beyond the lattice");
+    if (p >= 0)
+      throw std::domain_error("particle " + std::to_string(state.id[static_cast<std::size_t>(p)]) +
+                              " has a position that is not finite or beyond the lattice");
   }
   std::vector<BlockKey> keys;
   for (const BlockMap& map : maps) keys.insert(keys.end(), map.keys().begin(), map.keys().end());
@@ -92,7 +93,8 @@ std::vector<BlockKey> find_homes(const State<T>& state, const Placing<T>& placin
     const auto& local = maps[static_cast<std::size_t>(chunk)].keys();
     std::vector<std::int32_t> rank(local.size());
     for (std::size_t k = 0; k < local.size(); ++k) {
-      rank[k] = static_cast<std::int32_t>(std::lower_bound(keys.begin(), keys.end(), local[k]) - keys.begin());
+      rank[k] =
+          static_cast<std::int32_t>(std::lower_bound(keys.begin(), keys.end(), local[k]) - keys.begin());
     }
     for (std::size_t p = begin; p < end; ++p) {
       grid.home_of[p] = rank[static_cast<std::size_t>(grid.home_of[p])];

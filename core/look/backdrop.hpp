@@ -185,7 +185,7 @@ class Backdrop {
   }
 
   /// Interpolate one share between four nodes; say whether they are as alike as they need to be.
-  static bool between(const Corners& nodes, float Arrival::*share, float tolerance, float a, float b,
+  static bool between(const Corners& nodes, float Arrival::* share, float tolerance, float a, float b,
                       float& value) {
     const float n00 = nodes[0]->arrival.*share, n01 = nodes[1]->arrival.*share;
     const float n10 = nodes[2]->arrival.*share, n11 = nodes[3]->arrival.*share;

@@ -91,15 +91,9 @@ inline Hit meet(const Body& body, Vec3 origin, Vec3 direction) {
     case Shape::plane:
       if (p.z > 0 && d.z < 0) hit = {-p.z / d.z, {0, 0, 1}};
       break;
-    case Shape::box:
-      hit = meet_box(body.half, p, d);
-      break;
-    case Shape::sphere:
-      hit = meet_sphere(body.half.x, p, d);
-      break;
-    case Shape::cylinder:
-      hit = meet_cylinder(body.half.x, body.half.z, p, d);
-      break;
+    case Shape::box: hit = meet_box(body.half, p, d); break;
+    case Shape::sphere: hit = meet_sphere(body.half.x, p, d); break;
+    case Shape::cylinder: hit = meet_cylinder(body.half.x, body.half.z, p, d); break;
   }
   hit.normal = body.turn.to_world(hit.normal);
   return hit;
@@ -110,10 +104,8 @@ inline float distance(const Body& body, Vec3 point) {
   const Vec3 p = body.turn.to_local(point - body.position);
   float a, b, c;
   switch (body.shape) {
-    case Shape::plane:
-      return p.z;
-    case Shape::sphere:
-      return length(p) - body.half.x;
+    case Shape::plane: return p.z;
+    case Shape::sphere: return length(p) - body.half.x;
     case Shape::box:
       a = std::abs(p.x) - body.half.x, b = std::abs(p.y) - body.half.y, c = std::abs(p.z) - body.half.z;
       break;

@@ -61,7 +61,8 @@ class Painter {
 
   /// Light of grain `g` at the sample (row r, column c of samples). behind: gives the light of what is
   /// behind it.
-  template <class Behind> Vec3 snow(uint32_t g, int r, int c, const Behind& behind) const {
+  template <class Behind>
+  Vec3 snow(uint32_t g, int r, int c, const Behind& behind) const {
     constexpr float pixel = 1.0f / Samples::per_axis;
     const Grain& grain = grains_[g];
     const Lit& lit = lit_[grain.particle];

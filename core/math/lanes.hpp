@@ -226,7 +226,8 @@ inline R interleave_from(R a, R b, std::index_sequence<I...>) {
 template <class R, int Start, std::size_t... I>
 inline R pairs_from(R a, R b, std::index_sequence<I...>) {
   return __builtin_shufflevector(
-      a, b, (Start + 2 * (static_cast<int>(I) / 4) + static_cast<int>(I) % 2 + ((I / 2) % 2) * sizeof...(I))...);
+      a, b,
+      (Start + 2 * (static_cast<int>(I) / 4) + static_cast<int>(I) % 2 + ((I / 2) % 2) * sizeof...(I))...);
 }
 template <class R, int Start, std::size_t... I>
 inline R every_other(R a, R b, std::index_sequence<I...>) {
@@ -273,7 +274,8 @@ inline Row<T> row_of_quad(const T* q) {
     return reinterpret_cast<Row<T>>(_mm512_broadcast_f32x4(_mm_loadu_ps(q)));
   }
 #endif
-  return Row<T>{q[0], q[1], q[2], q[3], q[0], q[1], q[2], q[3], q[0], q[1], q[2], q[3], q[0], q[1], q[2], q[3]};
+  return Row<T>{q[0], q[1], q[2], q[3], q[0], q[1], q[2], q[3],
+                q[0], q[1], q[2], q[3], q[0], q[1], q[2], q[3]};
 }
 template <class T>
 inline Row<T> row_of_weights(const T* w) {
@@ -283,7 +285,8 @@ inline Row<T> row_of_weights(const T* w) {
     return reinterpret_cast<Row<T>>(_mm512_permutexvar_ps(each, _mm512_castps128_ps512(_mm_loadu_ps(w))));
   }
 #endif
-  return Row<T>{w[0], w[0], w[0], w[0], w[1], w[1], w[1], w[1], w[2], w[2], w[2], w[2], w[3], w[3], w[3], w[3]};
+  return Row<T>{w[0], w[0], w[0], w[0], w[1], w[1], w[1], w[1],
+                w[2], w[2], w[2], w[2], w[3], w[3], w[3], w[3]};
 }
 template <class T>
 inline Row<T> last_of_quads(Row<T> a) {
@@ -292,10 +295,12 @@ inline Row<T> last_of_quads(Row<T> a) {
 // Sum the four nodes of each of four rows: the result holds the sums of a, b, c, d as four quads.
 template <class T>
 inline Row<T> sum_nodes(Row<T> a, Row<T> b, Row<T> c, Row<T> d) {
-  const Row<T> ab = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
-                    __builtin_shufflevector(a, b, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
-  const Row<T> cd = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
-                    __builtin_shufflevector(c, d, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
+  const Row<T> ab =
+      __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
+      __builtin_shufflevector(a, b, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
+  const Row<T> cd =
+      __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
+      __builtin_shufflevector(c, d, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
   return __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27) +
          __builtin_shufflevector(ab, cd, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30, 31);
 }

@@ -90,7 +90,8 @@ inline void rotation_from_columns(const Mat3<R>& B, Svd3<R>& out) {
   const Vec3<R> helper{select(steep, z, o), select(steep, o, z), z};
   const Vec3<R> across = normalised_or(cross(u0, helper), Vec3<R>{z, z, o});
   Vec3<R> b1 = B.c1 - u0 * dot(u0, B.c1);
-  const R floor2 = T(1e-2) * std::numeric_limits<T>::epsilon() * std::numeric_limits<T>::epsilon() * dot(B.c0, B.c0);
+  const R floor2 =
+      T(1e-2) * std::numeric_limits<T>::epsilon() * std::numeric_limits<T>::epsilon() * dot(B.c0, B.c0);
   Vec3<R> u1 = select(dot(b1, b1) > floor2, normalised_or(b1, across), across);
   u1 = normalised_or(u1 - u0 * dot(u0, u1), across);
   out.U = {u0, u1, cross(u0, u1)};
@@ -134,7 +135,8 @@ inline Svd3<R> svd3(const Mat3<R>& F) {
   Vec3<R>& e = strain.e;
   Svd3<R> out;
   const R lowest = min(min(e.x, e.y), e.z), highest = max(max(e.x, e.y), e.z);
-  const bool far = any((lowest < splat<R>(T(-0.75))) | (determinant(F) <= splat<R>(0)) | (highest > splat<R>(8)));
+  const bool far =
+      any((lowest < splat<R>(T(-0.75))) | (determinant(F) <= splat<R>(0)) | (highest > splat<R>(8)));
   if (Ordered || far) {
     detail::order(e.x, e.y, strain.V.c0, strain.V.c1);
     detail::order(e.x, e.z, strain.V.c0, strain.V.c2);

@@ -49,7 +49,8 @@ Mat3<R> load_deformation(const State<scalar_t<R>>& state, std::size_t p, int cou
 }
 
 template <class R>
-Report report_of(const Vec3<R>& v, const Mat3<R>& F_E, R J_P, const Vec3<R>& x, R modulus, R m, R V0, int count) {
+Report report_of(const Vec3<R>& v, const Mat3<R>& F_E, R J_P, const Vec3<R>& x, R modulus, R m, R V0,
+                 int count) {
   using T = scalar_t<R>;
   const auto here = first_lanes<R>(count);
   const R mass = select(m > T(0), m, splat<R>(1));
@@ -72,12 +73,18 @@ class HomeGather {
 
  public:
   HomeGather(const Model<T>& model, State<T>& state, Grid<T>& grid, const Home& home, double dt)
-      : model_(model), state_(state), home_(home), dt_(T(dt)), frame_(TileFrame<T>::template of<S>(model.dx, home.at)),
-        from_(tile_), from_change_(change_) {
+      : model_(model),
+        state_(state),
+        home_(home),
+        dt_(T(dt)),
+        frame_(TileFrame<T>::template of<S>(model.dx, home.at)),
+        from_(tile_),
+        from_change_(change_) {
     tile_.load_from(grid, home, &Grid<T>::node);
     if constexpr (X::has_change) change_.load_from(grid, home, &Grid<T>::node_change);
     const auto dx = static_cast<T>(model.dx);
-    const Vec3<T> corner = node_position(model, home.at, 0, 0, 0), half{T(3.5) * dx, T(3.5) * dx, T(3.5) * dx};
+    const Vec3<T> corner = node_position(model, home.at, 0, 0, 0),
+                  half{T(3.5) * dx, T(3.5) * dx, T(3.5) * dx};
     solids_ = solids_near(model.solids, corner + half, T(6.1) * dx);
   }
 
@@ -128,7 +135,8 @@ class HomeGather {
   void gather(int count) {
     for (int l = 0; l < count; ++l) {
       const Row<T> s = from_.sums(stencils_, l);
-      for (int k = 0; k < 4; ++k) std::memcpy(sums_[k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
+      for (int k = 0; k < 4; ++k)
+        std::memcpy(sums_[k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
     }
     if constexpr (X::has_change) {
       for (int l = 0; l < count; ++l) {
@@ -173,7 +181,8 @@ Report each_reported(std::size_t n, F&& f) {
 #if defined(_OPENMP)
 #pragma omp for schedule(dynamic, 4) nowait
 #endif
-    for (std::int64_t i = 0; i < static_cast<std::int64_t>(n); ++i) mine.merge(f(static_cast<std::size_t>(i)));
+    for (std::int64_t i = 0; i < static_cast<std::int64_t>(n); ++i)
+      mine.merge(f(static_cast<std::size_t>(i)));
 #if defined(_OPENMP)
 #pragma omp critical
 #endif

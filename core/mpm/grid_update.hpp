@@ -53,7 +53,8 @@ struct BlockUpdate {
   }
 
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
-  void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node, T* change) const {
+  void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node,
+                     T* change) const {
     using R = Lanes<T>;
     Vec3<R> v, x;
     R mass;

@@ -26,7 +26,8 @@ struct Carried {
 };
 
 template <class T, class S>
-[[gnu::always_inline]] inline void scatter_affine(const Stencils<T, S>& st, const Carried<T>& c, int count, Scatter<T, S>& to) {
+[[gnu::always_inline]] inline void scatter_affine(const Stencils<T, S>& st, const Carried<T>& c, int count,
+                                                  Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, row_of_quad(c.q + 4 * l), row_of_quad(c.ax + 4 * l), row_of_quad(c.ay + 4 * l),
@@ -34,14 +35,16 @@ template <class T, class S>
   }
 }
 template <class T, class S>
-[[gnu::always_inline]] inline void scatter_plain(const Stencils<T, S>& st, const Carried<T>& c, int count, Scatter<T, S>& to) {
+[[gnu::always_inline]] inline void scatter_plain(const Stencils<T, S>& st, const Carried<T>& c, int count,
+                                                 Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, row_of_quad(c.q + 4 * l));
   }
 }
 template <class T, class S>
-[[gnu::always_inline]] inline void scatter_matrix(const Stencils<T, S>& st, const Carried<T>& c, int count, Scatter<T, S>& to) {
+[[gnu::always_inline]] inline void scatter_matrix(const Stencils<T, S>& st, const Carried<T>& c, int count,
+                                                  Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, Row<T>{}, row_of_quad(c.ax + 4 * l), row_of_quad(c.ay + 4 * l), row_of_quad(c.az + 4 * l));

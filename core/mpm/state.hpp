@@ -67,8 +67,9 @@ class Field {
 template <class T>
 struct State {
   std::size_t count = 0;
-  Field<T, 3> x, v;       // position [m], velocity [m/s]
-  Field<T, 9> C, F_E;     // affine velocity [1/s], elastic deformation gradient [1]; component 3 j + i is row i, column j
+  Field<T, 3> x, v;  // position [m], velocity [m/s]
+  Field<T, 9> C,
+      F_E;  // affine velocity [1/s], elastic deformation gradient [1]; component 3 j + i is row i, column j
   Field<T, 6> tau;        // Kirchhoff stress [Pa]: xx yy zz xy xz yz; follows from F_E and J_P, see refresh()
   Field<T, 1> J_P;        // plastic volume change [1]
   Field<T, 1> m, V0;      // mass [kg], rest volume [m3]

@@ -29,7 +29,8 @@ struct Tile {
       T* nodes = (grid.*block)(home.nodes[static_cast<std::size_t>(k)]);
       T* corner = value + (((k >> 2) * 4 * tile_width + ((k >> 1) & 1) * 4) * tile_width + (k & 1) * 4) * 4;
       for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 4; ++j) f(corner + (i * tile_width + j) * tile_width * 4, nodes + (i * 4 + j) * 16);
+        for (int j = 0; j < 4; ++j)
+          f(corner + (i * tile_width + j) * tile_width * 4, nodes + (i * 4 + j) * 16);
       }
     }
   }
@@ -121,14 +122,16 @@ class Scatter {
   }
 
   // Add w q + g . A, with the rows ax, ay, az of A.
-  [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q, Row<T> ax, Row<T> ay, Row<T> az) {
+  [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q, Row<T> ax, Row<T> ay,
+                                  Row<T> az) {
     const Row<T> wz = row_of_weights(st.wz + 4 * l), sz = row_of_weights(st.sz + 4 * l);
     const Row<T> p = wz * q + sz * az, px = wz * ax, py = wz * ay;
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       const Row<T> r = st.wx[i][l] * p + st.sx[i][l] * px, y = st.wx[i][l] * py;
 #pragma GCC unroll 4
-      for (int j = 0; j < S::nodes; ++j) sum_[i][j] = (sum_[i][j] + st.wy[j][l] * r) + st.sy[j][l] * y;  // two fused multiply-adds
+      for (int j = 0; j < S::nodes; ++j)
+        sum_[i][j] = (sum_[i][j] + st.wy[j][l] * r) + st.sy[j][l] * y;  // two fused multiply-adds
     }
   }
 

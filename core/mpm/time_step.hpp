@@ -7,11 +7,11 @@
 namespace neve {
 
 struct Report {
-  double wave = 0;      // largest elastic wave speed c = sqrt(modulus V0 / m), hardened [m/s]
-  double speed = 0;     // largest particle speed |v| [m/s]
-  double fastest = 0;   // largest c + |v| [m/s]
-  bool finite = true;   // every particle has finite x, v, F_E
-  bool drifted = false; // some particle left its home's tile: sort before the next p2g
+  double wave = 0;       // largest elastic wave speed c = sqrt(modulus V0 / m), hardened [m/s]
+  double speed = 0;      // largest particle speed |v| [m/s]
+  double fastest = 0;    // largest c + |v| [m/s]
+  bool finite = true;    // every particle has finite x, v, F_E
+  bool drifted = false;  // some particle left its home's tile: sort before the next p2g
 
   void merge(const Report& o) {
     wave = std::max(wave, o.wave);

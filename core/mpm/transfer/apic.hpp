@@ -19,8 +19,8 @@ struct Apic {
 
   // The matrix A of the scatter, per cell: columns multiply the axes of x_i - x_p.
   template <class S, class R>
-  static Mat3<R> affine_momentum(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, double dt, R m,
-                                 R V0) {
+  static Mat3<R> affine_momentum(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
+                                 double dt, R m, R V0) {
     using T = scalar_t<R>;
     const R k = V0 * T(-dt * S::inverse_inertia / dx);
     return scaled(load_matrix<R>(state.C, p, count), m * T(dx)) +
