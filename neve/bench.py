@@ -73,7 +73,7 @@ class Speed:
     rate: Spread  # particle-steps a second
     frame_ms: Spread  # wall time of a batch
     bytes_core: float  # per particle, as the core allocates it for particles and grid
-    bytes_resident: float | None  # per particle, growth of the resident memory of the process
+    bytes_resident: float | None  # per particle, growth of the process; None where it would drown in the rest
     blocks: int
     flowing: float  # share of particles that have flowed plastically
 
@@ -133,7 +133,7 @@ def measure(name: str, block: Block, **numerics: Any) -> Speed:
         rate=Spread.of([n * block.steps / t for t in wall]),
         frame_ms=Spread.of([1e3 * t for t in wall]),
         bytes_core=sim.bytes / n,
-        bytes_resident=None if before is None or after is None else (after - before) / n,
+        bytes_resident=None if before is None or after is None or n < 100_000 else (after - before) / n,
         blocks=sim.blocks,
         flowing=float((sim.state.J_P != 1).mean()),
     )
