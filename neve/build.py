@@ -18,7 +18,8 @@ def build(scene: Scene) -> tuple[Model, State]:
     """Sample the sources and assemble the material table.
 
     Each particle has rest volume V0, its share of its source's volume, and mass m = rho0 V0; F_E = I and
-    J_P = 1. `numerics.initial_volume = "grid"` replaces V0 in the first step.
+    J_P = 1; with `apic` the affine velocity C is that of the source's spin.
+    `numerics.initial_volume = "grid"` replaces V0 in the first step.
     """
     model = make_model(scene)
     samples = [fill(source, scene.numerics, i) for i, source in enumerate(scene.sources)]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,13 +16,13 @@ from neve import _core
 from neve.build import build, make_model
 from neve.colliders.motion import Pose
 from neve.diagnostics import Diagnostics, diagnose
-from neve.mpm.solver import STAGES, measure_volumes, require_finite, sort, step
+from neve.mpm.solver import STAGES, measure_volumes, require_finite, require_progress, sort, step
 from neve.mpm.time_step import fitted, largest
 from neve.scene.scene import Collider, Scene
 from neve.state import from_arrays, to_arrays
 
 if TYPE_CHECKING:
-    from neve._core import State
+    from neve._core import Report, State
 
 
 @dataclass
@@ -48,10 +50,8 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene, threads: int | None = None) -> None:
-        if threads is not None and threads < 1:
-            raise ValueError(f"threads = {threads}: at least 1")
         self.scene = scene
-        self.threads = threads
+        self.threads = checked_threads(threads)
         self.time = 0.0
         """Simulated time [s]."""
         self.steps = 0
@@ -90,14 +90,10 @@ class Simulation:
         model, state, numerics = self.model, self._state, self.scene.numerics
         start, done = self.time, 0.0
         self.stats = Stats()
-        report = model.core.refresh(model.native, state)
-        require_finite(model, state, report, self.steps, self.time, 0.0)
-        if self.steps == 0 and numerics.initial_volume == "grid":
-            measure_volumes(model, state, self._grid)
-            report = model.core.refresh(model.native, state)  # the wave speed depends on the volume
-        sort(model, state, self._grid)
+        report = self._begin()
         while done < seconds:
             choice = largest(numerics, report)
+            require_progress(model, report, choice.dt, seconds, self.steps)
             dt = fitted(choice.dt, seconds - done)
             if model.colliders_move:
                 model.place_colliders(start + done)
@@ -107,6 +103,21 @@ class Simulation:
             self.steps += 1
             self.stats.add(dt, choice.bound)
             require_finite(model, state, report, self.steps, self.time, dt)
+
+    def _begin(self) -> Report:
+        """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
+        model, state = self.model, self._state
+        started = perf_counter()
+        report = model.core.refresh(model.native, state)
+        require_finite(model, state, report, self.steps, self.time, 0.0)
+        if self.steps == 0 and self.scene.numerics.initial_volume == "grid":
+            measure_volumes(model, state, self._grid)
+            report = model.core.refresh(model.native, state)  # the wave speed depends on the volume
+        refreshed = perf_counter()
+        sort(model, state, self._grid)
+        self.stats.stage_seconds["stress"] += refreshed - started
+        self.stats.stage_seconds["sort"] += perf_counter() - refreshed
+        return report
 
     def bodies(self) -> list[tuple[Collider, Pose]]:
         """Return every collider with its pose now."""
@@ -127,7 +138,7 @@ class Simulation:
     ) -> Simulation:
         """Make the simulation that `arrays()` was taken from; it goes on with the same bits."""
         self = cls.__new__(cls)
-        self.scene, self.threads, self.stats = scene, threads, Stats()
+        self.scene, self.threads, self.stats = scene, checked_threads(threads), Stats()
         self.time, self.steps = float(arrays["time"]), int(arrays["steps"])
         self._use_threads()
         self.model = make_model(scene)
@@ -157,3 +168,11 @@ class Simulation:
 
 
 _default_threads = _core.threads()
+MAX_THREADS = 4 * (os.cpu_count() or 1)
+
+
+def checked_threads(threads: int | None) -> int | None:
+    """Return `threads` if the machine can be asked for so many; ValueError in one sentence otherwise."""
+    if threads is not None and not 1 <= threads <= MAX_THREADS:
+        raise ValueError(f"threads = {threads}: from 1 to {MAX_THREADS} on this machine")
+    return threads

@@ -6,7 +6,8 @@
 #include "bind/arrays.hpp"
 #include "bind/material_point.hpp"
 #include "grid/sort.hpp"
-#include "mpm/dispatch.hpp"
+#include "mpm/p2g.hpp"
+#include "mpm/particles.hpp"
 
 namespace neve::bind {
 
@@ -83,12 +84,11 @@ template <class T>
 void bind_state(nb::module_& m) {
   using S = State<T>;
   nb::class_<S> c(m, "State",
-                  "Everything per particle; arrays are views of the core's memory, valid until resize().");
+                  "Everything per particle; arrays are views of the core's memory, at fixed addresses.");
   c.def("__init__", [](S* self, std::size_t count) {
     new (self) S();
     self->resize(count);
   });
-  c.def("resize", &S::resize, "Keep the first particles, add fresh ones (F_E = I, J_P = 1) at the end.");
   c.def_ro("count", &S::count);
   c.def_prop_ro("bytes", &S::bytes);
 #define NEVE_FIELD(name)                     \
@@ -156,7 +156,7 @@ void bind_grid(nb::module_& m) {
 
 template <class T>
 void require_sorted(const Model<T>& model, const State<T>& state, const Grid<T>& grid) {
-  if (!grid.current || grid.count != state.count || grid.has_change != (model.transfer == Transfer::flip)) {
+  if (!grid.current || grid.count != state.count || grid.has_change != keeps_change(model.transfer)) {
     throw nb::value_error("the grid does not hold this state: call sort() first");
   }
 }
@@ -171,14 +171,14 @@ void require_snow(const Model<T>& model, const State<T>& state) {
 template <class T>
 void bind_stages(nb::module_& m) {
   const auto free_gil = nb::call_guard<nb::gil_scoped_release>();
-  m.def("sort", &sort<T>, free_gil);
+  m.def("sort", &sort<T>, free_gil, "Sort the particles by block and cell, and lay out the grid for them.");
   m.def(
       "refresh",
       [](const Model<T>& model, State<T>& state) {
         require_snow(model, state);
         return refresh<T, Law>(model, state);
       },
-      free_gil);
+      free_gil, "Recompute the stress from F_E and J_P; report what limits the time step.");
   m.def(
       "p2g",
       [](const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {
@@ -189,7 +189,7 @@ void bind_stages(nb::module_& m) {
           });
         });
       },
-      free_gil);
+      free_gil, "Scatter mass, momentum and force to the grid.");
   m.def(
       "volumes_from_grid",
       [](const Model<T>& model, State<T>& state, Grid<T>& grid) {
@@ -197,8 +197,15 @@ void bind_stages(nb::module_& m) {
         with_spline(model.spline,
                     [&](auto spline) { volumes_from_grid<T, decltype(spline)>(model, state, grid); });
       },
-      free_gil);
-  m.def("grid_update", &grid_update<T>, free_gil);
+      free_gil, "Take each particle's rest volume from the density on the grid; call after p2g.");
+  m.def(
+      "grid_update",
+      [](const Model<T>& model, Grid<T>& grid, double dt) {
+        if (grid.has_change != keeps_change(model.transfer))
+          throw nb::value_error("the grid is of another model");
+        grid_update(model, grid, dt);
+      },
+      free_gil, "Turn momenta into velocities: forces, gravity, collisions.");
   m.def(
       "g2p",
       [](const Model<T>& model, State<T>& state, Grid<T>& grid, double dt) {
@@ -209,15 +216,18 @@ void bind_stages(nb::module_& m) {
           });
         });
       },
-      free_gil);
+      free_gil,
+      "Gather: deformation, plastic flow, velocities, collisions, positions; report what limits the time "
+      "step.");
   m.def(
       "totals",
       [](const Model<T>& model, const State<T>& state) {
         require_snow(model, state);
         return totals<T, Law>(model, state);
       },
-      free_gil);
-  m.def("first_not_finite", &first_not_finite<T>, free_gil);
+      free_gil, "Sum mass, momentum and energies in double precision.");
+  m.def("first_not_finite", &first_not_finite<T>, free_gil,
+        "The row of the first particle with a value that is not finite, or -1.");
 }
 
 template <class T>

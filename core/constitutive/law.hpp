@@ -8,7 +8,7 @@
 //   energy(F_E, J_P, parameters)            Psi, elastic energy per rest volume [J/m3]
 //
 // A stress is a Kirchhoff stress tau = P F_E^T [Pa]; `modulus` is the P-wave modulus of the present, hardened state
-// [Pa], from which the time step is chosen. To add a law: one header here, one line in mpm/dispatch.hpp.
+// [Pa], from which the time step is chosen. To add a law: one header here, and the choice in mpm/choices.hpp.
 #pragma once
 
 #include "math/svd3.hpp"

@@ -7,7 +7,8 @@
 //
 // J_P is bounded, which the paper does not do. From below by J_P_min inside the exponent only: J_P = 0.3 would multiply
 // the stiffness by exp(7) = 1100 and shrink the time step 33 times, for a compaction past solid ice (400 kg/m3 / 917
-// kg/m3 = 0.44); the state keeps the true J_P, since F_E F_P = F must hold. From above by J_P_max in the state too: a
+// kg/m3 = 0.44); the state keeps the true J_P, since F_E F_P = F must hold
+// (a step so long that it turns F inside out leaves J_P < 0: such a step should not have been taken). From above by J_P_max in the state too: a
 // grain that flies alone keeps its affine velocity, so its "expansion" grows exponentially and means nothing; without
 // the bound it overflows. At 20 the stiffness is long gone (exp(-190)), so the bound moves nothing that can be seen.
 #pragma once

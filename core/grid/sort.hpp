@@ -9,7 +9,7 @@
 #include <string>
 
 #include "grid/blocks.hpp"
-#include "mpm/model.hpp"
+#include "mpm/choices.hpp"
 #include "threads.hpp"
 
 namespace neve {
@@ -53,11 +53,25 @@ struct Placing {
 
 template <class T>
 Placing<T> placing_of(const Model<T>& model) {
-  const auto make = [&](auto spline) {
+  return with_spline(model.spline, [&](auto spline) {
     using S = decltype(spline);
     return Placing<T>{T(1 / model.dx), T(S::shift), T(S::margin), static_cast<int>(S::margin)};
-  };
-  return model.spline == Spline::quadratic ? make(Quadratic{}) : make(Cubic{});
+  });
+}
+
+// Name the lost particle of the lowest birth number, the same for any number of threads.
+template <class T>
+void throw_if_lost(const State<T>& state, const std::vector<std::int64_t>& lost) {
+  std::int64_t first = -1;
+  for (std::int64_t p : lost) {
+    if (p >= 0 && (first < 0 || state.id[std::size_t(p)] < state.id[std::size_t(first)])) first = p;
+  }
+  if (first < 0) return;
+  const auto p = static_cast<std::size_t>(first);
+  std::string where;
+  for (int k = 0; k < 3; ++k) where += (k ? ", " : "") + std::to_string(state.x.column(k)[p]);
+  throw std::domain_error("particle " + std::to_string(state.id[p]) + " at (" + where +
+                          ") m is beyond the lattice");
 }
 
 // The homes' keys in rising order; grid.home_of[p] becomes the rank of p's home.
@@ -73,18 +87,16 @@ std::vector<BlockKey> find_homes(const State<T>& state, const Placing<T>& placin
     std::int32_t index = 0;
     for (std::size_t p = begin; p < end; ++p) {
       if (!placing.home(state, p, key)) {
-        lost[static_cast<std::size_t>(chunk)] = static_cast<std::int64_t>(p);
-        return;
+        std::int64_t& mine = lost[static_cast<std::size_t>(chunk)];
+        if (mine < 0 || state.id[p] < state.id[static_cast<std::size_t>(mine)])
+          mine = static_cast<std::int64_t>(p);
+        continue;
       }
       if (key != last) index = map.insert(key), last = key;
       grid.home_of[p] = index;
     }
   });
-  for (std::int64_t p : lost) {
-    if (p >= 0)
-      throw std::domain_error("particle " + std::to_string(state.id[static_cast<std::size_t>(p)]) +
-                              " has a position that is not finite or beyond the lattice");
-  }
+  throw_if_lost(state, lost);
   std::vector<BlockKey> keys;
   for (const BlockMap& map : maps) keys.insert(keys.end(), map.keys().begin(), map.keys().end());
   std::sort(keys.begin(), keys.end());
@@ -218,7 +230,7 @@ void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   detail::permute(state, grid);
   detail::lay_out_blocks(grid);
   const std::size_t values = grid.blocks.size() * block_values;
-  grid.has_change = model.transfer == Transfer::flip;
+  grid.has_change = keeps_change(model.transfer);
   if (grid.momentum.size() < values) grid.momentum.resize(values + values / 4);
   if (grid.has_change && grid.change.size() < values) grid.change.resize(values + values / 4);
   grid.count = state.count;

@@ -1,6 +1,5 @@
 // A picture of snow, start to end: density, grains, z-buffer, light, film.
 #pragma once
-#include <atomic>
 
 #include "look/backdrop.hpp"
 #include "look/film_curve.hpp"
@@ -45,7 +44,7 @@ class Painter {
       const Key* row = samples_.row(r);
       for (int c = 0; c < samples_.width; ++c)
         if (index_of(row[c]) < first_body)  // several threads may say so of the same particle
-          std::atomic_ref(seen[grains_[index_of(row[c])].particle]).store(1, std::memory_order_relaxed);
+          __atomic_store_n(&seen[grains_[index_of(row[c])].particle], 1, __ATOMIC_RELAXED);
     }
     lit_.resize(x.size());
 #pragma omp parallel for schedule(dynamic, 256)

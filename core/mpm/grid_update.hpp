@@ -1,6 +1,8 @@
 // Grid: velocities, gravity, forces, and collisions (Stomakhin et al. 2013, section 4.1, steps 4 to 6, explicit).
 #pragma once
 
+#include <limits>
+
 #include "mpm/model.hpp"
 #include "mpm/stencil.hpp"
 #include "threads.hpp"
@@ -37,11 +39,12 @@ struct BlockUpdate {
     gravity_step = row_of_quad(quad);
   }
 
-  // One row of four nodes: v_n = (m v) / m, v = v_n + dt f / m + dt g. Nodes without mass stay zero.
+  // One row of four nodes: v_n = (m v) / m, v = v_n + dt f / m + dt g. Nodes without mass stay zero; so do those whose
+  // mass is denormal (their weight is below 1e-30), since 1 / m would overflow.
   void row(T* node, T* change) const {
     const Row<T> a = load<Row<T>>(node);
     const Row<T> m = last_of_quads<T>(a);
-    const auto full = m > T(0);
+    const auto full = m >= std::numeric_limits<T>::min() * T(4);
     const Row<T> inv = T(1) / select(full, m, splat<Row<T>>(1));
     const Row<T> mass = mass_only(m);
     Row<T> step = gravity_step;

@@ -106,6 +106,7 @@ std::int64_t first_not_finite(const State<T>& state) {
     T sum = state.J_P.column(0)[p];
     for (int k = 0; k < 3; ++k) sum += state.x.column(k)[p] + state.v.column(k)[p];
     for (int k = 0; k < 9; ++k) sum += state.F_E.column(k)[p] + state.C.column(k)[p];
+    for (int k = 0; k < 6; ++k) sum += state.tau.column(k)[p];
     const bool earlier = found < 0 || state.id[p] < state.id[static_cast<std::size_t>(found)];
     if (sum - sum != T(0) && earlier) found = static_cast<std::int64_t>(p);
   }

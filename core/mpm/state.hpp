@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -18,8 +17,7 @@ class Column {
  public:
   void resize(std::size_t n) {
     const std::size_t bytes = ((n * sizeof(E) + 63) / 64 + 2) * 64;
-    E* fresh = static_cast<E*>(std::aligned_alloc(64, bytes));
-    if (!fresh) throw std::bad_alloc();
+    E* fresh = static_cast<E*>(::operator new(bytes, line));
     std::memset(static_cast<void*>(fresh), 0, bytes);
     if (data_) std::memcpy(static_cast<void*>(fresh), data_.get(), std::min(n, size_) * sizeof(E));
     data_.reset(fresh);
@@ -32,8 +30,9 @@ class Column {
   const E& operator[](std::size_t i) const { return data_.get()[i]; }
 
  private:
+  static constexpr std::align_val_t line{64};
   struct Free {
-    void operator()(E* p) const { std::free(p); }
+    void operator()(E* p) const { ::operator delete(p, line); }
   };
   std::unique_ptr<E[], Free> data_;
   std::size_t size_ = 0;

@@ -76,7 +76,7 @@ struct Stencils {
     R index = splat<R>(0);
     for (int a = 0; a < 3; ++a) {
       // a drifted particle is caught by g2p; the clamp keeps even a wrong call inside the tile
-      const R u = clamp(frame.local(x[a], a), splat<R>(0), splat<R>(T(S::reach) - T(1e-3)));
+      const R u = clamp(frame.local(x[a], a), splat<R>(0), splat<R>(T(S::reach)));
       const R base = floor(u), f = u - base;
       R dw[4];
       S::weights(f, w[a], dw);

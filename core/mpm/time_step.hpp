@@ -10,7 +10,7 @@ struct Report {
   double wave = 0;       // largest elastic wave speed c = sqrt(modulus V0 / m), hardened [m/s]
   double speed = 0;      // largest particle speed |v| [m/s]
   double fastest = 0;    // largest c + |v| [m/s]
-  bool finite = true;    // every particle has finite x, v, F_E
+  bool finite = true;    // every particle has finite x, v, F_E, J_P and stress
   bool drifted = false;  // some particle left its home's tile: sort before the next p2g
 
   void merge(const Report& o) {

@@ -12,7 +12,7 @@ from neve.model import Model
 if TYPE_CHECKING:
     from neve._core import Grid, Report, State
 
-STAGES = ("sort", "p2g", "grid", "g2p")
+STAGES = ("stress", "sort", "p2g", "grid", "g2p")
 
 
 class Blowup(RuntimeError):
@@ -38,7 +38,7 @@ def step(model: Model, state: State, grid: Grid, dt: float, seconds: dict[str, f
     report = core.g2p(native, state, grid, dt)  # 7, 8, 9, 10
     gathered = perf_counter()
     for stage, spent in zip(
-        STAGES,
+        ("sort", "p2g", "grid", "g2p"),
         (sorted_ - started, scattered - sorted_, updated - scattered, gathered - updated),
         strict=True,
     ):
@@ -75,13 +75,25 @@ def require_finite(model: Model, state: State, report: Report, steps: int, time:
     if report.finite:
         return
     row = model.core.first_not_finite(state)
+    when = f"after step {steps} (t = {time:.6g} s, dt = {dt:.3g} s)"
+    if row < 0:
+        raise Blowup(f"a particle has no finite stress {when}: {_remedy(model)}")
     values = {"x": state.x[row], "v": state.v[row], "F_E": state.F_E[row], "J_P": state.J_P[row]}
     broken = [name for name, value in values.items() if not _finite(value)]
     where = ", ".join(f"{a:.4g}" for a in state.x[row])
     raise Blowup(
         f"particle {state.id[row]} (snow {state.material[row]}) at ({where}) m has no finite "
-        f"{' or '.join(broken) or 'stress'} after step {steps} (t = {time:.6g} s, dt = {dt:.3g} s): "
-        f"{_remedy(model)}"
+        f"{' or '.join(broken) or 'stress'} {when}: {_remedy(model)}"
+    )
+
+
+def require_progress(model: Model, report: Report, dt: float, seconds: float, steps: int) -> None:
+    """Raise Blowup if the time step has become so small that `seconds` [s] would never be over."""
+    if dt > 1e-9 * seconds:
+        return
+    raise Blowup(
+        f"after step {steps} waves run at {report.wave:.3g} m/s and snow at {report.speed:.3g} m/s, which "
+        f"asks for a time step of {dt:.3g} s: raise snow.J_P_min, or lower snow.xi, snow.E0 or the velocities"
     )
 
 

@@ -1,8 +1,10 @@
-// From the model's words to the templates: one line per spline, transfer and law.
+// From the model's words to the templates: one line per spline and transfer, and the law.
 #pragma once
 
-#include "mpm/p2g.hpp"
-#include "mpm/particles.hpp"
+#include "constitutive/stomakhin2013.hpp"
+#include "math/bspline.hpp"
+#include "mpm/transfer/apic.hpp"
+#include "mpm/transfer/flip.hpp"
 
 namespace neve {
 
@@ -24,6 +26,11 @@ auto with_transfer(Transfer transfer, F&& f) {
     case Transfer::apic: break;
   }
   return f(Apic{});
+}
+
+// Whether the transfer keeps force and change of velocity in a second array of the grid.
+inline bool keeps_change(Transfer transfer) {
+  return with_transfer(transfer, [](auto x) { return decltype(x)::has_change; });
 }
 
 }  // namespace neve
