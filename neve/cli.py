@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -43,9 +44,19 @@ def _whole(ctx: click.Context, param: click.Parameter, value: str | None) -> int
     """Read a whole number of 1 or more."""
     if value is None:
         return None
-    if not (value.isascii() and value.isdigit() and int(value) >= 1):
+    if not (value.isascii() and value.isdigit() and len(value) < 20 and int(value) >= 1):
         raise click.BadParameter(f"{value} is not a whole number of 1 or more", ctx, param)
     return int(value)
+
+
+def _threads(ctx: click.Context, param: click.Parameter, value: str | None) -> int | None:
+    """Read a number of threads that the system can start."""
+    threads, most = _whole(ctx, param, value), 4 * (os.cpu_count() or 1)
+    if threads is not None and threads > most:
+        raise click.BadParameter(
+            f"{threads} is more than {most}, four threads for each processor", ctx, param
+        )
+    return threads
 
 
 @click.group(
@@ -84,7 +95,7 @@ def list_scenes(as_json: bool) -> None:
 @click.option("--out", metavar="DIR", help="Run folder; runs/NAME by default.")
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
 @click.option("--frames", metavar="N", callback=_whole, help="Stop after frame N.")
-@click.option("--threads", metavar="N", callback=_whole, help="Number of threads; all by default.")
+@click.option("--threads", metavar="N", callback=_threads, help="Number of threads; all by default.")
 @click.option("--resume", is_flag=True, help="Go on in the run from its checkpoint.")
 @click.option("--force", is_flag=True, help="Replace the run that lies in the folder.")
 @click.option("--quiet", is_flag=True, help="Show nothing but errors.")
@@ -120,13 +131,24 @@ def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
     from neve.scene.load import presets
 
     place = Path(scene)
-    if resume and scene not in presets() and place.is_dir():
+    is_folder = scene not in presets() and _is_folder(place)
+    if resume and is_folder:
         if out is not None and Path(out).resolve() != place.resolve():
             raise click.UsageError(f"--resume goes on in {scene} itself: leave out --out {out}")
         return place
     if out is not None:
         return Path(out)
-    return Path("runs") / (scene if scene in presets() else place.resolve().stem)
+    if scene in presets():
+        return Path("runs") / scene
+    whole = Path(os.path.realpath(place))
+    return Path("runs") / (whole.name if is_folder else whole.stem)
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except OSError:  # whoever reads the scene says what is wrong
+        return False
 
 
 @cli.command()
@@ -182,7 +204,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except click.ClickException as error:
         _complain(_usage(error))
         sys.exit(2)
-    except (MemoryError, RuntimeError, ValueError) as error:
+    except (MemoryError, OSError, RuntimeError, ValueError) as error:
         sentence = _user_error(error)
         if sentence is None:
             raise
@@ -203,6 +225,10 @@ def _user_error(error: Exception) -> str | None:
         known = getattr(sys.modules.get(module), name, None)
         if known is not None and isinstance(error, known):
             return str(error)
+    if isinstance(error, OSError):  # the last net: whoever touches files says more
+        from neve.io.errors import reason
+
+        return f"{error.filename}: {reason(error)}." if error.filename else f"{reason(error)}."
     return None
 
 

@@ -50,9 +50,10 @@ class RunFolder:
             if exists and not self.path.is_dir():
                 raise RunError(f"{self.path} is a file, and a run needs a folder: choose another --out.")
             occupied = exists and any(self.path.iterdir())
+            is_run = self.is_run()
         except OSError as error:
             raise cannot_read(self.path, error) from error
-        if self.is_run():
+        if is_run:
             self._check_run(resume, force)
         elif resume:
             what = "holds no Neve run" if exists else "does not exist"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
+import json
 import os
 import re
 import tomllib
@@ -77,9 +79,10 @@ def scene_from(
         raise SceneError(f"{_origin(found[0].path, changed, where)}: {found[0].sentence}{more}") from None
     for i, source in enumerate(scene.sources):
         font = getattr(source, "font", "")
-        if font and not Path(font).is_file():
+        if font and not _is_file(font):
             origin = _origin(("sources", str(i), "font"), changed, where)
-            raise SceneError(f'{origin}: sources.{i}.font = "{font}" is not a file; name a .ttf or .otf file')
+            shown = json.dumps(font, ensure_ascii=False)
+            raise SceneError(f"{origin}: sources.{i}.font = {shown} is not a file; name a .ttf or .otf file")
     return scene
 
 
@@ -92,6 +95,19 @@ def to_toml(scene: Scene) -> str:
 
 
 def _file(text: str) -> Path:
+    try:
+        return _scene_file(text)
+    except SceneError:
+        raise
+    except (OSError, RuntimeError, ValueError) as error:  # no such user, a name too long, a closed folder
+        reason = (getattr(error, "strerror", None) or str(error)).rstrip(".")
+        raise SceneError(
+            f"{text}: this cannot be looked for as a file: {reason[:1].lower()}{reason[1:]};"
+            f" name a .toml file or a preset: {_names()}"
+        ) from None
+
+
+def _scene_file(text: str) -> Path:
     path = Path(text).expanduser()
     if path.is_dir():
         if (path / "scene.toml").is_file():
@@ -132,12 +148,21 @@ def _read(path: Path, where: str) -> dict[str, Any]:
         raise SceneError(f"{where}: the file cannot be read: {error.strerror}") from None
 
 
+def _is_file(path: str) -> bool:
+    try:
+        return Path(path).is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def _resolve_fonts(tables: dict[str, Any], folder: Path) -> None:
+    """Make fonts absolute; a name that can be no path stays as it is, and is refused after validation."""
     sources = tables.get("sources")
     for source in sources if isinstance(sources, list) else []:
         font = source.get("font") if isinstance(source, dict) else None
         if isinstance(font, str) and font:
-            source["font"] = str((folder / Path(font).expanduser()).resolve())
+            with contextlib.suppress(OSError, RuntimeError, ValueError):
+                source["font"] = str((folder / Path(font).expanduser()).resolve())
 
 
 def _origin(path: tuple[str, ...], changed: list[tuple[tuple[str, ...], str]], where: str) -> str:

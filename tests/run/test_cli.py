@@ -76,6 +76,16 @@ BAD = [
     ("run small.toml --out old --resume", "old was written by an older version of Neve"),
     ("run small.toml --out old --resume --force", "choose one of the two"),
     ("run old --resume --out other", "--resume goes on in old itself: leave out --out other"),
+    (f"run {'x' * 300}", "the name is too long"),
+    (f"cite {'x' * 300}", "cannot be looked for as a file: file name too long"),
+    (f"run {'x' * 300} --resume", "the name is too long"),
+    (f"run {'x' * 300} --out there", "cannot be looked for as a file: file name too long"),
+    (f"run small.toml --out {'x' * 300}", "could not be read: the name is too long"),
+    ("run ~nosuchuser/x.toml", "~nosuchuser/x.toml: this cannot be looked for as a file"),
+    ("run text_fall --set sources.0.font=~nosuchuser/b.ttf", '"~nosuchuser/b.ttf" is not a file'),
+    (f"run text_fall --set sources.0.font={'x' * 300}", "is not a file; name a .ttf or .otf file"),
+    ("run small.toml --threads 1000000", "--threads: 1000000 is more than "),
+    (f"run small.toml --threads {'9' * 5000}", "is not a whole number of 1 or more"),
     ("cite smal.toml", "did you mean small.toml?"),
     ("list all", "got unexpected extra argument (all)"),
     ("list --jsno", "there is no option --jsno (did you mean --json?)"),
@@ -83,7 +93,7 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("line", "words"), BAD, ids=[line for line, _ in BAD])
+@pytest.mark.parametrize(("line", "words"), BAD, ids=[line[:60] for line, _ in BAD])
 def test_bad_command_lines(call, fake, scene_file, tmp_path, line, words):
     """Exit code 2, nothing on standard output, one sentence on standard error, and no folder made."""
     fill(tmp_path)
@@ -147,6 +157,13 @@ def test_a_run_folder_is_a_scene(call, fake, scene_file, tmp_path):
     assert len(files[0]) == 9
 
 
+def test_a_run_folder_with_a_dot_keeps_its_name(call, fake, scene_file, tmp_path):
+    """A folder has no suffix: ball.v2 runs again into runs/ball.v2."""
+    assert call("run", "small.toml", "--out", "ball.v2", "--frames", 1, "--quiet")[0] == 0
+    assert call("run", "ball.v2", "--frames", 1, "--quiet")[0] == 0
+    assert (tmp_path / "runs/ball.v2/run.json").exists()
+
+
 def test_a_run_folder_is_replaced_by_itself(call, fake, scene_file, tmp_path):
     """--force reads the scene before it clears the folder that holds it."""
     assert call("run", "small.toml", "--out", "a", "--frames", 2, "--quiet")[0] == 0
@@ -192,6 +209,10 @@ def test_errors_of_the_simulation(call, fake, scene_file, monkeypatch):
     monkeypatch.setattr(fake.Simulation, "advance", failing(MemoryError()))
     code, _, err = call("run", "small.toml", "--out", "b", "--quiet")
     assert (code, "more memory than the machine has" in err) == (2, True)
+    refused = PermissionError(13, "Permission denied", "a/place")
+    monkeypatch.setattr(fake.Simulation, "advance", failing(refused))
+    code, _, err = call("run", "small.toml", "--out", "d", "--quiet")
+    assert (code, err) == (2, "neve: a/place: permission is denied.\n")
     monkeypatch.setattr(fake.Simulation, "advance", failing(RuntimeError("a bug")))
     with pytest.raises(RuntimeError, match="a bug"):
         main(["run", "small.toml", "--out", "c", "--quiet"])
