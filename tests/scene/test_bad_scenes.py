@@ -186,6 +186,23 @@ def test_missing_file_names_the_nearest(tmp_path: Path) -> None:
         load(tmp_path / "nowhere" / "ball.toml")
 
 
+def test_file_that_may_not_be_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A closed folder, a user who does not exist, a name that no disk takes: one sentence each."""
+    for name in ("~nosuchuser/x.toml", "x" * 300, "a\0b.toml"):
+        with pytest.raises(SceneError) as caught:
+            load(name)
+        assert sentence_of(caught.value).startswith((name, "no preset"))
+
+    def closed(path: Path) -> bool:
+        if path.parent.name == "closed":
+            raise PermissionError(13, "Permission denied", str(path))
+        return path.exists()
+
+    monkeypatch.setattr(Path, "is_dir", closed)
+    with pytest.raises(SceneError, match=r"closed/x\.toml: .* as a file: permission denied;"):
+        load("closed/x.toml")
+
+
 def test_folder_without_scene(tmp_path: Path) -> None:
     """A folder that is no run."""
     with pytest.raises(SceneError, match=r"is a folder without scene\.toml"):
