@@ -92,9 +92,24 @@ WORKS: Mapping[str, str] = {
   year    = {2005},
   doi     = {10.1145/1073204.1073298}
 }""",
+    "bridson2007": """@inproceedings{bridson2007,
+  author    = {Bridson, Robert},
+  title     = {Fast {Poisson} disk sampling in arbitrary dimensions},
+  booktitle = {ACM SIGGRAPH 2007 Sketches},
+  year      = {2007},
+  doi       = {10.1145/1278780.1278807}
+}""",
+    "perlin1985": """@inproceedings{perlin1985,
+  author    = {Perlin, Ken},
+  title     = {An image synthesizer},
+  booktitle = {Proceedings of SIGGRAPH '85},
+  pages     = {287--296},
+  year      = {1985},
+  doi       = {10.1145/325334.325247}
+}""",
 }
 
-# Method -> works that describe it. A method's name is the word that chooses it in a scene.
+# Method -> works that describe it. A method's name is the word that chooses it in a scene, or its table.
 METHODS: Mapping[str, tuple[str, ...]] = {
     "mpm": ("sulsky1994", "sulsky1995"),
     "stomakhin2013": ("stomakhin2013",),
@@ -102,13 +117,20 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "cubic": ("steffen2008",),
     "apic": ("jiang2015", "hu2018"),
     "flip": ("brackbill1986", "zhu2005"),
+    "poisson": ("bridson2007",),
+    "stiffness_noise": ("perlin1985",),
 }
 
 
 def methods(scene: Scene) -> list[str]:
     """Return the names of the methods that `scene` uses, in the order of the data path."""
     laws = [scene.snow_of(source).law for source in scene.sources] or [scene.snow.law]
-    return list(dict.fromkeys(["mpm", *laws, scene.numerics.spline, scene.numerics.transfer]))
+    names = ["mpm", *laws, scene.numerics.spline, scene.numerics.transfer]
+    if scene.numerics.sampling == "poisson":
+        names.append("poisson")
+    if any(source.stiffness_noise.amplitude != 0.0 for source in scene.sources):
+        names.append("stiffness_noise")
+    return list(dict.fromkeys(names))
 
 
 def bibtex(scene: Scene) -> str:

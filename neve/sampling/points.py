@@ -57,6 +57,8 @@ def poisson_tile(seed: int) -> Array:
     Random sequential packing: darts are thrown, those too near an accepted point are dropped, and of the rest
     those that win over all their rivals of the same round are accepted. A grid with at most one point a cell
     finds the neighbours. n is about 0.6 TILE^3.
+
+    Source: the goal and the grid of Bridson 2007; the rounds of darts and the periodic tile are ours.
     """
     rng = np.random.default_rng([seed, 0x7113])
     cells = int(np.ceil(TILE * np.sqrt(3.0)))

@@ -25,12 +25,22 @@ def test_every_method_has_works_and_every_work_a_method():
 def test_entries_are_bibtex(key):
     """An entry carries its key, balanced braces, an author, a title, a year and a DOI."""
     entry = WORKS[key]
-    assert entry.startswith(f"@article{{{key},\n")
+    assert re.match(rf"@(article|inproceedings)\{{{key},\n", entry)
     assert entry.count("{") == entry.count("}")
     fields = dict(re.findall(r"^  (\w+) += \{((?:[^{}]|\{[^}]*\})*)\}", entry, re.M))
-    assert {"author", "title", "journal", "year", "doi"} <= fields.keys()
+    assert {"author", "title", "year", "doi"} <= fields.keys()
+    assert len({"journal", "booktitle"} & fields.keys()) == 1
     assert key.endswith(fields["year"])
     assert fields["doi"].startswith("10.")
+
+
+def test_scene_cites_how_it_is_filled(scene_file):
+    """Poisson sampling and stiffness noise are cited where they are used, and only there."""
+    assert {"poisson", "stiffness_noise"}.isdisjoint(methods(load(scene_file)))
+    poisson = bibtex(load(scene_file, ['numerics.sampling="poisson"']))
+    noisy = bibtex(load(scene_file, ["sources.0.stiffness_noise.amplitude=0.5"]))
+    assert ("{bridson2007," in poisson, "{perlin1985," in poisson) == (True, False)
+    assert ("{bridson2007," in noisy, "{perlin1985," in noisy) == (False, True)
 
 
 def test_scene_cites_what_it_uses(scene_file):
