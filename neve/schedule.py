@@ -1,4 +1,4 @@
-"""When something is due during a run: every frame, every few frames, every few seconds of wall time."""
+"""When something is due during a run: every frame, every few seconds of wall time."""
 
 from __future__ import annotations
 
@@ -21,19 +21,6 @@ class EveryFrame:
     def due(self, frame: int) -> bool:
         """Say yes."""
         return True
-
-
-class EveryFrames:
-    """Be due at the frames 0, n, 2n ..."""
-
-    def __init__(self, n: int) -> None:
-        if n < 1:
-            raise ValueError(f"EveryFrames({n}): the number of frames must be 1 or more.")
-        self.n = n
-
-    def due(self, frame: int) -> bool:
-        """Say whether `frame` is a multiple of n."""
-        return frame % self.n == 0
 
 
 class EverySeconds:

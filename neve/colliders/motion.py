@@ -31,10 +31,6 @@ class Pose:
     velocity: Array
     omega: Array
 
-    def velocity_at(self, x: Array) -> Array:
-        """Return the body's velocity v + omega x (x - position) [m/s] at points `x` [m] (..., 3)."""
-        return self.velocity + np.cross(self.omega, x - self.position)
-
 
 def pose(collider: Collider, t: float) -> Pose:
     """Return where `collider` is at time `t` [s] and how it moves.

@@ -124,6 +124,11 @@ def _run(
             outputs += [LogOutput(folder, done), *observers]
             outputs.append(CheckpointOutput(folder, toml, version(), done))
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
+            if checkpoint is not None and checkpoint.neve != version():
+                progress.say(
+                    f"{folder.path}: the run was begun with Neve {checkpoint.neve} and goes on with"
+                    f" {version()}, so its bits may differ from those of a run in one go"
+                )
             interrupt = stack.enter_context(Interrupt(quiet))
             reached = _loop(sim, done, last, outputs, progress, interrupt)
             if reached < last:

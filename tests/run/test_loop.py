@@ -16,10 +16,10 @@ import neve
 from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError
 from neve.io.log import COLUMNS
-from neve.run import run, run_scene
+from neve.io.version import version
+from neve.run import loop, run, run_scene
 from neve.run.pictures import Painter, telling_frame
 from neve.scene.load import load
-from neve.schedule import EveryFrames
 
 FAKE = Path(fake_neve.__file__)
 
@@ -251,11 +251,28 @@ def test_resume_with_another_scene_is_refused(fake, scene, scene_file, tmp_path)
     assert load(out) == longer
 
 
+def test_resume_under_another_version_is_told(fake, scene, tmp_path, monkeypatch, capsys):
+    """One sentence says that the bits may differ; under the same version nothing does."""
+    out = tmp_path / "ball"
+    run(fake.Simulation(scene), out, frames=1)
+    run_scene(scene, out, frames=2, resume=True)
+    assert "bits may differ" not in capsys.readouterr().err
+    monkeypatch.setattr(loop, "version", lambda: "99.0")
+    run_scene(scene, out, frames=3, resume=True)
+    told = [line for line in capsys.readouterr().err.splitlines() if "bits may differ" in line]
+    assert len(told) == 1
+    assert f"begun with Neve {version()} and goes on with 99.0" in told[0]
+
+
 def test_observers_follow_their_schedule(fake, scene, tmp_path):
     """A further output sees the frames of its schedule, and the end."""
 
+    class EveryThird:
+        def due(self, frame):
+            return frame % 3 == 0
+
     class Watch:
-        schedule = EveryFrames(3)
+        schedule = EveryThird()
         seen, ended = [], None
 
         def write(self, moment):

@@ -5,7 +5,7 @@ import io
 import pytest
 
 from neve.progress import Bar, Lines, Pace, Silence, duration, follow
-from neve.schedule import EveryFrame, EveryFrames, EverySeconds, Never
+from neve.schedule import EveryFrame, EverySeconds, Never
 
 
 class Terminal(io.StringIO):
@@ -90,10 +90,7 @@ def test_schedules():
         due.append(timed.due(frame))
         clock.now += 1.5
     assert due == [True, False, True, False, True, False]
-    assert [EveryFrames(3).due(k) for k in range(7)] == [True, False, False, True, False, False, True]
     assert EveryFrame().due(5)
     assert not Never().due(5)
-    with pytest.raises(ValueError, match="1 or more"):
-        EveryFrames(0)
     with pytest.raises(ValueError, match="0 s or more"):
         EverySeconds(float("nan"))
