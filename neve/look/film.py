@@ -114,7 +114,7 @@ class Film:
         if start == 0 or not make.is_file() or make.read_text() != text:
             shutil.rmtree(self._parts, ignore_errors=True)
         self._parts.mkdir(parents=True, exist_ok=True)
-        make.write_text(text)
+        _replace(make, text)
         for torn in self._parts.glob("*.part"):
             torn.unlink()
         end = 0
@@ -215,6 +215,16 @@ class _Child:
         said = self._process.communicate()[1].decode(errors="replace").strip().splitlines()
         if self._process.returncode:
             raise FilmError(f"ffmpeg could not write the film: {said[-1] if said else 'it gave no reason'}.")
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a file in one move, so that a kill leaves the old text or the new."""
+    temporary = path.with_name(f"{path.name}.part")
+    with open(temporary, "w", encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(temporary, path)
 
 
 @contextlib.contextmanager

@@ -132,6 +132,24 @@ def test_segments_of_another_make_are_dropped(tmp_path):
     assert Film(path, 30, SIZE, start=1).missing == [0]
 
 
+def test_a_kill_while_the_make_is_written_costs_nothing(tmp_path, monkeypatch):
+    """The make changes in one move: one that is cut short does not lose the frames filmed before."""
+    path = tmp_path / "preview.mp4"
+    film = Film(path, 24, SIZE)
+    film.add(picture(0))
+    film.close(keep=True)
+
+    def killed(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("neve.look.film.os.replace", killed)
+        with pytest.raises(KeyboardInterrupt):
+            Film(path, 24, SIZE, start=1)
+    assert Film(path, 24, SIZE, start=1).missing == []
+    assert not list((tmp_path / ".preview.mp4.parts").glob("*.part"))
+
+
 def test_a_new_film_replaces_the_old_one_whole(tmp_path):
     """Until close, the old film is untouched; a film without frames leaves it, too."""
     path = tmp_path / "preview.mp4"
