@@ -13,9 +13,10 @@ from pathlib import Path
 
 from neve.io.atomic import write_text
 from neve.io.errors import RunError, cannot_read, cannot_write
+from neve.mpm import solver
 
-STAGES = ("sort", "p2g", "grid", "g2p", "write", "film")
-"""Stages with a column of wall time [s] each: four of the step, then writing files and drawing the film."""
+STAGES = (*solver.STAGES, "write", "film")
+"""Stages with a column of wall time [s] each: those of the step, then writing files and drawing the film."""
 
 COLUMNS = (
     "frame",  # number of the frame; 0 is the initial state

@@ -17,7 +17,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-STAGES = ("sort", "p2g", "grid", "g2p")
+from neve.mpm.solver import STAGES
+
 PAUSE = float(os.environ.get("NEVE_FAKE_PAUSE", "0"))  # seconds of wall time a frame takes
 
 
