@@ -40,14 +40,27 @@ def poisson(size: Array, spacing: float, rng: np.random.Generator, seed: int) ->
     unit = spacing * (len(tile) / TILE**3) ** (1.0 / 3.0)
     edge = unit * TILE
     axes, shift = _random_rotation(rng), rng.random(3)
-    corners = np.array(list(product((-0.5, 0.5), repeat=3))) * size @ axes / edge - shift
-    low, high = np.floor(corners.min(axis=0)), np.floor(corners.max(axis=0))
-    copies = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(low, high, strict=True))), axis=-1)
-    middles = (copies.reshape(-1, 3) + 0.5 + shift) * edge @ axes.T
+    middles = (touching_tiles(size, edge, axes, shift) + 0.5 + shift) * edge @ axes.T
     near = np.all(np.abs(middles) <= 0.5 * size + 0.5 * np.sqrt(3.0) * edge, axis=1)
     base = (tile * unit - 0.5 * edge) @ axes.T
     parts = [p[np.all(np.abs(p) < 0.5 * size, axis=1)] for p in (base + m for m in middles[near])]
     return np.concatenate(parts) if parts else np.zeros((0, 3))
+
+
+def touching_tiles(size: Array, edge: float, axes: Array, shift: Array) -> Indices:
+    """Return the indices (n, 3) of all tiles that touch a centred box of edges `size` [m], and of some near.
+
+    Tile i holds the points p with floor(axes^T p / edge - shift) = i. The box is cut into cells no larger
+    than a tile; a tile that a cell touches is at most one step from that of the cell's middle. So n
+    grows with the box itself and not with the cube around it, however flat or thin the box is.
+    """
+    count = np.maximum(1, np.ceil(size / edge)).astype(np.int64)
+    cells = np.stack(np.meshgrid(*(np.arange(n) for n in count), indexing="ij"), axis=-1).reshape(-1, 3)
+    home = np.floor(((cells + 0.5) / count - 0.5) * size @ axes / edge - shift).astype(np.int64)
+    around = (home[:, None, :] + np.array(list(product((-1, 0, 1), repeat=3)))).reshape(-1, 3)
+    around = around[np.lexsort((around[:, 2], around[:, 0], around[:, 1]))]
+    is_new = np.any(np.diff(around, axis=0, prepend=around[:1] - 1) != 0, axis=1)
+    return np.asarray(around[is_new])
 
 
 @lru_cache(maxsize=4)

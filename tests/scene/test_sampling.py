@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from neve.sampling import fill
-from neve.sampling.points import TILE, poisson_tile
+from neve.sampling.points import TILE, poisson, poisson_tile, touching_tiles
 from neve.scene.errors import SceneError
 from neve.scene.scene import (
     Numerics,
@@ -104,6 +104,27 @@ def test_least_distance(sampling: Any, least: float) -> None:
     x = fill(SnowBox(size=(1.4, 1.3, 1.2)), numerics, 0).x
     spacing = 0.06 / 2.0
     assert spacing * least <= least_distance(x, spacing)
+
+
+@pytest.mark.parametrize("size", [(300.0, 300.0, 0.1), (9000.0, 0.1, 0.1), (20.0, 20.0, 20.0)])
+def test_tiles_grow_with_the_box(size: tuple[float, float, float]) -> None:
+    """A turned sheet or rod asks for tiles along itself, not for those of the cube around it."""
+    c, s = np.cos(0.7), np.sin(0.7)
+    axes = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    shift = np.array([0.3, 0.6, 0.9])
+    tiles = touching_tiles(np.array(size), 1.0, axes, shift)
+    assert len(tiles) <= 27 * np.prod(np.ceil(size))
+    assert len(np.unique(tiles, axis=0)) == len(tiles)
+    points = (np.random.default_rng(1).random((2000, 3)) - 0.5) * size
+    hit = np.unique(np.floor(points @ axes - shift).astype(np.int64), axis=0)
+    assert {tuple(tile) for tile in hit} <= {tuple(tile) for tile in tiles}
+
+
+def test_poisson_fills_a_thin_sheet() -> None:
+    """A sheet of a tenth of a tile's thickness holds one point in spacing^3, as any box does."""
+    size = np.array([120.0, 90.0, 2.0])
+    x = poisson(size, 1.0, np.random.default_rng(4), 4)
+    assert len(x) == pytest.approx(np.prod(size), rel=0.05)
 
 
 def test_poisson_tile_is_periodic_and_full() -> None:
