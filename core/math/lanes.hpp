@@ -193,6 +193,10 @@ inline R load(const scalar_t<R>* from, int count = width<R>) {
   R r{};
   if (count == width<R>) {
     std::memcpy(&r, from, sizeof(R));
+#if defined(__AVX512F__)
+  } else if constexpr (std::is_same_v<R, Pack<float, 16>>) {
+    r = reinterpret_cast<R>(_mm512_maskz_loadu_ps(static_cast<__mmask16>((1u << count) - 1), from));
+#endif
   } else {
     std::memcpy(&r, from, static_cast<std::size_t>(count) * sizeof(scalar_t<R>));
   }
@@ -203,6 +207,10 @@ template <class R>
 inline void store(scalar_t<R>* to, R a, int count = width<R>) {
   if (count == width<R>) {
     std::memcpy(to, &a, sizeof(R));
+#if defined(__AVX512F__)
+  } else if constexpr (std::is_same_v<R, Pack<float, 16>>) {
+    _mm512_mask_storeu_ps(to, static_cast<__mmask16>((1u << count) - 1), reinterpret_cast<__m512>(a));
+#endif
   } else {
     std::memcpy(to, &a, static_cast<std::size_t>(count) * sizeof(scalar_t<R>));
   }
