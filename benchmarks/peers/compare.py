@@ -115,7 +115,7 @@ def report(
     """Print both speeds and their ratio, if both did the same work."""
     steps = options.warm + options.batches * options.steps
     here = outcome(sim.state.x, sim.state.v, sim.state.J_P)
-    there = outcome(other.x.to_numpy(), other.v.to_numpy(), other.J_P.to_numpy())
+    there = outcome(other.x.to_numpy(), other.v.to_numpy(), other.flowed())
     scale = {name: 1.0 if name == "flowed" else abs(value) for name, value in here.items()}
     off = {name: abs(here[name] - there[name]) / scale[name] for name in here}
     same = sim.steps == steps and max(off.values()) < 0.01

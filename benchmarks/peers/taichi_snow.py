@@ -58,6 +58,7 @@ class TaichiSnow:
         self.C = ti.Matrix.field(3, 3, ti.f32, self.n)
         self.F_E = ti.Matrix.field(3, 3, ti.f32, self.n)
         self.J_P = ti.field(ti.f32, self.n)
+        self.finished = ti.field(ti.f32, self.n)
         self.m = ti.field(ti.f32, self.n)
         self.V0 = ti.field(ti.f32, self.n)
         self.grid_v = ti.Vector.field(3, ti.f32, case.shape)  # momentum, then velocity
@@ -79,11 +80,32 @@ class TaichiSnow:
             self.g2p()
         ti.sync()
 
+    def flowed(self) -> np.ndarray:
+        """Return J_P (n,) with the flow of the last step, which the next `p2g` would begin with."""
+        self.finish()
+        return self.finished.to_numpy()
+
+    @ti.kernel
+    def finish(self):
+        for p in self.x:
+            _, _, _, self.finished[p] = self.flow(p)
+
     @ti.kernel
     def clear(self):
         for i in ti.grouped(self.grid_m):
             self.grid_v[i] = ti.Vector.zero(ti.f32, 3)
             self.grid_m[i] = 0
+
+    @ti.func
+    def flow(self, p):
+        """Deform particle p by its C, clamp the stretches: the SVD of F_E, and J_P."""
+        U, sig, V = ti.svd((ti.Matrix.identity(ti.f32, 3) + self.dt * self.C[p]) @ self.F_E[p])
+        J_P = self.J_P[p]
+        for d in ti.static(range(3)):
+            s = ti.min(ti.max(sig[d, d], self.sigma_min), self.sigma_max)
+            J_P *= sig[d, d] / s
+            sig[d, d] = s
+        return U, sig, V, J_P
 
     @ti.kernel
     def p2g(self):
@@ -93,14 +115,9 @@ class TaichiSnow:
             fx = u - base
             w = [0.5 * (1.5 - fx) ** 2, 0.75 - (fx - 1) ** 2, 0.5 * (fx - 0.5) ** 2]
 
-            U, sig, V = ti.svd((ti.Matrix.identity(ti.f32, 3) + self.dt * self.C[p]) @ self.F_E[p])
-            J_P, J = self.J_P[p], 1.0
-            for d in ti.static(range(3)):
-                s = ti.min(ti.max(sig[d, d], self.sigma_min), self.sigma_max)
-                J_P *= sig[d, d] / s
-                sig[d, d] = s
-                J *= s
+            U, sig, V, J_P = self.flow(p)
             F_E = U @ sig @ V.transpose()
+            J = sig[0, 0] * sig[1, 1] * sig[2, 2]
             self.F_E[p], self.J_P[p] = F_E, J_P
             h = ti.exp(self.xi * (1 - ti.min(ti.max(J_P, J_P_BOUNDS[0]), J_P_BOUNDS[1])))
             tau = 2 * self.mu0 * h * (F_E - U @ V.transpose()) @ F_E.transpose()
