@@ -23,7 +23,7 @@ from neve.scene.sources import (
     StiffnessNoise,
 )
 
-PATH = Path(__file__).parents[2] / "docs" / "scene_format.md"
+PATH = Path("docs") / "scene_format.md"  # from the root of the checkout
 
 INTRODUCTION = """\
 # The scene format

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from pydantic import BaseModel
 
@@ -15,7 +17,7 @@ MODELS = [Scene, Overrides, *(model for _, _, model in SECTIONS)]
 
 def test_document_is_up_to_date() -> None:
     """docs/scene_format.md is the generated text; `python -m neve.scene.document` writes it."""
-    assert PATH.read_text(encoding="utf-8") == document()
+    assert (Path(__file__).parents[2] / PATH).read_text(encoding="utf-8") == document()
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
