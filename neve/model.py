@@ -34,7 +34,7 @@ class Model:
             np.array(world.gravity, dtype=np.float64),
         )
         for snow in self.snows:
-            self.native.add_snow(_constants(snow))
+            self.native.add_snow(snow.law, getattr(snow, "plasticity", "snow"), _constants(snow))
         for collider in self.colliders:
             self.native.add_solid(collider.shape, _half_extents(collider), collider.mode, collider.mu_c)
         self.place_colliders(0.0)
@@ -54,11 +54,9 @@ class Model:
         return any(c.keyframes or any(c.velocity) or any(c.spin) for c in self.colliders)
 
 
-def _constants(snow: Snow) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    return np.array(
-        [snow.E0, snow.nu, snow.xi, snow.theta_c, snow.theta_s, snow.rho0, snow.J_P_min, snow.J_P_max],
-        dtype=np.float64,
-    )
+def _constants(snow: Snow) -> dict[str, float]:
+    """Return every number of `snow` by its name."""
+    return {name: value for name, value in snow.model_dump().items() if isinstance(value, float)}
 
 
 def _half_extents(collider: Collider) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -5,7 +5,8 @@ The arrays live in the core (`neve._core.State`) and are seen from NumPy without
     x (n, 3) position [m]            F_E (n, 3, 3) elastic deformation gradient [1]
     v (n, 3) velocity [m/s]          J_P (n,) plastic volume change [1]
     C (n, 3, 3) affine velocity [1/s]    m (n,) mass [kg], V0 (n,) rest volume [m3]
-    stiffness (n,) factor on E0 [1]  material (n,) row of the material table, id (n,) birth number
+    stiffness (n,) factor on E0 [1]  strength (n,) factor on the thresholds of plastic flow [1]
+    material (n,) row of the material table, id (n,) birth number
 
 Rows change places when the core sorts them; `id` says which particle a row is. A view stays valid until the
 number of particles changes.
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from neve._core import Precision, State
 
 
-FIELDS = ("x", "v", "C", "F_E", "J_P", "m", "V0", "stiffness", "material", "id")
+FIELDS = ("x", "v", "C", "F_E", "J_P", "m", "V0", "stiffness", "strength", "material", "id")
 """All that a particle owns. The stress tau is left out: it follows from F_E and J_P."""
 
 

@@ -5,6 +5,7 @@
 #include <nanobind/stl/string.h>
 
 #include "bind/arrays.hpp"
+#include "bind/snow.hpp"
 #include "constitutive/stomakhin2013.hpp"
 #include "math/bspline.hpp"
 
@@ -68,12 +69,12 @@ nb::tuple weights_of(const Numbers<T>& x) {
 }
 
 template <class T>
-nb::tuple return_map_of(const Matrices<T>& F, const Numbers<T>& J_P, const In<double, nb::shape<8>>& snow) {
+nb::tuple return_map_of(const Matrices<T>& F, const Numbers<T>& J_P, const Constants& constants) {
   using R = Lanes<T>;
   const std::size_t n = F.shape(0);
   if (J_P.shape(0) != n) throw nb::value_error("F and J_P differ in length");
-  const double* a = snow.data();
-  const auto q = Stomakhin2013::parameters<R>({a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]}, splat<R>(1));
+  const auto q =
+      Stomakhin2013::parameters<R>(snow_of("stomakhin2013", "snow", constants), splat<R>(1), splat<R>(1));
   T *f, *j, *t, *e;
   auto FE = fresh<T>(f, {n, 3, 3});
   auto JP = fresh<T>(j, {n});
@@ -103,7 +104,7 @@ void bind_material_point(nb::module_& m) {
         throw nb::value_error("spline: 'quadratic' or 'cubic'");
       },
       nb::arg("spline"), nb::arg("x"), "First node (n,), weights and derivatives (n, K) at x (n,) in cells.");
-  m.def("stomakhin2013", &return_map_of<T>, nb::arg("F_trial"), nb::arg("J_P"), nb::arg("snow"),
+  m.def("stomakhin2013", &return_map_of<T>, nb::arg("F_trial"), nb::arg("J_P"), nb::arg("constants"),
         "Return map: F_E (n, 3, 3), J_P (n,), Kirchhoff stress tau (n, 3, 3) [Pa], energy psi (n,) [J/m3].");
 }
 

@@ -5,6 +5,7 @@
 
 #include "bind/arrays.hpp"
 #include "bind/material_point.hpp"
+#include "bind/snow.hpp"
 #include "grid/sort.hpp"
 #include "mpm/p2g.hpp"
 #include "mpm/particles.hpp"
@@ -14,14 +15,6 @@ namespace neve::bind {
 template <class T>
 Vec3<T> vec(const In<double, nb::shape<3>>& a) {
   return {T(a.data()[0]), T(a.data()[1]), T(a.data()[2])};
-}
-
-template <class E>
-E word(const std::string& given, std::initializer_list<std::pair<const char*, E>> words, const char* what) {
-  for (const auto& [name, value] : words) {
-    if (given == name) return value;
-  }
-  throw nb::value_error((std::string(what) + " '" + given + "' is not known").c_str());
 }
 
 inline Spline spline_of(const std::string& s) {
@@ -44,11 +37,10 @@ void bind_model(nb::module_& m) {
           nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"))
       .def(
           "add_snow",
-          [](M& self, const In<double, nb::shape<8>>& q) {
-            const double* a = q.data();
-            self.snows.push_back({a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]});
+          [](M& self, const std::string& law, const std::string& plasticity, const Constants& constants) {
+            self.snows.push_back(snow_of(law, plasticity, constants));
           },
-          "Add a row to the material table: E0 nu xi theta_c theta_s rho0 J_P_min J_P_max.")
+          nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"), "Add a row to the material table.")
       .def(
           "add_solid",
           [](M& self, const std::string& shape, const In<double, nb::shape<3>>& half, const std::string& mode,
@@ -105,6 +97,7 @@ void bind_state(nb::module_& m) {
   NEVE_FIELD(m);
   NEVE_FIELD(V0);
   NEVE_FIELD(stiffness);
+  NEVE_FIELD(strength);
   NEVE_FIELD(material);
   NEVE_FIELD(id);
 #undef NEVE_FIELD
@@ -176,7 +169,7 @@ void bind_stages(nb::module_& m) {
       "refresh",
       [](const Model<T>& model, State<T>& state) {
         require_snow(model, state);
-        return refresh<T, Law>(model, state);
+        return refresh(model, state);
       },
       free_gil, "Recompute the stress from F_E and J_P; report what limits the time step.");
   m.def(
@@ -212,7 +205,7 @@ void bind_stages(nb::module_& m) {
         require_sorted(model, state, grid);
         return with_spline(model.spline, [&](auto spline) {
           return with_transfer(model.transfer, [&](auto transfer) {
-            return g2p<T, decltype(spline), decltype(transfer), Law>(model, state, grid, dt);
+            return g2p<T, decltype(spline), decltype(transfer)>(model, state, grid, dt);
           });
         });
       },
@@ -223,7 +216,7 @@ void bind_stages(nb::module_& m) {
       "totals",
       [](const Model<T>& model, const State<T>& state) {
         require_snow(model, state);
-        return totals<T, Law>(model, state);
+        return totals(model, state);
       },
       free_gil, "Sum mass, momentum and energies in double precision.");
   m.def("first_not_finite", &first_not_finite<T>, free_gil,

@@ -24,12 +24,16 @@ struct Stomakhin2013 {
   };
 
   template <class R>
-  static Parameters<R> parameters(const Snow& snow, R stiffness) {
+  static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
     const double mu = snow.E0 / (2 * (1 + snow.nu));
     const double lam = snow.E0 * snow.nu / ((1 + snow.nu) * (1 - 2 * snow.nu));
-    return {stiffness * T(mu),         stiffness * T(lam),        splat<R>(T(snow.xi)),
-            splat<R>(T(snow.theta_c)), splat<R>(T(snow.theta_s)), splat<R>(T(snow.J_P_min)),
+    if (!snow.plastic) {  // elastic alone: no stretch flows, nothing hardens
+      const R never = splat<R>(std::numeric_limits<T>::max());
+      return {stiffness * T(mu), stiffness * T(lam), R{}, never, never, splat<R>(1), splat<R>(1)};
+    }
+    return {stiffness * T(mu),          stiffness * T(lam),         splat<R>(T(snow.xi)),
+            strength * T(snow.theta_c), strength * T(snow.theta_s), splat<R>(T(snow.J_P_min)),
             splat<R>(T(snow.J_P_max))};
   }
 

@@ -91,6 +91,11 @@ template <class R>
 struct Sym3 {
   R xx, yy, zz, xy, xz, yz;
 };
+template <class R, class M>
+inline Sym3<R> select(M mask, const Sym3<R>& a, const Sym3<R>& b) {
+  return {select(mask, a.xx, b.xx), select(mask, a.yy, b.yy), select(mask, a.zz, b.zz),
+          select(mask, a.xy, b.xy), select(mask, a.xz, b.xz), select(mask, a.yz, b.yz)};
+}
 template <class R>
 inline Mat3<R> full(const Sym3<R>& s) {
   return {{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}};

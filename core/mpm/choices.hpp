@@ -1,14 +1,11 @@
-// From the model's words to the templates: one line per spline and transfer, and the law.
+// From the model's words to the templates: one line per spline and transfer. (Laws: mpm/material.hpp.)
 #pragma once
 
-#include "constitutive/stomakhin2013.hpp"
 #include "math/bspline.hpp"
 #include "mpm/transfer/apic.hpp"
 #include "mpm/transfer/flip.hpp"
 
 namespace neve {
-
-using Law = Stomakhin2013;
 
 template <class F>
 auto with_spline(Spline spline, F&& f) {

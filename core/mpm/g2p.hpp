@@ -2,8 +2,8 @@
 // (Stomakhin et al. 2013, section 4.1, steps 7 to 10), and the stress for the next step.
 #pragma once
 
-#include "constitutive/stomakhin2013.hpp"
 #include "mpm/grid_update.hpp"
+#include "mpm/material.hpp"
 #include "mpm/time_step.hpp"
 #include "mpm/transfer/apic.hpp"
 #include "mpm/transfer/flip.hpp"
@@ -11,42 +11,6 @@
 namespace neve {
 
 namespace detail {
-
-// The law's parameters of a batch. A batch of one snow, the usual case, is one row of the table.
-template <class T, class Law>
-auto parameters_of(const Model<T>& model, const State<T>& state, std::size_t p, int count) {
-  using R = Lanes<T>;
-  const auto* material = state.material.data() + p;
-  const R stiffness = load<R>(state.stiffness.column(0) + p, count);
-  auto q = Law::parameters(model.snows[material[0]], stiffness);
-  bool uniform = true;
-  for (int l = 1; l < count; ++l) uniform = uniform && material[l] == material[0];
-  if (!uniform) {
-    using P = decltype(q);
-    constexpr int entries = sizeof(P) / sizeof(R);
-    R table[entries];
-    std::memcpy(table, &q, sizeof(q));
-    for (int l = 1; l < count; ++l) {
-      const P one = Law::parameters(model.snows[material[l]], stiffness);
-      R row[entries];
-      std::memcpy(row, &one, sizeof(one));
-      for (int e = 0; e < entries; ++e) table[e][l] = row[e][l];
-    }
-    std::memcpy(&q, table, sizeof(q));
-  }
-  return q;
-}
-
-// Put the identity into the lanes without a particle: they then take no part in the SVD's common decisions, on which
-// the last bits of the other lanes depend.
-template <class R>
-Mat3<R> quiet(const Mat3<R>& F, int count) {
-  return count < width<R> ? select(first_lanes<R>(count), F, identity<R>()) : F;
-}
-template <class R>
-Mat3<R> load_deformation(const State<scalar_t<R>>& state, std::size_t p, int count) {
-  return quiet(load_matrix<R>(state.F_E, p, count), count);
-}
 
 template <class R>
 Report report_of(const Vec3<R>& v, const Mat3<R>& F_E, R J_P, const Vec3<R>& x, R modulus, R m, R V0,
@@ -66,7 +30,7 @@ Report report_of(const Vec3<R>& v, const Mat3<R>& F_E, R J_P, const Vec3<R>& x, 
   return r;
 }
 
-template <class T, class S, class X, class Law>
+template <class T, class S, class X>
 class HomeGather {
   using R = Lanes<T>;
   static constexpr int L = width<R>;
@@ -115,8 +79,7 @@ class HomeGather {
     // 7. deformation, plastic flow, hardening; and the stress of the new state
     const Mat3<R> F = load_matrix<R>(state_.F_E, p, count);
     const R J_P = load<R>(state_.J_P.column(0) + p, count);
-    const auto q = parameters_of<T, Law>(model_, state_, p, count);
-    const Mapped<R> mapped = Law::return_map(quiet(F + scaled(grad_v * F, dt_), count), J_P, q);
+    const Mapped<R> mapped = return_map(model_, state_, p, count, F + scaled(grad_v * F, dt_), J_P);
 
     // 8. velocities, 9. particle collisions, 10. positions
     Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, model_.flip_alpha);
@@ -193,10 +156,10 @@ Report each_reported(std::size_t n, F&& f) {
 
 }  // namespace detail
 
-template <class T, class S, class X, class Law>
+template <class T, class S, class X>
 Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt) {
   const Report r = detail::each_reported(grid.homes.size(), [&](std::size_t h) {
-    return detail::HomeGather<T, S, X, Law>(model, state, grid, grid.homes[h], dt).run();
+    return detail::HomeGather<T, S, X>(model, state, grid, grid.homes[h], dt).run();
   });
   if (r.drifted) grid.current = false;
   return r;

@@ -7,19 +7,19 @@ namespace neve {
 
 // Recompute tau from F_E and J_P, and report the rates that limit the time step. Every advance() starts with it, so
 // that a run depends on nothing but the state: not on what was left over by a step, a user's edit or a checkpoint.
-template <class T, class Law>
+template <class T>
 Report refresh(const Model<T>& model, State<T>& state) {
   using R = Lanes<T>;
   constexpr int L = width<R>;
   return detail::each_reported((state.count + L - 1) / L, [&](std::size_t i) {
     const std::size_t p = i * L;
     const int count = std::min<int>(L, static_cast<int>(state.count - p));
-    const Mat3<R> F = detail::load_deformation<R>(state, p, count);
+    const Mat3<R> F = load_matrix<R>(state.F_E, p, count);
     const R J_P = load<R>(state.J_P.column(0) + p, count);
-    const auto stress = Law::stress(F, J_P, detail::parameters_of<T, Law>(model, state, p, count));
-    store_symmetric(state.tau, p, stress.tau, count);
+    const Stress<R> now = stress(model, state, p, count, F, J_P);
+    store_symmetric(state.tau, p, now.tau, count);
     return detail::report_of(load_vector<R>(state.v, p, count), F, J_P, load_vector<R>(state.x, p, count),
-                             stress.modulus, load<R>(state.m.column(0) + p, count),
+                             now.modulus, load<R>(state.m.column(0) + p, count),
                              load<R>(state.V0.column(0) + p, count), count);
   });
 }
@@ -58,7 +58,7 @@ struct Totals {
 };
 
 // Sum in double, in chunks of fixed size merged in order: the same bits for any number of threads.
-template <class T, class Law>
+template <class T>
 Totals totals(const Model<T>& model, const State<T>& state) {
   using R = Lanes<T>;
   constexpr std::size_t L = width<R>, chunk = 64 * L;
@@ -67,9 +67,8 @@ Totals totals(const Model<T>& model, const State<T>& state) {
     Totals& sum = parts[c];
     for (std::size_t p = c * chunk; p < std::min(state.count, (c + 1) * chunk); p += L) {
       const int count = static_cast<int>(std::min(L, state.count - p));
-      const Mat3<R> F = detail::load_deformation<R>(state, p, count);
-      const R psi = Law::energy(F, load<R>(state.J_P.column(0) + p, count),
-                                detail::parameters_of<T, Law>(model, state, p, count));
+      const R psi = energy(model, state, p, count, load_matrix<R>(state.F_E, p, count),
+                           load<R>(state.J_P.column(0) + p, count));
       for (int l = 0; l < count; ++l) {
         const std::size_t i = p + static_cast<std::size_t>(l);
         const double m = state.m.column(0)[i];

@@ -73,6 +73,7 @@ struct State {
   Field<T, 1> J_P;        // plastic volume change [1]
   Field<T, 1> m, V0;      // mass [kg], rest volume [m3]
   Field<T, 1> stiffness;  // factor on E0 [1]
+  Field<T, 1> strength;   // factor on the thresholds of plastic flow [1]
   Column<std::uint16_t> material;  // row of the material table
   Column<std::uint32_t> id;        // birth number: the row order of the sources
 
@@ -91,7 +92,7 @@ struct State {
     material.resize(n);
     id.resize(n);
     for (std::size_t p = count; p < n; ++p) {
-      J_P.column(0)[p] = stiffness.column(0)[p] = T(1);
+      J_P.column(0)[p] = stiffness.column(0)[p] = strength.column(0)[p] = T(1);
       for (int k : {0, 4, 8}) F_E.column(k)[p] = T(1);
       id[p] = static_cast<std::uint32_t>(p);
     }
@@ -107,7 +108,8 @@ struct State {
  private:
   template <class F>
   void each_field(F&& f) {
-    f(x, 3), f(v, 3), f(C, 9), f(F_E, 9), f(tau, 6), f(J_P, 1), f(m, 1), f(V0, 1), f(stiffness, 1);
+    f(x, 3), f(v, 3), f(C, 9), f(F_E, 9), f(tau, 6), f(J_P, 1), f(m, 1), f(V0, 1), f(stiffness, 1),
+        f(strength, 1);
   }
 };
 

@@ -1,5 +1,7 @@
 """The snow law of the core at single points: parameters, matrices, and the call."""
 
+from dataclasses import fields
+
 import numpy as np
 from reference.snow import Snow, rotation
 
@@ -9,14 +11,14 @@ LAPACK = 60 * np.finfo(float).eps  # how far the oracle's own SVD is from exact,
 
 
 def parameters(law):
-    return [law.E0, law.nu, law.xi, law.theta_c, law.theta_s, law.rho0, law.J_P_min, law.J_P_max]
+    return {field.name: float(getattr(law, field.name)) for field in fields(law)}
 
 
 def respond(core, F_trial, J_P, law, precision="float64"):
     """Return F_E, J_P, tau, psi of the core after one return map, as float64 arrays."""
     F = np.ascontiguousarray(F_trial, dtype=precision)
     J = np.broadcast_to(np.asarray(J_P, dtype=precision), len(F)).copy()
-    out = core.stomakhin2013(F, J, np.asarray(parameters(law), dtype=precision))
+    out = core.stomakhin2013(F, J, parameters(law))
     return tuple(np.asarray(part, dtype=float) for part in out)
 
 

@@ -25,7 +25,7 @@ class Lab:
         self.core, self.dtype = core, np.dtype(precision)
         self.model = core.Model(dx, spline, transfer, alpha, np.asarray(gravity, float))
         for law in laws:
-            self.model.add_snow(np.asarray(parameters(law), float))
+            self.model.add_snow("stomakhin2013", "snow", parameters(law))
         self.state = core.State(len(values["x"]))
         self.grid = core.Grid()
         for name, value in values.items():

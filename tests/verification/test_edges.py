@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from verification.material import DEFAULT, parameters
 from verification.scenes import ball, scene, simulate
 
 import neve
@@ -14,7 +15,7 @@ DX = 0.05
 def lone_particle(core, spline, transfer, position):
     """Make a model, a state of one particle at `position` [cells] and a sorted grid."""
     model = core.Model(DX, spline, transfer, 0.95, np.zeros(3))
-    model.add_snow(np.array([1.4e5, 0.2, 10, 0.025, 0.0075, 400, 0.6, 20.0]))
+    model.add_snow("stomakhin2013", "snow", parameters(DEFAULT))
     state, grid = core.State(1), core.Grid()
     state.x[:] = np.asarray(position) * DX
     state.v[:] = (1.0, -2.0, 3.0)

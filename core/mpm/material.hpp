@@ -1,0 +1,139 @@
+// Which law moves which particle: the material table, and the laws by name.
+#pragma once
+
+#include "constitutive/stomakhin2013.hpp"
+#include "mpm/model.hpp"
+#include "mpm/state.hpp"
+
+namespace neve {
+
+// Call f(Law{}) for the law of that name: one line per law.
+template <class F>
+auto with_law(LawName law, F&& f) {
+  switch (law) {
+    case LawName::stomakhin2013: break;
+  }
+  return f(Stomakhin2013{});
+}
+
+namespace detail {
+
+// Put the identity into the lanes outside the mask: they then take no part in the SVD's common decisions, on which the
+// last bits of the other lanes depend.
+template <class R, class M>
+Mat3<R> quiet(const Mat3<R>& F, M mask) {
+  return select(mask, F, identity<R>());
+}
+
+// The lanes of a pack that follow `law`, and one of their rows of the material table.
+template <class T>
+struct Followers {
+  Lanes<T> mark{};  // 1 in the lanes that follow the law
+  const Snow* any = nullptr;
+
+  Followers(const Model<T>& model, const std::uint16_t* material, int count, LawName law) {
+    for (int l = 0; l < count; ++l) {
+      const Snow& snow = model.snows[material[l]];
+      if (snow.law != law) continue;
+      mark[l] = T(1);
+      if (!any) any = &snow;
+    }
+  }
+};
+
+// A law's parameters of a pack. A pack of one snow, the usual case, is one row of the table; lanes that follow another
+// law get those of `one`.
+template <class Law, class T>
+auto parameters_of(const Model<T>& model, const State<T>& state, std::size_t p, int count, const Snow& one) {
+  using R = Lanes<T>;
+  const auto* material = state.material.data() + p;
+  const R stiffness = load<R>(state.stiffness.column(0) + p, count);
+  const R strength = load<R>(state.strength.column(0) + p, count);
+  auto q = Law::parameters(one, stiffness, strength);
+  bool uniform = true;
+  for (int l = 1; l < count; ++l) uniform = uniform && material[l] == material[0];
+  if (!uniform) {
+    using P = decltype(q);
+    constexpr int entries = sizeof(P) / sizeof(R);
+    R table[entries];
+    std::memcpy(table, &q, sizeof(q));
+    for (int l = 0; l < count; ++l) {
+      const Snow& own = model.snows[material[l]];
+      if (own.law != one.law) continue;
+      const P mine = Law::parameters(own, stiffness, strength);
+      R row[entries];
+      std::memcpy(row, &mine, sizeof(mine));
+      for (int e = 0; e < entries; ++e) table[e][l] = row[e][l];
+    }
+    std::memcpy(&q, table, sizeof(q));
+  }
+  return q;
+}
+
+// f(Law{}, parameters, F) for the pack's particles, each by its own law; F holds the identity in the lanes that are not
+// the law's.
+template <class Out, class T, class F>
+Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int count, const Mat3<Lanes<T>>& F_E,
+           F&& f) {
+  using R = Lanes<T>;
+  const auto* material = state.material.data() + p;
+  const LawName first = model.snows[material[0]].law;
+  bool one_law = true;
+  for (int l = 1; l < count; ++l) one_law = one_law && model.snows[material[l]].law == first;
+  if (one_law) {
+    return with_law(first, [&](auto law) -> Out {
+      const Mat3<R> quieted = count < width<R> ? quiet(F_E, first_lanes<R>(count)) : F_E;
+      return f(law, parameters_of<decltype(law)>(model, state, p, count, model.snows[material[0]]), quieted);
+    });
+  }
+  Out out{};
+  for (int l = 0; l < count; ++l) {
+    const LawName name = model.snows[material[l]].law;
+    bool seen = false;
+    for (int k = 0; k < l; ++k) seen = seen || model.snows[material[k]].law == name;
+    if (seen) continue;
+    const Followers<T> who(model, material, count, name);
+    const auto mask = who.mark > R{};
+    out = select(mask,
+                 with_law(name,
+                          [&](auto law) -> Out {
+                            return f(law, parameters_of<decltype(law)>(model, state, p, count, *who.any),
+                                     quiet(F_E, mask));
+                          }),
+                 out);
+  }
+  return out;
+}
+
+}  // namespace detail
+
+// The laws on the particles [p, p + count) of the state. Not inlined: one copy serves every spline and transfer.
+
+template <class T>
+[[gnu::noinline]] Mapped<Lanes<T>> return_map(const Model<T>& model, const State<T>& state, std::size_t p,
+                                              int count, const Mat3<Lanes<T>>& F_trial, Lanes<T> J_P) {
+  using Out = Mapped<Lanes<T>>;
+  return detail::by_law<Out>(
+      model, state, p, count, F_trial,
+      [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::return_map(F, J_P, q); });
+}
+
+template <class T>
+[[gnu::noinline]] Stress<Lanes<T>> stress(const Model<T>& model, const State<T>& state, std::size_t p,
+                                          int count, const Mat3<Lanes<T>>& F_E, Lanes<T> J_P) {
+  using Out = Stress<Lanes<T>>;
+  return detail::by_law<Out>(model, state, p, count, F_E, [&](auto law, const auto& q, const auto& F) -> Out {
+    return decltype(law)::stress(F, J_P, q);
+  });
+}
+
+template <class T>
+[[gnu::noinline]] Lanes<T> energy(const Model<T>& model, const State<T>& state, std::size_t p, int count,
+                                  const Mat3<Lanes<T>>& F_E, Lanes<T> J_P) {
+  using Out = Lanes<T>;
+  return detail::by_law<Out>(model, state, p, count, F_E, [&](auto law, const auto& q, const auto& F) -> Out {
+    return decltype(law)::energy(F, J_P, q);
+  });
+}
+
+}  // namespace neve
