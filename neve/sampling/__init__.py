@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.noise import fractal
-from neve.sampling.points import jittered, poisson
+from neve.sampling.points import jittered, poisson, regular
 from neve.sampling.regions import region
 from neve.scene.errors import SceneError
 from neve.scene.scene import Numerics, SnowSource
@@ -58,6 +58,8 @@ def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
     rng = np.random.default_rng([numerics.seed, index])
     if numerics.sampling == "poisson":
         local = poisson(space.size, spacing, rng, numerics.seed)
+    elif numerics.sampling == "regular":
+        local = regular(space.size, spacing)
     else:
         local = jittered(space.size, spacing, rng)
     local = local[space.inside(local)]

@@ -1,4 +1,4 @@
-"""Scatter points evenly in a box: a jittered lattice, or points with a least distance (Poisson disk)."""
+"""Scatter points evenly in a box: a lattice, a jittered one, or points with a least distance (Poisson disk)."""
 
 from __future__ import annotations
 
@@ -19,15 +19,27 @@ ROUNDS = 40
 """Rounds of TILE^3 random darts each; after them hardly a gap is left."""
 
 
-def jittered(size: Array, spacing: float, rng: np.random.Generator) -> Array:
-    """Return points (n, 3) [m] of a lattice in a centred box of edges `size` [m] (3,), each moved at random.
+def regular(size: Array, spacing: float) -> Array:
+    """Return points (n, 3) [m] of a lattice in a centred box of edges `size` [m] (3,), half a spacing inside.
 
     A whole number of cells fits along each edge, so the lattice spacing differs a little from `spacing` [m].
     """
-    count = np.maximum(1, np.rint(size / spacing)).astype(np.int64)
-    x = np.stack(np.meshgrid(*(np.arange(n) for n in count), indexing="ij"), axis=-1).reshape(-1, 3) + 0.5
+    x, count = _lattice(size, spacing)
+    return np.asarray((x / count - 0.5) * size)
+
+
+def jittered(size: Array, spacing: float, rng: np.random.Generator) -> Array:
+    """Return the points (n, 3) [m] of `regular`, each moved at random by up to JITTER / 2 of a spacing."""
+    x, count = _lattice(size, spacing)
     x += JITTER * (rng.random(x.shape) - 0.5)
     return np.asarray((x / count - 0.5) * size)
+
+
+def _lattice(size: Array, spacing: float) -> tuple[Array, Indices]:
+    """Return the middles (n, 3) of unit cells, and how many (3,) lie along each edge."""
+    count = np.maximum(1, np.rint(size / spacing)).astype(np.int64)
+    x = np.stack(np.meshgrid(*(np.arange(n) for n in count), indexing="ij"), axis=-1).reshape(-1, 3) + 0.5
+    return np.asarray(x), count
 
 
 def poisson(size: Array, spacing: float, rng: np.random.Generator, seed: int) -> Array:

@@ -84,10 +84,11 @@ class Numerics(Part):
         ge=1,
         le=512,
     )
-    sampling: Literal["jittered", "poisson"] = entry(
+    sampling: Literal["jittered", "poisson", "regular"] = entry(
         "jittered",
         'How particles are placed: "jittered" moves each point of a lattice at random; "poisson" places '
-        "them at random with a least distance between any two.",
+        'them at random with a least distance between any two; "regular" leaves the lattice as it is, for '
+        "comparison with exact solutions.",
         "",
         "poisson: Bridson 2007 names the goal; the algorithm is ours",
     )
