@@ -108,7 +108,7 @@ def test_least_distance(sampling: Any, least: float) -> None:
 
 
 def test_regular_is_a_lattice() -> None:
-    """Eight particles a cell stand at (i + 1/2) dx / 2 from the box's faces, whatever the seed: float rounding."""
+    """Eight particles a cell stand at (i + 1/2) dx / 2 from the faces, whatever the seed: float rounding."""
     box = SnowBox(center=(0.0, 0.0, 0.0), size=(0.4, 0.2, 0.1))
     x = fill(box, Numerics(dx=0.1, sampling="regular", seed=3), 0).x
     assert x == pytest.approx(regular(np.array(box.size), 0.05), abs=1e-15)
