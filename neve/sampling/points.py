@@ -1,4 +1,4 @@
-"""Scatter points evenly in a box: on a lattice, on a jittered one, or with a least distance (Poisson disk)."""
+"""Scatter points evenly in a box: on a lattice, a jittered one, or with a least distance (Poisson disk)."""
 
 from __future__ import annotations
 
