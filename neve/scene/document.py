@@ -12,7 +12,8 @@ from neve.scene.allowed import allowed, choices, part, source, unit
 from neve.scene.colliders import Body, Box, Cylinder, Keyframe, Plane, Sphere
 from neve.scene.complaint import shown
 from neve.scene.load import PRESETS
-from neve.scene.scene import Camera, Light, Numerics, Run, Scene, Snow, World
+from neve.scene.scene import Camera, Light, Numerics, Run, Scene, World
+from neve.scene.snow import Snow
 from neve.scene.sources import (
     SnowBox,
     SnowCylinder,

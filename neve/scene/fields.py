@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, Strict
 from pydantic_core import PydanticCustomError
@@ -52,17 +52,3 @@ def wrong(key: str, message: str) -> PydanticCustomError:
 def norm(vector: tuple[float, ...]) -> float:
     """Return the Euclidean length of `vector`."""
     return math.hypot(*vector)
-
-
-class Overrides(Part):
-    """Replace some properties of the scene's snow in one source; what is left out stays as in [snow]."""
-
-    law: Literal["stomakhin2013"] | None = entry(None, "Constitutive law of this source.", "")
-    rho0: Real | None = entry(None, "Density of this source.", "kg/m3", gt=0, le=2000)
-    E0: Real | None = entry(None, "Young's modulus of this source.", "Pa", gt=0, le=1e12)
-    nu: Real | None = entry(None, "Poisson's ratio of this source.", "1", ge=0, lt=0.5)
-    xi: Real | None = entry(None, "Hardening coefficient of this source.", "1", ge=0, le=100)
-    theta_c: Real | None = entry(None, "Critical compression of this source.", "1", ge=0, lt=1)
-    theta_s: Real | None = entry(None, "Critical stretch of this source.", "1", ge=0, le=1)
-    J_P_min: Real | None = entry(None, "Lower bound of J_P in this source's hardening.", "1", gt=0, lt=1)
-    J_P_max: Real | None = entry(None, "Upper bound of J_P in this source's hardening.", "1", gt=1, le=1e6)

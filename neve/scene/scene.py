@@ -9,7 +9,6 @@ from pydantic import model_validator
 from neve.scene.colliders import Body, Box, Collider, Cylinder, Keyframe, Plane, Sphere
 from neve.scene.fields import (
     Color,
-    Overrides,
     Part,
     Point3,
     Rate3,
@@ -21,6 +20,7 @@ from neve.scene.fields import (
     norm,
     wrong,
 )
+from neve.scene.snow import SSCTS, Overrides, Snow, problem
 from neve.scene.sources import (
     SnowBox,
     SnowCylinder,
@@ -37,8 +37,6 @@ __all__ = [
     "Plane", "Run", "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowSource", "SnowSphere",
     "SnowText", "Source", "Sphere", "StiffnessNoise", "World",
 ]  # fmt: skip
-
-SSCTS = "Stomakhin et al. 2013 (as quoted in public codes)"
 
 
 class World(Part):
@@ -100,55 +98,6 @@ class Numerics(Part):
         "a quarter to a third shorter.",
         "",
         "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes); sampled: our choice, measured",
-    )
-
-
-class Snow(Part):
-    """Describe the snow of all sources that do not say otherwise."""
-
-    law: Literal["stomakhin2013"] = entry(
-        "stomakhin2013",
-        "Constitutive law: fixed-corotated elasticity, clamped stretches, hardening.",
-        "",
-        SSCTS,
-    )
-    rho0: Real = entry(400.0, "Density.", "kg/m3", SSCTS, gt=0, le=2000)
-    E0: Real = entry(
-        1.4e5, "Young's modulus of snow that is not hardened; larger is icier.", "Pa", SSCTS, gt=0, le=1e12
-    )
-    nu: Real = entry(0.2, "Poisson's ratio.", "1", SSCTS, ge=0, lt=0.5)
-    xi: Real = entry(10.0, "Hardening coefficient; larger is more brittle.", "1", SSCTS, ge=0, le=100)
-    theta_c: Real = entry(
-        2.5e-2,
-        "Critical compression, beyond which snow is crushed for good; smaller is powdery.",
-        "1",
-        SSCTS,
-        ge=0,
-        lt=1,
-    )
-    theta_s: Real = entry(
-        7.5e-3,
-        "Critical stretch, beyond which snow tears; smaller is powdery.",
-        "1",
-        SSCTS,
-        ge=0,
-        le=1,
-    )
-    J_P_min: Real = entry(
-        0.6,
-        "Lower bound of J_P inside the hardening factor exp(xi (1 - J_P)) only.",
-        "1",
-        "bounds of the public 88-line MLS-MPM program",
-        gt=0,
-        lt=1,
-    )
-    J_P_max: Real = entry(
-        20.0,
-        "Upper bound of J_P: grains that fly apart do not remember how far.",
-        "1",
-        "bounds of the public 88-line MLS-MPM program",
-        gt=1,
-        le=1e6,
     )
 
 
@@ -217,8 +166,12 @@ class Scene(Part):
             raise wrong(
                 "sources", 'needs at least one entry: [[sources]] with shape = "box" or another shape'
             )
+        for i, source in enumerate(self.sources):
+            found = problem(self.snow_of(source), source.snow.given())
+            if found:
+                raise wrong(f"sources.{i}.snow.{found[0]}", found[1])
         return self
 
     def snow_of(self, source: SnowSource) -> Snow:
-        """Return the snow of `source`: the scene's snow with the overrides of the source."""
-        return self.snow.model_copy(update=source.snow.model_dump(exclude_none=True))
+        """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""
+        return self.snow.but(source.snow)

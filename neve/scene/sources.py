@@ -10,7 +10,6 @@ from neve.scene.fields import (
     Angle3,
     Coordinate,
     Length,
-    Overrides,
     Part,
     Point2,
     Point3,
@@ -22,6 +21,7 @@ from neve.scene.fields import (
     entry,
     wrong,
 )
+from neve.scene.snow import Overrides
 
 ROTATION = "Rotation vector (axis times angle) from the source's own axes to the world's."
 

@@ -9,8 +9,8 @@ from pydantic import BaseModel
 
 from neve.scene.allowed import source
 from neve.scene.document import PATH, SECTIONS, document
-from neve.scene.fields import Overrides
-from neve.scene.scene import Scene, Snow
+from neve.scene.scene import Scene
+from neve.scene.snow import Overrides, Snow
 
 MODELS = [Scene, Overrides, *(model for _, _, model in SECTIONS)]
 
