@@ -9,6 +9,7 @@ from neve.io.version import version
 
 if TYPE_CHECKING:
     from neve.scene.scene import Scene
+from neve.scene.snow import ELASTIC_LAWS
 
 # Works by BibTeX key. Only what is certain stands here: authors, title, venue, pages, DOI.
 WORKS: Mapping[str, str] = {
@@ -92,6 +93,42 @@ WORKS: Mapping[str, str] = {
   year    = {2005},
   doi     = {10.1145/1073204.1073298}
 }""",
+    "sifakis2012": """@inproceedings{sifakis2012,
+  author    = {Sifakis, Eftychios and Barbi{\\v{c}}, Jernej},
+  title     = {{FEM} simulation of {3D} deformable solids: a practitioner's guide to theory,
+               discretization and model reduction},
+  booktitle = {ACM SIGGRAPH 2012 Courses},
+  year      = {2012},
+  doi       = {10.1145/2343483.2343501}
+}""",
+    "klar2016": """@article{klar2016,
+  author  = {Kl{\\'a}r, Gergely and Gast, Theodore and Pradhana, Andre and Fu, Chuyuan and
+             Schroeder, Craig and Jiang, Chenfanfu and Teran, Joseph},
+  title   = {{Drucker-Prager} elastoplasticity for sand animation},
+  journal = {ACM Transactions on Graphics},
+  volume  = {35},
+  number  = {4},
+  year    = {2016},
+  doi     = {10.1145/2897824.2925906}
+}""",
+    "gaume2018": """@article{gaume2018,
+  author  = {Gaume, Johan and Gast, Theodore and Teran, Joseph and van Herwijnen, Alec and Jiang, Chenfanfu},
+  title   = {Dynamic anticrack propagation in snow},
+  journal = {Nature Communications},
+  volume  = {9},
+  year    = {2018},
+  doi     = {10.1038/s41467-018-05181-w}
+}""",
+    "li2020": """@article{li2020,
+  author  = {Li, Xingyue and Sovilla, Betty and Jiang, Chenfanfu and Gaume, Johan},
+  title   = {The mechanical origin of snow avalanche dynamics and flow regime transitions},
+  journal = {The Cryosphere},
+  volume  = {14},
+  number  = {10},
+  pages   = {3381--3398},
+  year    = {2020},
+  doi     = {10.5194/tc-14-3381-2020}
+}""",
     "bridson2007": """@inproceedings{bridson2007,
   author    = {Bridson, Robert},
   title     = {Fast {Poisson} disk sampling in arbitrary dimensions},
@@ -113,6 +150,11 @@ WORKS: Mapping[str, str] = {
 METHODS: Mapping[str, tuple[str, ...]] = {
     "mpm": ("sulsky1994", "sulsky1995"),
     "stomakhin2013": ("stomakhin2013",),
+    "neo_hookean": ("sifakis2012",),
+    "hencky": ("klar2016",),
+    "drucker_prager": ("klar2016",),
+    "cam_clay": ("gaume2018", "li2020"),
+    "snow": ("stomakhin2013",),
     "quadratic": ("steffen2008",),
     "cubic": ("steffen2008",),
     "apic": ("jiang2015", "hu2018"),
@@ -124,7 +166,10 @@ METHODS: Mapping[str, tuple[str, ...]] = {
 
 def methods(scene: Scene) -> list[str]:
     """Return the names of the methods that `scene` uses, in the order of the data path."""
-    laws = [scene.snow_of(source).law for source in scene.sources] or [scene.snow.law]
+    snows = [scene.snow_of(source) for source in scene.sources]
+    laws: list[str] = [snow.law for snow in snows]
+    if any(snow.law in ELASTIC_LAWS and snow.plasticity == "snow" for snow in snows):
+        laws.append("snow")
     names = ["mpm", *laws, scene.numerics.spline, scene.numerics.transfer]
     if scene.numerics.sampling == "poisson":
         names.append("poisson")

@@ -34,7 +34,7 @@ class Model:
             np.array(world.gravity, dtype=np.float64),
         )
         for snow in self.snows:
-            self.native.add_snow(snow.law, getattr(snow, "plasticity", "snow"), _constants(snow))
+            self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
         for collider in self.colliders:
             self.native.add_solid(collider.shape, _half_extents(collider), collider.mode, collider.mu_c)
         self.place_colliders(0.0)

@@ -46,7 +46,7 @@ def test_scene_cites_how_it_is_filled(scene_file):
 def test_scene_cites_what_it_uses(scene_file):
     """The transfer decides whom to cite; Neve itself and the snow model are always there."""
     apic, flip = (load(scene_file, [f'numerics.transfer="{word}"']) for word in ("apic", "flip"))
-    assert methods(flip) == ["mpm", "stomakhin2013", "quadratic", "flip"]
+    assert methods(flip) == ["mpm", "stomakhin2013", "snow", "quadratic", "flip"]
     assert "@article{jiang2015," in bibtex(apic)
     assert "@article{zhu2005," not in bibtex(apic)
     assert "@article{zhu2005," in bibtex(flip)
@@ -54,3 +54,16 @@ def test_scene_cites_what_it_uses(scene_file):
     for scene in (apic, flip):
         assert bibtex(scene).startswith("@software{neve,")
         assert "@article{stomakhin2013," in bibtex(scene)
+
+
+def test_scene_cites_its_laws(scene_file):
+    """The law and, where snow crushes and tears, the plasticity: one paper each, and no other's."""
+    hard, elastic = (load(scene_file, ["snow.law=hencky", f"snow.plasticity={p}"]) for p in ("snow", "none"))
+    assert {"hencky", "snow"} <= set(methods(hard))
+    assert "snow" not in methods(elastic)
+    assert "@article{klar2016," in bibtex(elastic)
+    assert "@article{stomakhin2013," in bibtex(hard)
+    assert "@article{stomakhin2013," not in bibtex(elastic)
+    clay = load(scene_file, ['sources.0.snow={law="cam_clay"}'])
+    assert "@article{li2020," in bibtex(clay)
+    assert "@article{stomakhin2013," not in bibtex(clay)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from neve.scene.allowed import source
 from neve.scene.document import PATH, SECTIONS, document
@@ -33,8 +33,16 @@ def test_every_field_is_complete(model: type[BaseModel]) -> None:
 
 
 def test_overrides_have_the_keys_and_limits_of_snow() -> None:
-    """A source's snow takes the same keys, within the same limits, as the scene's."""
+    """A source's snow takes the same keys, each left out by default, and refuses what the scene's refuses."""
     assert list(Overrides.model_fields) == list(Snow.model_fields)
+    assert Overrides().given() == {}
     for name, field in Snow.model_fields.items():
-        limits = [m for m in field.metadata if not hasattr(m, "strict")]
-        assert [m for m in Overrides.model_fields[name].metadata if not hasattr(m, "strict")] == limits, name
+        bounds = [
+            (getattr(m, k), k) for m in field.metadata for k in ("gt", "ge", "lt", "le") if hasattr(m, k)
+        ]
+        assert len(bounds) == (0 if isinstance(field.default, str) else 2), name
+        outside = [b if k in ("gt", "lt") else b - 1 if k == "ge" else 2 * b for b, k in bounds]
+        for value in [*outside, "of no kind"]:
+            for model in (Overrides, Snow):
+                with pytest.raises(ValidationError, match=rf"\n{name}\n"):
+                    model.model_validate({name: value})
