@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #if defined(_OPENMP)
 #include <omp.h>
@@ -36,6 +37,29 @@ void each_chunk(std::size_t n, F&& f) {
 #pragma omp parallel for schedule(static, 1)
 #endif
   for (int c = 0; c < chunks; ++c) f(c, bound(c), bound(c + 1));
+}
+
+// Merge what f(i) returns for each i in [0, n), in parallel; the merge must be one of maxima, whose order does not
+// matter.
+template <class Out, class F>
+Out merge_each(std::size_t n, F&& f) {
+  Out total;
+#if defined(_OPENMP)
+#pragma omp parallel
+#endif
+  {
+    Out mine;
+#if defined(_OPENMP)
+#pragma omp for schedule(dynamic, 4) nowait
+#endif
+    for (std::int64_t i = 0; i < static_cast<std::int64_t>(n); ++i)
+      mine.merge(f(static_cast<std::size_t>(i)));
+#if defined(_OPENMP)
+#pragma omp critical
+#endif
+    total.merge(mine);
+  }
+  return total;
 }
 
 // Call f(i) for each i in [0, n), in parallel, in any order.

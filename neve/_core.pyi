@@ -12,8 +12,19 @@ class Report:
     wave: float
     speed: float
     fastest: float
+    strain_rate: float
+    leap: float
+    squeeze: float
     finite: bool
     drifted: bool
+    culprit: int
+    refused: bool
+
+class Ahead:
+    speed: float
+    spread: float
+    change: float
+    finite: bool
 
 class Totals:
     mass: float
@@ -68,6 +79,7 @@ class Grid(Protocol):
     def homes(self) -> int: ...
     @property
     def bytes(self) -> int: ...
+    def take_exchanged(self, solids: int, /) -> Array64: ...
     def nodes(self) -> tuple[NDArray[np.int32], Reals, Reals]: ...
 
 _Model = Model
@@ -83,8 +95,10 @@ class Precision(Protocol):
     def refresh(self, model: _Model, state: _State, /) -> Report: ...
     def p2g(self, model: _Model, state: _State, grid: _Grid, dt: float, /) -> None: ...
     def volumes_from_grid(self, model: _Model, state: _State, grid: _Grid, /) -> None: ...
-    def grid_update(self, model: _Model, grid: _Grid, dt: float, /) -> None: ...
-    def g2p(self, model: _Model, state: _State, grid: _Grid, dt: float, /) -> Report: ...
+    def grid_update(self, model: _Model, grid: _Grid, dt: float, /) -> Ahead: ...
+    def g2p(
+        self, model: _Model, state: _State, grid: _Grid, dt: float, commit: bool = True
+    ) -> Report: ...
     def totals(self, model: _Model, state: _State, /) -> Totals: ...
     def first_not_finite(self, state: _State, /) -> int: ...
     def svd(self, F: Reals) -> tuple[Reals, Reals, Reals]: ...
@@ -95,6 +109,8 @@ class Precision(Protocol):
         self, F_trial: Reals, J_P: Reals, constants: dict[str, float]
     ) -> tuple[Reals, Reals, Reals, Reals]: ...
 
+most_leap: float
+least_squeeze: float
 f32: Precision
 f64: Precision
 

@@ -59,8 +59,21 @@ NB_MODULE(_core, m) {
       .def_ro("wave", &neve::Report::wave, "Largest elastic wave speed [m/s].")
       .def_ro("speed", &neve::Report::speed, "Largest particle speed [m/s].")
       .def_ro("fastest", &neve::Report::fastest, "Largest sum of both on one particle [m/s].")
+      .def_ro("strain_rate", &neve::Report::strain_rate, "Largest |grad v| [1/s].")
+      .def_ro("leap", &neve::Report::leap, "Longest way in the step [cells].")
+      .def_ro("squeeze", &neve::Report::squeeze, "Smallest det(I + dt grad v).")
       .def_ro("finite", &neve::Report::finite)
-      .def_ro("drifted", &neve::Report::drifted);
+      .def_ro("drifted", &neve::Report::drifted)
+      .def_ro("culprit", &neve::Report::culprit,
+              "Lowest birth number among the particles that refuse the step.")
+      .def_prop_ro("refused", &neve::Report::refused, "The step is not to be taken.");
+  nb::class_<neve::Ahead>(m, "Ahead", "What the nodes' velocities would do to the particles.")
+      .def_ro("speed", &neve::Ahead::speed, "Largest speed of a node [m/s].")
+      .def_ro("spread", &neve::Ahead::spread, "Largest difference of velocities around a home [m/s].")
+      .def_ro("change", &neve::Ahead::change, "Largest change of velocity in the step, if it is kept [m/s].")
+      .def_ro("finite", &neve::Ahead::finite);
+  m.attr("most_leap") = neve::most_leap;
+  m.attr("least_squeeze") = neve::least_squeeze;
   nb::class_<neve::Totals>(m, "Totals", "Sums over all particles, in double.")
       .def_ro("mass", &neve::Totals::mass)
       .def_prop_ro("momentum",

@@ -54,7 +54,15 @@ void bind_model(nb::module_& m) {
             const Contact c = word<Contact>(
                 mode, {{"sticky", Contact::sticky}, {"slip", Contact::slip}, {"separate", Contact::separate}},
                 "mode");
-            self.solids.push_back({s, c, T(mu_c), vec<T>(half), {}, identity<T>(), {}, {}});
+            self.solids.push_back({static_cast<int>(self.solids.size()),
+                                   s,
+                                   c,
+                                   T(mu_c),
+                                   vec<T>(half),
+                                   {},
+                                   identity<T>(),
+                                   {},
+                                   {}});
           },
           nb::arg("shape"), nb::arg("half"), nb::arg("mode"), nb::arg("mu_c"))
       .def(
@@ -143,6 +151,23 @@ void bind_grid(nb::module_& m) {
       .def_prop_ro(
           "homes", [](const G& g) { return g.homes.size(); }, "Blocks that own particles.")
       .def_prop_ro("bytes", &G::bytes)
+      .def(
+          "take_exchanged",
+          [](G& grid, std::size_t solids) {
+            grid.exchanged.resize(solids);
+            double* out;
+            auto a = fresh<double>(out, {solids, 7});
+            for (const Exchange& e : grid.exchanged) {
+              for (double value : e.impulse) *out++ = value;
+              for (double value : e.moment) *out++ = value;
+              *out++ = e.energy;
+            }
+            grid.exchanged.assign(solids, Exchange{});
+            return a;
+          },
+          "What snow and each of the solids exchanged since the last call, (solids, 7): impulse of the snow "
+          "on the "
+          "solid [N s], its moment about the solid's centre [N m s], energy given to the snow [J].")
       .def("nodes", &nodes<T>,
            "(ijk (n, 3), mass (n,), momentum after p2g or velocity after grid_update (n, 3)).");
 }
@@ -161,17 +186,11 @@ void require_snow(const Model<T>& model, const State<T>& state) {
   }
 }
 
+// The stages of a step.
 template <class T>
 void bind_stages(nb::module_& m) {
   const auto free_gil = nb::call_guard<nb::gil_scoped_release>();
   m.def("sort", &sort<T>, free_gil, "Sort the particles by block and cell, and lay out the grid for them.");
-  m.def(
-      "refresh",
-      [](const Model<T>& model, State<T>& state) {
-        require_snow(model, state);
-        return refresh(model, state);
-      },
-      free_gil, "Recompute the stress from F_E and J_P; report what limits the time step.");
   m.def(
       "p2g",
       [](const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {
@@ -184,6 +203,42 @@ void bind_stages(nb::module_& m) {
       },
       free_gil, "Scatter mass, momentum and force to the grid.");
   m.def(
+      "grid_update",
+      [](const Model<T>& model, Grid<T>& grid, double dt) {
+        if (grid.has_change != keeps_change(model.transfer))
+          throw nb::value_error("the grid is of another model");
+        return grid_update(model, grid, dt);
+      },
+      free_gil,
+      "Turn momenta into velocities: forces, gravity, collisions; report what they would do to the "
+      "particles.");
+  m.def(
+      "g2p",
+      [](const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, bool commit) {
+        require_sorted(model, state, grid);
+        return with_spline(model.spline, [&](auto spline) {
+          return with_transfer(model.transfer, [&](auto transfer) {
+            return g2p<T, decltype(spline), decltype(transfer)>(model, state, grid, dt, commit);
+          });
+        });
+      },
+      nb::arg("model"), nb::arg("state"), nb::arg("grid"), nb::arg("dt"), nb::arg("commit") = true, free_gil,
+      "Gather: deformation, plastic flow, velocities, collisions, positions; report what limits the time "
+      "step. Without commit nothing is moved.");
+}
+
+// Passes over the particles outside the step.
+template <class T>
+void bind_passes(nb::module_& m) {
+  const auto free_gil = nb::call_guard<nb::gil_scoped_release>();
+  m.def(
+      "refresh",
+      [](const Model<T>& model, State<T>& state) {
+        require_snow(model, state);
+        return refresh(model, state);
+      },
+      free_gil, "Recompute the stress from F_E and J_P; report what limits the time step.");
+  m.def(
       "volumes_from_grid",
       [](const Model<T>& model, State<T>& state, Grid<T>& grid) {
         require_sorted(model, state, grid);
@@ -191,27 +246,6 @@ void bind_stages(nb::module_& m) {
                     [&](auto spline) { volumes_from_grid<T, decltype(spline)>(model, state, grid); });
       },
       free_gil, "Take each particle's rest volume from the density on the grid; call after p2g.");
-  m.def(
-      "grid_update",
-      [](const Model<T>& model, Grid<T>& grid, double dt) {
-        if (grid.has_change != keeps_change(model.transfer))
-          throw nb::value_error("the grid is of another model");
-        grid_update(model, grid, dt);
-      },
-      free_gil, "Turn momenta into velocities: forces, gravity, collisions.");
-  m.def(
-      "g2p",
-      [](const Model<T>& model, State<T>& state, Grid<T>& grid, double dt) {
-        require_sorted(model, state, grid);
-        return with_spline(model.spline, [&](auto spline) {
-          return with_transfer(model.transfer, [&](auto transfer) {
-            return g2p<T, decltype(spline), decltype(transfer)>(model, state, grid, dt);
-          });
-        });
-      },
-      free_gil,
-      "Gather: deformation, plastic flow, velocities, collisions, positions; report what limits the time "
-      "step.");
   m.def(
       "totals",
       [](const Model<T>& model, const State<T>& state) {
@@ -229,6 +263,7 @@ void bind_precision(nb::module_& m) {
   bind_state<T>(m);
   bind_grid<T>(m);
   bind_stages<T>(m);
+  bind_passes<T>(m);
   bind_material_point<T>(m);
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "colliders/contact.hpp"
+#include "colliders/exchange.hpp"
 
 namespace neve {
 
@@ -13,6 +14,7 @@ enum class Shape { plane, box, sphere, cylinder };
 // is local z. `half` holds half edge lengths (box), (radius, -, half height) (cylinder), (radius, -, -) (sphere).
 template <class T>
 struct Solid {
+  int index;  // in the scene's order
   Shape shape;
   Contact mode;
   T mu_c;
@@ -107,15 +109,18 @@ inline Surface<R> surface(const Solid<scalar_t<R>>& solid, const Vec3<R>& x) {
 inline constexpr double skin_cells = 1e-4;
 
 // The velocity of snow at x after every solid that holds x has acted on it, in the order of the scene. A solid holds
-// what is no more than `skin` [m] outside.
+// what is no more than `skin` [m] outside. What masses m (zero: no snow there) exchange with each goes into the ledger, if
+// there is one.
 template <class R>
 inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v,
-                       scalar_t<R> skin) {
+                       scalar_t<R> skin, R m, Ledger* ledger) {
   for (const auto& solid : solids) {
     const Surface<R> s = surface(solid, x);
-    const auto inside = s.phi <= splat<R>(skin);
+    const auto inside = (s.phi <= splat<R>(skin)) & (m > R{});
     if (any(inside)) {
+      const Vec3<R> before = v;
       v = select(inside, after_contact(v, s.normal, solid.velocity_at(x), solid.mode, solid.mu_c), v);
+      if (ledger) book(ledger->of(solid.index), inside, m, x - spread<R>(solid.centre), before, v);
     }
   }
   return v;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "colliders/exchange.hpp"
 #include "mpm/state.hpp"
 
 namespace neve {
@@ -78,6 +79,14 @@ struct Home {
 
 inline constexpr int block_values = 64 * 4;
 
+// What grid_update sees of a block's velocities.
+template <class T>
+struct BlockBounds {
+  Vec3<T> low, high;  // over the nodes that are not too light; low > high if there are none
+  T change;           // largest change of velocity, along one axis
+  bool finite;
+};
+
 template <class T>
 struct Grid {
   std::vector<Home> homes;  // by rising key, so neighbours in memory are neighbours in space
@@ -87,8 +96,13 @@ struct Grid {
   Column<T> momentum;              // 4 per node: (m v, m) after p2g, (v, m) after grid_update
   Column<T> change;                // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
   std::size_t count = 0;           // particles sorted
+  T lightest = T(0);               // mass of the lightest particle [kg]
   bool current = false;            // the homes still hold all their particles
   bool has_change = false;
+  std::vector<BlockBounds<T>> bounds;  // of each block, by grid_update
+  std::vector<Ledger> node_ledgers,
+      particle_ledgers;             // of each block and each home: one step's exchange with solids
+  std::vector<Exchange> exchanged;  // with each solid, over the steps since it was last taken
 
   T* node(std::int32_t block) { return momentum.data() + std::size_t(block) * block_values; }
   T* node_change(std::int32_t block) { return change.data() + std::size_t(block) * block_values; }

@@ -12,22 +12,34 @@ namespace neve {
 
 namespace detail {
 
-template <class R>
-Report report_of(const Vec3<R>& v, const Mat3<R>& F_E, R J_P, const Vec3<R>& x, R modulus, R m, R V0,
-                 int count) {
-  using T = scalar_t<R>;
+// What a pack of particles reports of its speeds. `sum` gathers all its numbers: it is finite only if they all are.
+template <class T>
+Report report_of(const State<T>& state, std::size_t p, int count, const Vec3<Lanes<T>>& v, Lanes<T> modulus,
+                 const Mat3<Lanes<T>>& grad_v, Lanes<T> sum) {
+  using R = Lanes<T>;
   const auto here = first_lanes<R>(count);
+  const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
   const R mass = select(m > T(0), m, splat<R>(1));
   const R wave = select(here, sqrt(modulus * V0 / mass), R{});
   const R speed = select(here, sqrt(dot(v, v)), R{});
-  const Vec3<R> f = F_E.c0 + F_E.c1 + F_E.c2 + v + x;
-  const R sum = select(here, f.x + f.y + f.z + J_P + modulus, R{});
+  const R rate = dot(grad_v.c0, grad_v.c0) + dot(grad_v.c1, grad_v.c1) + dot(grad_v.c2, grad_v.c2);
+  sum = select(here, sum + modulus, R{});
   Report r;
   r.wave = static_cast<double>(max_lane(wave));
   r.speed = static_cast<double>(max_lane(speed));
   r.fastest = static_cast<double>(max_lane(wave + speed));
+  r.strain_rate = std::sqrt(static_cast<double>(max_lane(select(here, rate, R{}))));
   r.finite = !any(sum - sum != R{});
   return r;
+}
+
+template <class R>
+R sum_of(const Vec3<R>& a) {
+  return a.x + a.y + a.z;
+}
+template <class R>
+R sum_of(const Mat3<R>& a) {
+  return sum_of(a.c0 + a.c1 + a.c2);
 }
 
 template <class T, class S, class X>
@@ -36,18 +48,20 @@ class HomeGather {
   static constexpr int L = width<R>;
 
  public:
-  HomeGather(const Model<T>& model, State<T>& state, Grid<T>& grid, const Home& home, double dt)
+  HomeGather(const Model<T>& model, State<T>& state, Grid<T>& grid, std::size_t h, double dt, bool commit)
       : model_(model),
         state_(state),
-        home_(home),
+        home_(grid.homes[h]),
+        ledger_(commit ? &grid.particle_ledgers[h] : nullptr),
         dt_(T(dt)),
-        frame_(TileFrame<T>::template of<S>(model.dx, home.at)),
+        frame_(TileFrame<T>::template of<S>(model.dx, grid.homes[h].at)),
         from_(tile_),
         from_change_(change_) {
-    tile_.load_from(grid, home, &Grid<T>::node);
-    if constexpr (X::has_change) change_.load_from(grid, home, &Grid<T>::node_change);
+    if (ledger_) ledger_->clear();
+    tile_.load_from(grid, home_, &Grid<T>::node);
+    if constexpr (X::has_change) change_.load_from(grid, home_, &Grid<T>::node_change);
     const auto dx = static_cast<T>(model.dx);
-    const Vec3<T> corner = node_position(model, home.at, 0, 0, 0),
+    const Vec3<T> corner = node_position(model, home_.at, 0, 0, 0),
                   half{T(3.5) * dx, T(3.5) * dx, T(3.5) * dx};
     solids_ = solids_near(model.solids, corner + half, T(6.1) * dx);
   }
@@ -83,16 +97,20 @@ class HomeGather {
 
     // 8. velocities, 9. particle collisions, 10. positions
     Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, model_.flip_alpha);
-    v = collide(solids_, x, v, T(skin_cells * model_.dx));
-    x = x + v * dt_;
+    const R m = load<R>(state_.m.column(0) + p, count);
+    v = collide(solids_, x, v, T(skin_cells * model_.dx), m, ledger_);
+    const Vec3<R> way = v * dt_;
+    x = x + way;
 
+    const Report report = check(p, count, x, v, grad_v, way, mapped);
+    if (!ledger_) return report;
     store_vector(state_.x, p, x, count);
     store_vector(state_.v, p, v, count);
     store_matrix(state_.F_E, p, mapped.F_E, count);
     store(state_.J_P.column(0) + p, mapped.J_P, count);
     store_symmetric(state_.tau, p, mapped.stress.tau, count);
     X::keep(state_, p, count, grad_v);
-    return check(p, count, x, v, mapped);
+    return report;
   }
 
   void gather(int count) {
@@ -109,10 +127,16 @@ class HomeGather {
     }
   }
 
-  Report check(std::size_t p, int count, const Vec3<R>& x, const Vec3<R>& v, const Mapped<R>& mapped) const {
-    const R m = load<R>(state_.m.column(0) + p, count), V0 = load<R>(state_.V0.column(0) + p, count);
-    Report r = report_of(v, mapped.F_E, mapped.J_P, x, mapped.stress.modulus, m, V0, count);
+  Report check(std::size_t p, int count, const Vec3<R>& x, const Vec3<R>& v, const Mat3<R>& grad_v,
+               const Vec3<R>& way, const Mapped<R>& mapped) const {
     const auto here = first_lanes<R>(count);
+    const R sum = sum_of(x) + sum_of(v) + sum_of(mapped.F_E) + mapped.J_P;
+    Report r = report_of(state_, p, count, v, mapped.stress.modulus, grad_v, sum);
+    const R leap = select(here, sqrt(dot(way, way)) * frame_.inv_dx, R{});
+    const R squeeze = select(here, determinant(identity<R>() + scaled(grad_v, dt_)), splat<R>(1));
+    r.leap = static_cast<double>(max_lane(leap));
+    r.squeeze = -static_cast<double>(max_lane(-squeeze));
+    if (r.refused()) r.culprit = culprit(p, count, leap, squeeze, sum + mapped.stress.modulus);
     for (int a = 0; a < 3; ++a) {
       const R u = frame_.local(x[a], a);
       r.drifted = r.drifted || any(here & ((u < T(0)) | (u >= T(S::reach))));
@@ -120,9 +144,19 @@ class HomeGather {
     return r;
   }
 
+  std::uint32_t culprit(std::size_t p, int count, R leap, R squeeze, R sum) const {
+    std::uint32_t lowest = Report::nobody;
+    for (int l = 0; l < count; ++l) {
+      const bool good = std::isfinite(sum[l]) && leap[l] <= T(most_leap) && squeeze[l] >= T(least_squeeze);
+      if (!good) lowest = std::min(lowest, state_.id[p + static_cast<std::size_t>(l)]);
+    }
+    return lowest;
+  }
+
   const Model<T>& model_;
   State<T>& state_;
   const Home& home_;
+  Ledger* ledger_;  // none: a trial, which moves nothing
   T dt_;
   TileFrame<T> frame_;
   Tile<T> tile_, change_;
@@ -132,36 +166,21 @@ class HomeGather {
   alignas(64) T sums_[X::has_change ? 5 : 4][4 * L];
 };
 
-// Merge what each index reports; the merge is a maximum, so its order does not matter.
-template <class F>
-Report each_reported(std::size_t n, F&& f) {
-  Report total;
-#if defined(_OPENMP)
-#pragma omp parallel
-#endif
-  {
-    Report mine;
-#if defined(_OPENMP)
-#pragma omp for schedule(dynamic, 4) nowait
-#endif
-    for (std::int64_t i = 0; i < static_cast<std::int64_t>(n); ++i)
-      mine.merge(f(static_cast<std::size_t>(i)));
-#if defined(_OPENMP)
-#pragma omp critical
-#endif
-    total.merge(mine);
-  }
-  return total;
-}
-
 }  // namespace detail
 
+// Move the particles by one step; with `commit` false, only report what the step would do to them.
 template <class T, class S, class X>
-Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt) {
-  const Report r = detail::each_reported(grid.homes.size(), [&](std::size_t h) {
-    return detail::HomeGather<T, S, X>(model, state, grid, grid.homes[h], dt).run();
+Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, bool commit) {
+  const Report r = merge_each<Report>(grid.homes.size(), [&](std::size_t h) {
+    return detail::HomeGather<T, S, X>(model, state, grid, h, dt, commit).run();
   });
+  if (!commit) return r;
   if (r.drifted) grid.current = false;
+  if (!model.solids.empty()) {
+    grid.exchanged.resize(model.solids.size());
+    for (const Ledger& ledger : grid.node_ledgers) ledger.add_to(grid.exchanged);
+    for (const Ledger& ledger : grid.particle_ledgers) ledger.add_to(grid.exchanged);
+  }
   return r;
 }
 

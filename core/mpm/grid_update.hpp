@@ -5,6 +5,7 @@
 
 #include "mpm/model.hpp"
 #include "mpm/stencil.hpp"
+#include "mpm/time_step.hpp"
 #include "threads.hpp"
 
 namespace neve {
@@ -56,8 +57,8 @@ struct BlockUpdate {
   }
 
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
-  void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node,
-                     T* change) const {
+  void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node, T* change,
+                     Ledger& ledger) const {
     using R = Lanes<T>;
     Vec3<R> v, x;
     R mass;
@@ -67,7 +68,7 @@ struct BlockUpdate {
       x.x[l] = p.x, x.y[l] = p.y, x.z[l] = p.z;
     }
     load_quads(node, v.x, v.y, v.z, mass);
-    const Vec3<R> after = select(mass > T(0), collide(solids, x, v, T(skin_cells * model.dx)), v);
+    const Vec3<R> after = collide(solids, x, v, T(skin_cells * model.dx), mass, &ledger);
     store_quads(node, after.x, after.y, after.z, mass);
     if (!has_change) return;
     Vec3<R> dv;
@@ -78,19 +79,49 @@ struct BlockUpdate {
   }
 
   void block(Grid<T>& grid, std::int32_t b) const {
-    const BlockCoord at = grid.blocks[static_cast<std::size_t>(b)];
     T* node = grid.node(b);
     T* change = has_change ? grid.node_change(b) : node;
     for (int r = 0; r < 16; ++r) row(node + 16 * r, change + 16 * r);
-    if (model.solids.empty()) return;
+    if (!model.solids.empty()) meet_solids(grid, b, node, change);
+    grid.bounds[static_cast<std::size_t>(b)] = bounds_of(node, change, grid.lightest * T(0.1));
+  }
+
+ private:
+  void meet_solids(Grid<T>& grid, std::int32_t b, T* node, T* change) const {
+    const BlockCoord at = grid.blocks[static_cast<std::size_t>(b)];
+    Ledger& ledger = grid.node_ledgers[static_cast<std::size_t>(b)];
+    ledger.clear();
     const auto dx = static_cast<T>(model.dx);
     const Vec3<T> corner = node_position(model, at, 0, 0, 0), half{T(1.5) * dx, T(1.5) * dx, T(1.5) * dx};
     const auto near = solids_near(model.solids, corner + half, T(2.7) * dx);
     if (near.empty()) return;
-    for (int n = 0; n < 64; n += lane_count<T>) collide_nodes(near, at, n, node + 4 * n, change + 4 * n);
+    for (int n = 0; n < 64; n += lane_count<T>)
+      collide_nodes(near, at, n, node + 4 * n, change + 4 * n, ledger);
   }
 
- private:
+  // Bounds over the nodes of at least mass `least`, and over all of them whether they are finite.
+  BlockBounds<T> bounds_of(const T* node, const T* change, T least) const {
+    const Row<T> far = splat<Row<T>>(std::numeric_limits<T>::max());
+    Row<T> low = far, high = -far, most{}, odd{};
+    for (int r = 0; r < 16; ++r) {
+      const Row<T> v = load<Row<T>>(node + 16 * r);
+      const auto heavy = last_of_quads<T>(v) >= least;
+      low = min(low, select(heavy, v, far));
+      high = max(high, select(heavy, v, -far));
+      odd += v - v;
+      if (has_change) most = max(most, select(heavy, abs(load<Row<T>>(change + 16 * r)), Row<T>{}));
+    }
+    BlockBounds<T> out{{low[0], low[1], low[2]}, {high[0], high[1], high[2]}, T(0), !any(odd != Row<T>{})};
+    for (int k = 0; k < 16; ++k) {
+      const int axis = k % 4;
+      if (axis == 3) continue;
+      out.low[axis] = std::min(out.low[axis], low[k]);
+      out.high[axis] = std::max(out.high[axis], high[k]);
+      out.change = std::max(out.change, most[k]);
+    }
+    return out;
+  }
+
   static auto is_mass() {
     Row<T> mark{};
     for (int k = 3; k < 16; k += 4) mark[k] = T(1);
@@ -99,17 +130,45 @@ struct BlockUpdate {
   static Row<T> mass_only(Row<T> m) { return select(is_mass(), m, Row<T>{}); }
 };
 
+// The differences of velocity that a home's particles can see.
+template <class T>
+Ahead ahead_of(const Grid<T>& grid, const Home& home) {
+  constexpr T far = std::numeric_limits<T>::max();
+  Vec3<T> low{far, far, far}, high{-far, -far, -far};
+  Ahead out;
+  for (std::int32_t b : home.nodes) {
+    const BlockBounds<T>& bounds = grid.bounds[static_cast<std::size_t>(b)];
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], bounds.low[k]);
+      high[k] = std::max(high[k], bounds.high[k]);
+    }
+    out.change = std::max(out.change, std::sqrt(3.0) * static_cast<double>(bounds.change));
+    out.finite = out.finite && bounds.finite;
+  }
+  double spread2 = 0, speed2 = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double l = low[k], h = high[k];
+    spread2 += (h - l) * (h - l);
+    speed2 += std::max(l * l, h * h);
+  }
+  out.spread = std::sqrt(spread2);
+  out.speed = std::sqrt(speed2);
+  return out;
+}
+
 }  // namespace detail
 
-// Turn momenta into velocities at the end of the step.
+// Turn momenta into velocities at the end of the step, and look at what they would do to the particles.
 template <class T>
-void grid_update(const Model<T>& model, Grid<T>& grid, double dt) {
+Ahead grid_update(const Model<T>& model, Grid<T>& grid, double dt) {
   const detail::BlockUpdate<T> update(model, dt, grid.has_change);
   const auto blocks = static_cast<std::int64_t>(grid.blocks.size());
 #if defined(_OPENMP)
 #pragma omp parallel for schedule(dynamic, 8)
 #endif
   for (std::int64_t b = 0; b < blocks; ++b) update.block(grid, static_cast<std::int32_t>(b));
+  return merge_each<Ahead>(grid.homes.size(),
+                           [&](std::size_t h) { return detail::ahead_of(grid, grid.homes[h]); });
 }
 
 }  // namespace neve

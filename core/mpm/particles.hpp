@@ -11,16 +11,17 @@ template <class T>
 Report refresh(const Model<T>& model, State<T>& state) {
   using R = Lanes<T>;
   constexpr int L = width<R>;
-  return detail::each_reported((state.count + L - 1) / L, [&](std::size_t i) {
+  return merge_each<Report>((state.count + L - 1) / L, [&](std::size_t i) {
     const std::size_t p = i * L;
     const int count = std::min<int>(L, static_cast<int>(state.count - p));
     const Mat3<R> F = load_matrix<R>(state.F_E, p, count);
     const R J_P = load<R>(state.J_P.column(0) + p, count);
     const Stress<R> now = stress(model, state, p, count, F, J_P);
     store_symmetric(state.tau, p, now.tau, count);
-    return detail::report_of(load_vector<R>(state.v, p, count), F, J_P, load_vector<R>(state.x, p, count),
-                             now.modulus, load<R>(state.m.column(0) + p, count),
-                             load<R>(state.V0.column(0) + p, count), count);
+    const Vec3<R> x = load_vector<R>(state.x, p, count), v = load_vector<R>(state.v, p, count);
+    const Mat3<R> C = load_matrix<R>(state.C, p, count);
+    const R sum = detail::sum_of(x) + detail::sum_of(v) + detail::sum_of(F) + detail::sum_of(C) + J_P;
+    return detail::report_of(state, p, count, v, now.modulus, C, sum);
   });
 }
 
