@@ -185,6 +185,65 @@ inline R exp(R a) {
   }
 }
 
+// Return exp(a) - 1, precise near zero. In float lanes: a = n ln 2 + r as in exp, a degree-7 polynomial for
+// exp(r) - 1, and exp(a) - 1 = 2^n (exp(r) - 1) + (2^n - 1); error < 3 eps of the result.
+template <class R>
+inline R expm1(R a) {
+  if constexpr (!is_pack<R>) {
+    return std::expm1(a);
+  } else if constexpr (std::is_same_v<scalar_t<R>, float>) {
+    a = clamp(a, splat<R>(-87.0f), splat<R>(88.0f));
+    const R n = floor(a * 1.44269504f + 0.5f);
+    const R r = (a - n * 0.693359375f) + n * 2.12194440e-4f;
+    R p = splat<R>(1.0f / 5040);
+    for (float c : {1.0f / 720, 1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f}) p = p * r + c;
+    using Ints = Pack<std::int32_t, width<R>>;
+    const Ints bits = (__builtin_convertvector(n, Ints) + 127) << 23;
+    const R power = reinterpret_cast<R>(bits);
+    return power * (r + r * r * p) + (power - 1.0f);
+  } else {
+    for (int i = 0; i < width<R>; ++i) a[i] = std::expm1(a[i]);
+    return a;
+  }
+}
+
+// Return log(1 + a) for a > -1, precise near zero. In float lanes: 1 + a = u + lost exactly, u = 2^n (1 + f) with
+// 1 + f between 1/sqrt 2 and sqrt 2, log(1 + f) = 2 artanh(s) = 2 (s + s^3/3 + s^5/5 ...), s = f / (2 + f), where
+// s^2 < 0.03 makes five terms enough; 2 s is written f - s f, so that f leads without rounding. Error < 3 eps.
+template <class R>
+inline R log1p(R a) {
+  if constexpr (!is_pack<R>) {
+    return std::log1p(a);
+  } else if constexpr (std::is_same_v<scalar_t<R>, float>) {
+    using Ints = Pack<std::int32_t, width<R>>;
+    constexpr std::int32_t root_half = 0x3f3504f3;  // the bits of 1/sqrt 2
+    const R u = a + 1.0f, most = u - 1.0f;
+    const R lost = (1.0f - (u - most)) + (a - most);
+    const Ints bits = reinterpret_cast<Ints>(u) - root_half;
+    const R n = __builtin_convertvector(bits >> 23, R);
+    const R f = reinterpret_cast<R>((bits & 0x7fffff) + root_half) - 1.0f;
+    const R s = f / (f + 2.0f), z = s * s;
+    R w = splat<R>(2.0f / 9);
+    for (float c : {2.0f / 7, 2.0f / 5, 2.0f / 3}) w = w * z + c;
+    return n * 0.693359375f + ((f - s * (f - w * z)) + (lost / u - n * 2.12194440e-4f));
+  } else {
+    for (int i = 0; i < width<R>; ++i) a[i] = std::log1p(a[i]);
+    return a;
+  }
+}
+
+// Return sinh(a) and its inverse for a >= 0, precise near zero.
+template <class R>
+inline R sinh_positive(R a) {
+  const R t = expm1(a);
+  return (t + t / (t + scalar_t<R>(1))) * scalar_t<R>(0.5);
+}
+template <class R>
+inline R asinh_positive(R a) {
+  const R one = splat<R>(1);
+  return log1p(a + a * (a / (one + sqrt(one + a * a))));
+}
+
 // ---- memory ----
 
 // Load `count` lanes; the lanes beyond stay zero.
