@@ -2,12 +2,15 @@
 // go through the same packs as particles do.
 #pragma once
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+
+#include <optional>
 
 #include "bind/arrays.hpp"
 #include "bind/snow.hpp"
-#include "constitutive/stomakhin2013.hpp"
 #include "math/bspline.hpp"
+#include "mpm/material.hpp"
 
 namespace neve::bind {
 
@@ -68,28 +71,63 @@ nb::tuple weights_of(const Numbers<T>& x) {
   return nb::make_tuple(B, W, D);
 }
 
+// Pack by pack: the return map of one snow, and the energy of the new state.
 template <class T>
-nb::tuple return_map_of(const Matrices<T>& F, const Numbers<T>& J_P, const Constants& constants) {
+nb::tuple law_of(const std::string& name, const std::string& plasticity, const Constants& constants,
+                 const Matrices<T>& F, const Numbers<T>& J_P, const std::optional<Numbers<T>>& strength) {
   using R = Lanes<T>;
   const std::size_t n = F.shape(0);
-  if (J_P.shape(0) != n) throw nb::value_error("F and J_P differ in length");
-  const auto q =
-      Stomakhin2013::parameters<R>(snow_of("stomakhin2013", "snow", constants), splat<R>(1), splat<R>(1));
-  T *f, *j, *t, *e;
+  if (J_P.shape(0) != n || (strength && strength->shape(0) != n))
+    throw nb::value_error("F_trial, J_P and strength differ in length");
+  const Snow snow = snow_of(name, plasticity, constants);
+  T *f, *j, *t, *e, *c;
   auto FE = fresh<T>(f, {n, 3, 3});
   auto JP = fresh<T>(j, {n});
   auto tau = fresh<T>(t, {n, 3, 3});
   auto psi = fresh<T>(e, {n});
+  auto modulus = fresh<T>(c, {n});
+  const R one = splat<R>(1);
+  with_law(snow.law, [&](auto law) {
+    using L = decltype(law);
+    for (std::size_t p = 0; p < n; p += width<R>) {
+      const int count = static_cast<int>(std::min<std::size_t>(width<R>, n - p));
+      const auto here = first_lanes<R>(count);
+      const R given = strength ? load<R>(strength->data() + p, count) : one;
+      const R J = load<R>(J_P.data() + p, count);
+      const auto q = L::template parameters<R>(snow, one, select(here, given, one));
+      const auto mapped = L::return_map(matrices<T>(F.data() + 9 * p, count), select(here, J, one), q);
+      write_matrices<T>(f + 9 * p, mapped.F_E, count);
+      write_matrices<T>(t + 9 * p, full(mapped.stress.tau), count);
+      store(j + p, mapped.J_P, count);
+      store(e + p, L::energy(mapped.F_E, mapped.J_P, q), count);
+      store(c + p, mapped.stress.modulus, count);
+    }
+  });
+  return nb::make_tuple(FE, JP, tau, psi, modulus);
+}
+
+// One function of the lane packs on every number of an array.
+template <class T, class F>
+View<T> each_lane(const Numbers<T>& x, F&& f) {
+  using R = Lanes<T>;
+  const std::size_t n = x.shape(0);
+  T* y;
+  auto out = fresh<T>(y, {n});
   for (std::size_t p = 0; p < n; p += width<R>) {
     const int count = static_cast<int>(std::min<std::size_t>(width<R>, n - p));
-    const auto mapped =
-        Stomakhin2013::return_map(matrices<T>(F.data() + 9 * p, count), load<R>(J_P.data() + p, count), q);
-    write_matrices<T>(f + 9 * p, mapped.F_E, count);
-    write_matrices<T>(t + 9 * p, full(mapped.stress.tau), count);
-    store(j + p, mapped.J_P, count);
-    store(e + p, Stomakhin2013::energy(mapped.F_E, mapped.J_P, q), count);
+    store(y + p, R(f(load<R>(x.data() + p, count))), count);
   }
-  return nb::make_tuple(FE, JP, tau, psi);
+  return out;
+}
+
+template <class T>
+View<T> function_of(const std::string& name, const Numbers<T>& x) {
+  if (name == "exp") return each_lane<T>(x, [](auto a) { return exp(a); });
+  if (name == "expm1") return each_lane<T>(x, [](auto a) { return expm1(a); });
+  if (name == "log1p") return each_lane<T>(x, [](auto a) { return log1p(a); });
+  if (name == "sinh") return each_lane<T>(x, [](auto a) { return sinh_positive(a); });
+  if (name == "asinh") return each_lane<T>(x, [](auto a) { return asinh_positive(a); });
+  throw nb::value_error("function: 'exp', 'expm1', 'log1p', 'sinh' or 'asinh'");
 }
 
 template <class T>
@@ -104,8 +142,13 @@ void bind_material_point(nb::module_& m) {
         throw nb::value_error("spline: 'quadratic' or 'cubic'");
       },
       nb::arg("spline"), nb::arg("x"), "First node (n,), weights and derivatives (n, K) at x (n,) in cells.");
-  m.def("stomakhin2013", &return_map_of<T>, nb::arg("F_trial"), nb::arg("J_P"), nb::arg("constants"),
-        "Return map: F_E (n, 3, 3), J_P (n,), Kirchhoff stress tau (n, 3, 3) [Pa], energy psi (n,) [J/m3].");
+  m.def(
+      "function", &function_of<T>, nb::arg("name"), nb::arg("x"),
+      "exp, expm1, log1p, sinh or asinh of x (n,) as the lane packs compute it; sinh and asinh for x >= 0.");
+  m.def("law", &law_of<T>, nb::arg("name"), nb::arg("plasticity"), nb::arg("constants"), nb::arg("F_trial"),
+        nb::arg("J_P"), nb::arg("strength") = nb::none(),
+        "Return map of a law: F_E (n, 3, 3), J_P (n,), Kirchhoff stress tau (n, 3, 3) [Pa], energy psi (n,) "
+        "[J/m3] and the largest acoustic modulus (n,) [Pa].");
 }
 
 }  // namespace neve::bind

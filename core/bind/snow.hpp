@@ -42,7 +42,13 @@ inline Snow snow_of(const std::string& law, const std::string& plasticity, const
       {"p0", &Snow::p0},
   };
   Snow snow;
-  snow.law = word<LawName>(law, {{"stomakhin2013", LawName::stomakhin2013}}, "law");
+  snow.law = word<LawName>(law,
+                           {{"stomakhin2013", LawName::stomakhin2013},
+                            {"neo_hookean", LawName::neo_hookean},
+                            {"hencky", LawName::hencky},
+                            {"drucker_prager", LawName::drucker_prager},
+                            {"cam_clay", LawName::cam_clay}},
+                           "law");
   snow.plastic = word<bool>(plasticity, {{"snow", true}, {"none", false}}, "plasticity");
   for (const auto& [name, value] : constants) {
     const auto found = members.find(name);

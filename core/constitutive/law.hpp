@@ -10,14 +10,15 @@
 //
 // A stress is a Kirchhoff stress tau = P F_E^T [Pa]; `modulus` is the largest acoustic modulus of the present, hardened
 // state [Pa], from which the time step is chosen. Every law has one internal variable, J_P = det F_P, and conserves
-// J_E J_P. To add a law: one header here, its word in LawName, and its line in mpm/material.hpp.
+// J_E J_P. To add a law: one header here, its name in LawName, its line in
+// mpm/material.hpp and its word in bind/snow.hpp.
 #pragma once
 
 #include "math/svd3.hpp"
 
 namespace neve {
 
-enum class LawName { stomakhin2013 };
+enum class LawName { stomakhin2013, neo_hookean, hencky, drucker_prager, cam_clay };
 
 // One snow, as the scene gives it. The material table is an array of these; each law reads its own constants.
 struct Snow {

@@ -1,6 +1,9 @@
 // Which law moves which particle: the material table, and the laws by name.
 #pragma once
 
+#include "constitutive/cam_clay.hpp"
+#include "constitutive/drucker_prager.hpp"
+#include "constitutive/neo_hookean.hpp"
 #include "constitutive/stomakhin2013.hpp"
 #include "mpm/model.hpp"
 #include "mpm/state.hpp"
@@ -11,6 +14,10 @@ namespace neve {
 template <class F>
 auto with_law(LawName law, F&& f) {
   switch (law) {
+    case LawName::neo_hookean: return f(NeoHookean{});
+    case LawName::hencky: return f(Hencky{});
+    case LawName::drucker_prager: return f(DruckerPrager{});
+    case LawName::cam_clay: return f(CamClay{});
     case LawName::stomakhin2013: break;
   }
   return f(Stomakhin2013{});

@@ -1,0 +1,73 @@
+// Loose snow: Hencky elasticity inside the cone of Drucker and Prager, after Klar et al. 2016, with cohesion.
+//
+//   q <= M_phi (p + p_t),   M_phi = 6 sin phi / (3 - sin phi),   p_t = cohesion / tan phi
+//   p = -K tr eps,   q = sqrt(3/2) ||dev tau|| = sqrt 6 mu ||dev eps||
+//
+// Deviators shrink onto the cone at constant volume. Past the apex, tr eps = e_c = p_t / K, snow comes apart without
+// stress, and J_P remembers by how much: the true log-volume is e = ln J_E + ln J_P. It stays in J_P until e is back at
+// e_c; only then grains touch and all of e is elastic again. That is the volume correction of Klar et al. (section 4.3.4
+// there): without it snow that was torn apart and pushed together again would be larger than before. J_E J_P is
+// conserved to rounding, and a hydrostatic compression is elastic.
+#pragma once
+
+#include "constitutive/hencky.hpp"
+
+namespace neve {
+
+struct DruckerPrager {
+  template <class R>
+  struct Parameters {
+    R mu, lam, apex, cone, J_P_max;  // apex e_c; cone: ||dev eps|| <= cone (e_c - e)
+  };
+
+  template <class R>
+  static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
+    using T = scalar_t<R>;
+    const Lame c = lame(snow);
+    const double phi = snow.friction_angle * (3.14159265358979323846 / 180), sine = std::sin(phi);
+    const double M_phi = 6 * sine / (3 - sine);
+    return {stiffness * T(c.mu), stiffness * T(c.lam),
+            strength * T(snow.cohesion / (std::tan(phi) * c.K)) / stiffness,
+            splat<R>(T(M_phi * c.K / (std::sqrt(6.0) * c.mu))), splat<R>(T(snow.J_P_max))};
+  }
+
+  template <class R>
+  static Stress<R> stress(const Mat3<R>& F_E, R, const Parameters<R>& q) {
+    const Svd3<R> svd = svd3<false>(F_E);
+    return in_frame(svd.U, HenckyElasticity::respond(svd.strain, q.mu, q.lam));
+  }
+
+  template <class R>
+  static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
+    using T = scalar_t<R>;
+    const Svd3<R> svd = svd3<false>(F_trial);
+    const Vec3<R> trial = HenckyElasticity::log_strain(svd.strain);
+    const auto split = SplitStrain<R>::of(trial);
+    const R apart = log1p(max(R(J_P - T(1)), splat<R>(T(least_stretch - 1))));
+    const R e = split.volume + apart;
+    const auto torn = e >= q.apex;
+    const R limit = q.cone * max(q.apex - e, splat<R>(0));
+    const auto slides = split.shear > limit;
+    const auto flows = torn | slides | (apart != T(0));
+    Mapped<R> out{F_trial, J_P, {}};
+    Vec3<R> eps = trial;
+    if (any(flows)) {
+      const R factor = select(slides, R(limit / split.shear), splat<R>(1));
+      eps = select(flows, split.with(min(e, q.apex), factor), trial);
+      const R zero = splat<R>(0);
+      Vec3<R> excess;
+      for (int k = 0; k < 3; ++k) excess[k] = select(flows, R(svd.strain[k] - expm1(eps[k])), zero);
+      out.F_E = without(F_trial, svd, excess);
+      out.J_P = min(q.J_P_max, exp(max(R(e - q.apex), zero)));
+    }
+    out.stress = in_frame(svd.U, HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
+    return out;
+  }
+
+  template <class R>
+  static R energy(const Mat3<R>& F_E, R, const Parameters<R>& q) {
+    return HenckyElasticity::energy(svd3<false>(F_E).strain, q.mu, q.lam);
+  }
+};
+
+}  // namespace neve

@@ -1,0 +1,70 @@
+// Hencky's elasticity: linear in the logarithms of the principal stretches.
+//
+//   Psi = mu sum eps_k^2 + lam/2 (sum eps_k)^2,     tau_k = 2 mu eps_k + lam sum eps_k,     eps = ln sigma
+//
+// The sum of eps is ln J exactly, so the pressure is -K ln J and a plastic flow splits J without error: the elasticity of
+// choice for laws in p and q. Moduli along the axes: 2 mu + lam - tau_k (P), mu x / (1 - exp(-x)) with
+// x = 2 (eps_k - eps_l) (shear), which grows with x.
+#pragma once
+
+#include "constitutive/snow_plasticity.hpp"
+
+namespace neve {
+
+struct HenckyElasticity {
+  template <class R>
+  static Vec3<R> log_strain(const Vec3<R>& e) {
+    const R least = splat<R>(scalar_t<R>(least_stretch - 1));
+    return {log1p(max(e.x, least)), log1p(max(e.y, least)), log1p(max(e.z, least))};
+  }
+
+  // The response to logarithmic strains.
+  template <class R>
+  static Response<R> respond_to_log(const Vec3<R>& eps, R mu, R lam) {
+    using T = scalar_t<R>;
+    const R pressure = lam * (eps.x + eps.y + eps.z), two_mu = T(2) * mu;
+    const R low = smallest(eps), x = T(2) * (largest(eps) - low);
+    const R shear = select(x > T(0), R(x / -expm1(R(-x))), splat<R>(1));
+    return {pressure,
+            {two_mu * eps.x, two_mu * eps.y, two_mu * eps.z},
+            max(two_mu + lam - pressure - two_mu * low, R(mu * shear))};
+  }
+  template <class R>
+  static R energy_of_log(const Vec3<R>& eps, R mu, R lam) {
+    const R trace = eps.x + eps.y + eps.z;
+    return mu * dot(eps, eps) + scalar_t<R>(0.5) * lam * trace * trace;
+  }
+
+  template <class R>
+  static Response<R> respond(const Vec3<R>& e, R mu, R lam) {
+    return respond_to_log(log_strain(e), mu, lam);
+  }
+  template <class R>
+  static R energy(const Vec3<R>& e, R mu, R lam) {
+    return energy_of_log(log_strain(e), mu, lam);
+  }
+};
+
+using Hencky = SnowPlasticity<HenckyElasticity>;
+
+// Volumetric and deviatoric part of a logarithmic strain: eps = volume / 3 + deviator.
+template <class R>
+struct SplitStrain {
+  R volume;  // ln J_E
+  Vec3<R> deviator;
+  R shear;  // |deviator|
+
+  static SplitStrain of(const Vec3<R>& eps) {
+    using T = scalar_t<R>;
+    const R volume = eps.x + eps.y + eps.z, third = volume * T(1.0 / 3);
+    const Vec3<R> deviator{eps.x - third, eps.y - third, eps.z - third};
+    return {volume, deviator, sqrt(dot(deviator, deviator))};
+  }
+  // The strain of another volume, with the deviator times `factor`.
+  Vec3<R> with(R other_volume, R factor) const {
+    const R third = other_volume * scalar_t<R>(1.0 / 3);
+    return {third + deviator.x * factor, third + deviator.y * factor, third + deviator.z * factor};
+  }
+};
+
+}  // namespace neve

@@ -1,0 +1,38 @@
+// Neo-Hookean elasticity under the snow plasticity.
+//
+//   Psi = mu/2 (||F_E||^2 - 3) - mu ln J + lam/2 ln^2 J
+//   tau = mu (F_E F_E^T - I) + lam ln J I,  in the frame of U:  tau_k = mu (s_k^2 - 1) + lam ln J
+//
+// Along a wave the second derivative is mu |F^T n|^2 + (mu + lam (1 - ln J)) (a . n)^2, largest along the longest axis.
+#pragma once
+
+#include "constitutive/snow_plasticity.hpp"
+
+namespace neve {
+
+struct NeoHookeanElasticity {
+  template <class R>
+  static R log_volume(const Vec3<R>& e) {
+    return log1p(max(volume_change(e), splat<R>(scalar_t<R>(least_stretch - 1))));
+  }
+
+  template <class R>
+  static Response<R> respond(const Vec3<R>& e, R mu, R lam) {
+    using T = scalar_t<R>;
+    const R ln_J = log_volume(e), top = T(1) + largest(e);
+    return {lam * ln_J,
+            {mu * e.x * (T(2) + e.x), mu * e.y * (T(2) + e.y), mu * e.z * (T(2) + e.z)},
+            mu * top * top + max(mu + lam * (T(1) - ln_J), splat<R>(0))};
+  }
+
+  template <class R>
+  static R energy(const Vec3<R>& e, R mu, R lam) {
+    using T = scalar_t<R>;
+    const R ln_J = log_volume(e);
+    return mu * (e.x + e.y + e.z + T(0.5) * dot(e, e) - ln_J) + T(0.5) * lam * ln_J * ln_J;
+  }
+};
+
+using NeoHookean = SnowPlasticity<NeoHookeanElasticity>;
+
+}  // namespace neve
