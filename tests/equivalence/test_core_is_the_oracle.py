@@ -101,13 +101,9 @@ def cloud(n=900, seed=7):
 
 
 def particles(values):
-    table = {
-        name: np.array([getattr(law, name) for law in LAWS], float) for name in Snow.__dataclass_fields__
-    }
-    table = {name: column[values["material"]] for name, column in table.items()}
-    table["E0"] = table["E0"] * values["stiffness"]
+    law = Snow.table(LAWS, values["material"], stiffness=values["stiffness"])
     names = ("x", "v", "C", "F_E", "J_P", "m", "V0")
-    return step.Particles(*(np.array(values[name], float) for name in names), law=Snow(**table))
+    return step.Particles(*(np.array(values[name], float) for name in names), law=law)
 
 
 def both(core, precision, spline, transfer, around=()):

@@ -4,7 +4,8 @@ Nothing here is fast and nothing here is shared with the core: the formulas were
 from the paper's section 4.1 and its notation, so that a slip in either shows up as a difference.
 
 * `splines`  weights of a particle at the nodes around it, and their gradients
-* `snow`     energy, stress, return map and hardening
+* `snow`     the constants, and energy, stress and return map by law: `elasticity`, `plasticity`
+* `laws`     one snow per law, for tests that run over all of them
 * `contact`  signed distances of the collider shapes and the three contact laws
 * `step`     the ten stages, in the paper's order
 """

@@ -1,22 +1,44 @@
-"""Snow of Stomakhin et al. 2013: fixed corotated elasticity, a clamp on the stretches, hardening."""
+"""Snow: its constants, and energy, stress and return map by the law that it names."""
 
 from dataclasses import dataclass, fields
 
 import numpy as np
 
+from reference import plasticity
+from reference.elasticity import FixedCorotated, Hencky, NeoHookean
+from reference.polar import column, polar_svd, rotation
+
+ELASTICITIES = {
+    "stomakhin2013": FixedCorotated,
+    "neo_hookean": NeoHookean,
+    "hencky": Hencky,
+    "drucker_prager": Hencky,
+    "cam_clay": Hencky,
+}
+OWN_PLASTICITY = {"drucker_prager": plasticity.drucker_prager, "cam_clay": plasticity.cam_clay}
+CLAMPED = {"snow": plasticity.clamp, "none": plasticity.nothing}
+
 
 @dataclass(frozen=True)
 class Snow:
-    """Parameters of the law; each a number or one value per particle (n,)."""
+    """Parameters of a law; each a number (or word) or one per particle (n,)."""
 
+    law: str | np.ndarray = "stomakhin2013"  # a key of ELASTICITIES
+    plasticity: str | np.ndarray = "snow"  # "snow" | "none"; drucker_prager and cam_clay have their own
     E0: float | np.ndarray = 1.4e5  # Young's modulus [Pa], stiffness factor included
     nu: float | np.ndarray = 0.2  # Poisson's ratio [1]
     xi: float | np.ndarray = 10.0  # hardening [1]
     theta_c: float | np.ndarray = 2.5e-2  # critical compression [1]
     theta_s: float | np.ndarray = 7.5e-3  # critical stretch [1]
     rho0: float | np.ndarray = 400.0  # density at rest [kg/m3]
-    J_P_min: float | np.ndarray = 0.6  # lower bound of J_P, inside the exponent only [1]
+    J_P_min: float | np.ndarray = 0.6  # lower bound of J_P, inside the hardening only [1]
     J_P_max: float | np.ndarray = 20.0  # upper bound, in the state too [1]
+    friction_angle: float | np.ndarray = 35.0  # of drucker_prager [degrees]
+    cohesion: float | np.ndarray = 0.0  # of drucker_prager [Pa]
+    M: float | np.ndarray = 0.5  # slope of cam_clay [1]
+    beta: float | np.ndarray = 0.0  # cohesion of cam_clay [1]
+    p0: float | np.ndarray = 3e3  # strength of cam_clay at J_P = 1 [Pa]
+    strength: float | np.ndarray = 1.0  # factor on theta_c and theta_s, cohesion, p0 [1]
 
     @property
     def mu0(self):
@@ -27,59 +49,74 @@ class Snow:
         return self.E0 * self.nu / ((1 + self.nu) * (1 - 2 * self.nu))
 
     @property
+    def K(self):
+        """Bulk modulus [Pa]."""
+        return self.lam0 + 2 * self.mu0 / 3
+
+    @property
     def M_c(self):
         """P-wave modulus lam + 2 mu [Pa] of snow that has not hardened."""
         return self.lam0 + 2 * self.mu0
 
     def hardening(self, J_P):
-        return np.exp(self.xi * (1 - np.clip(J_P, self.J_P_min, self.J_P_max)))
+        """The factor on mu and lam."""
+        factor = np.exp(self.xi * (1 - np.clip(J_P, self.J_P_min, self.J_P_max)))
+        hardens = ~np.isin(self.law, list(OWN_PLASTICITY)) & (np.asarray(self.plasticity) == "snow")
+        return np.where(hardens, factor, 1.0)
 
-    def take(self, index):
-        """Pick one row per particle from a table of materials (every field an array)."""
-        return Snow(**{f.name: np.asarray(getattr(self, f.name))[index] for f in fields(self)})
-
-
-def polar_svd(F):
-    """Decompose F = U diag(sigma) V^T with rotations U, V; a reflection makes the smallest sigma negative."""
-    U, sigma, Vt = np.linalg.svd(F)
-    sigma = sigma.copy()
-    for Q in (U, np.swapaxes(Vt, -1, -2)):  # the views write through
-        flip = np.linalg.det(Q) < 0
-        Q[flip, :, 2] *= -1
-        sigma[flip, 2] *= -1
-    return U, sigma, np.swapaxes(Vt, -1, -2)
+    @classmethod
+    def table(cls, rows, index, stiffness=1.0, strength=1.0):
+        """Give each particle its row `index` (n,) of `rows`, with factors on E0 and on the thresholds."""
+        columns = {f.name: np.array([getattr(row, f.name) for row in rows])[index] for f in fields(cls)}
+        columns["E0"] = columns["E0"] * stiffness
+        columns["strength"] = columns["strength"] * strength
+        return cls(**columns)
 
 
-def rotation(F):
-    """Find R of the polar decomposition F = R S."""
-    U, _, V = polar_svd(F)
-    return U @ np.swapaxes(V, -1, -2)
+def by_law(n, snow, function):
+    """Let function(rows, law, plasticity, their snow) fill arrays of n particles, law by law."""
+    law, kind = (np.broadcast_to(np.asarray(a), n) for a in (snow.law, snow.plasticity))
+    whole = {f.name: np.broadcast_to(np.asarray(getattr(snow, f.name)), n) for f in fields(snow)}
+    for name, word in dict.fromkeys(zip(law, kind, strict=True)):
+        rows = (law == name) & (kind == word)
+        function(rows, name, word, Snow(**{key: value[rows] for key, value in whole.items()}))
 
 
 def energy(F_E, J_P, snow):
-    """Psi = mu |F_E - R_E|^2 + lam/2 (J_E - 1)^2, per volume at rest [J/m3] (n,)."""
-    h = snow.hardening(J_P)
-    J_E = np.linalg.det(F_E)
-    return h * (snow.mu0 * ((F_E - rotation(F_E)) ** 2).sum((-1, -2)) + 0.5 * snow.lam0 * (J_E - 1) ** 2)
+    """Psi, elastic energy per volume at rest [J/m3] (n,)."""
+    J_P, out = np.broadcast_to(J_P, len(F_E)), np.empty(len(F_E))
+
+    def fill(rows, law, kind, own):
+        h = own.hardening(J_P[rows])
+        out[rows] = ELASTICITIES[law].energy(F_E[rows], h * own.mu0, h * own.lam0)
+
+    by_law(len(F_E), snow, fill)
+    return out
 
 
 def kirchhoff(F_E, J_P, snow):
-    """tau = 2 mu (F_E - R_E) F_E^T + lam (J_E - 1) J_E I [Pa] (n, 3, 3)."""
-    h = snow.hardening(J_P)
-    J_E = np.linalg.det(F_E)
-    deviation = (F_E - rotation(F_E)) @ np.swapaxes(F_E, -1, -2)
-    return column(2 * h * snow.mu0) * deviation + column(h * snow.lam0 * (J_E - 1) * J_E) * np.eye(3)
+    """tau = dPsi/dF F^T [Pa] (n, 3, 3)."""
+    J_P, out = np.broadcast_to(J_P, len(F_E)), np.empty(F_E.shape)
+
+    def fill(rows, law, kind, own):
+        h = own.hardening(J_P[rows])
+        out[rows] = ELASTICITIES[law].stress(F_E[rows], h * own.mu0, h * own.lam0)
+
+    by_law(len(F_E), snow, fill)
+    return out
 
 
 def return_map(F_trial, J_P, snow):
-    """Clamp the elastic stretches to [1 - theta_c, 1 + theta_s]; what is cut off becomes plastic: J_P."""
-    U, sigma, V = polar_svd(F_trial)
-    kept = np.clip(sigma, column(1 - snow.theta_c, 1), column(1 + snow.theta_s, 1))
-    F_E = (U * kept[:, None, :]) @ np.swapaxes(V, -1, -2)
-    return F_E, np.minimum(J_P * (sigma / kept).prod(-1), snow.J_P_max)
+    """Return F_E and J_P after plastic flow."""
+    J_P = np.broadcast_to(J_P, len(F_trial))
+    F_E, J_P_new = np.empty(F_trial.shape), np.empty(len(F_trial))
+
+    def fill(rows, law, kind, own):
+        flow = OWN_PLASTICITY.get(law) or CLAMPED[kind]
+        F_E[rows], J_P_new[rows] = flow(F_trial[rows], J_P[rows], own)
+
+    by_law(len(F_trial), snow, fill)
+    return F_E, J_P_new
 
 
-def column(values, axes=2):
-    """Append axes, so that one value per particle multiplies that particle's vector or matrix."""
-    values = np.asarray(values, dtype=float)
-    return values.reshape(values.shape + (1,) * axes) if values.ndim else values
+__all__ = ["Snow", "column", "energy", "kirchhoff", "polar_svd", "return_map", "rotation"]

@@ -1,4 +1,4 @@
-"""The snow law of the core at single points: parameters, matrices, and the call."""
+"""The laws of the core at single points: parameters, matrices, and the call."""
 
 from dataclasses import fields
 
@@ -11,14 +11,23 @@ LAPACK = 60 * np.finfo(float).eps  # how far the oracle's own SVD is from exact,
 
 
 def parameters(law):
-    return {field.name: float(getattr(law, field.name)) for field in fields(law)}
+    """The constants of an oracle's snow, by name, as the core takes them."""
+    words = ("law", "plasticity", "strength")
+    return {field.name: float(getattr(law, field.name)) for field in fields(law) if field.name not in words}
 
 
 def respond(core, F_trial, J_P, law, precision="float64"):
     """Return F_E, J_P, tau, psi of the core after one return map, as float64 arrays."""
+    return response(core, F_trial, J_P, law, precision)[:4]
+
+
+def response(core, F_trial, J_P, law, precision="float64"):
+    """Return F_E, J_P, tau, psi and the acoustic modulus of the core after one return map, as float64."""
     F = np.ascontiguousarray(F_trial, dtype=precision)
-    J = np.broadcast_to(np.asarray(J_P, dtype=precision), len(F)).copy()
-    out = core.stomakhin2013(F, J, parameters(law))
+    J, strength = (
+        np.broadcast_to(np.asarray(a, dtype=precision), len(F)).copy() for a in (J_P, law.strength)
+    )
+    out = core.law(str(law.law), str(law.plasticity), parameters(law), F, J, strength)
     return tuple(np.asarray(part, dtype=float) for part in out)
 
 

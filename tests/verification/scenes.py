@@ -1,5 +1,7 @@
 """Small scenes for the tests, and the doors from a Simulation to NumPy and to the oracle."""
 
+from dataclasses import fields
+
 import numpy as np
 from reference import contact, splines, step
 from reference.snow import Snow
@@ -8,8 +10,7 @@ import neve
 from neve.scene.scene import Scene
 
 ELASTIC = {"plasticity": "none"}  # snow that does not yield
-NAMES = ("x", "v", "C", "F_E", "J_P", "m", "V0", "material", "stiffness", "id")
-FIELDS = ("E0", "nu", "xi", "theta_c", "theta_s", "rho0", "J_P_min", "J_P_max")
+NAMES = ("x", "v", "C", "F_E", "J_P", "m", "V0", "material", "stiffness", "strength", "id")
 
 
 def scene(sources, colliders=(), gravity=(0.0, 0.0, 0.0), snow=None, **numerics):
@@ -74,12 +75,9 @@ def oracle(sim):
     """Copy the particles of a simulation into the oracle, in the order of their id."""
     c = wide(sim)
     numerics = sim.scene.numerics
-    table = {name: np.array([getattr(s, name) for s in materials(sim)], float) for name in FIELDS}
-    elastic = np.array([s.plasticity == "none" for s in materials(sim)])
-    for name in ("theta_c", "theta_s"):
-        table[name][elastic] = np.inf
-    law = Snow(**table).take(c["material"].astype(int))
-    law = Snow(**{name: getattr(law, name) * (c["stiffness"] if name == "E0" else 1.0) for name in FIELDS})
+    names = [f.name for f in fields(Snow) if f.name != "strength"]
+    rows = [Snow(**{name: getattr(snow, name) for name in names}) for snow in materials(sim)]
+    law = Snow.table(rows, c["material"].astype(int), c["stiffness"], c["strength"])
     p = step.Particles(c["x"], c["v"], c["C"], c["F_E"], c["J_P"], c["m"], c["V0"], law)
     method = step.Method(
         numerics.dx, numerics.spline, numerics.transfer, numerics.flip_alpha, tuple(sim.scene.world.gravity)

@@ -25,7 +25,7 @@ class Lab:
         self.core, self.dtype = core, np.dtype(precision)
         self.model = core.Model(dx, spline, transfer, alpha, np.asarray(gravity, float))
         for law in laws:
-            self.model.add_snow("stomakhin2013", "snow", parameters(law))
+            self.model.add_snow(str(law.law), str(law.plasticity), parameters(law))
         self.state = core.State(len(values["x"]))
         self.grid = core.Grid()
         for name, value in values.items():

@@ -1,0 +1,86 @@
+"""Return maps: from a trial F_E and J_P to those that the snow can bear. J_E J_P = det F F_P stays."""
+
+import numpy as np
+
+from reference.polar import column, polar_svd, transpose
+
+
+def clamp(F_trial, J_P, snow):
+    """Stomakhin et al. 2013: stretches into [1 - theta_c, 1 + theta_s]; what is cut off becomes plastic."""
+    U, sigma, V = polar_svd(F_trial)
+    low, high = 1 - snow.strength * snow.theta_c, 1 + snow.strength * snow.theta_s
+    kept = np.clip(sigma, column(low, 1), column(high, 1))
+    F_E = (U * kept[:, None, :]) @ transpose(V)
+    return F_E, np.minimum(J_P * (sigma / kept).prod(-1), snow.J_P_max)
+
+
+def nothing(F_trial, J_P, snow):
+    """Elasticity alone."""
+    return F_trial.copy(), np.ones(len(F_trial)) * J_P
+
+
+def drucker_prager(F_trial, J_P, snow):
+    """q <= M_phi (p + p_t); past the apex tr eps = e_c snow comes apart, which J_P remembers.
+
+    e = tr eps + ln J_P is the volume since rest. e >= e_c: the strain of the apex, J_P = exp(e - e_c).
+    e < e_c: J_P = 1, all of e elastic, and the deviator radially onto the cone.
+    """
+    U, sigma, V = polar_svd(F_trial)
+    eps = np.log(sigma)
+    e = eps.sum(-1) + np.log(J_P)
+    p_t = snow.strength * snow.cohesion / np.tan(np.radians(snow.friction_angle))
+    e_c = p_t / snow.K
+    sine = np.sin(np.radians(snow.friction_angle))
+    deviator = eps - eps.mean(-1, keepdims=True)
+    q = np.sqrt(6) * snow.mu0 * np.linalg.norm(deviator, axis=-1)
+    q_most = 6 * sine / (3 - sine) * np.maximum(-snow.K * e + p_t, 0)
+    factor = np.where(q > q_most, q_most / np.where(q > 0, q, 1), 1)
+    kept = column(np.minimum(e, e_c), 1) / 3 + deviator * column(factor, 1)
+    F_E = (U * np.exp(kept)[:, None, :]) @ transpose(V)
+    return F_E, np.minimum(np.exp(np.maximum(e - e_c, 0)), snow.J_P_max)
+
+
+def cam_clay_size(J_P, snow):
+    """p0 = K sinh(xi max(-alpha, 0)), alpha = alpha0 + ln J_P, never below 1e-6 K [Pa]."""
+    at_rest = np.arcsinh(snow.strength * snow.p0 / snow.K)  # -xi alpha0
+    grown = at_rest - snow.xi * np.log(np.clip(J_P, snow.J_P_min, snow.J_P_max))
+    return snow.K * np.maximum(np.sinh(np.clip(grown, 0, 80)), 1e-6)
+
+
+def cam_clay_yield(p, q, p0, snow):
+    """y = (1 + 2 beta) q^2 + M^2 (p + beta p0) (p - p0) [Pa^2]."""
+    return (1 + 2 * snow.beta) * q**2 + snow.M**2 * (p + snow.beta * p0) * (p - p0)
+
+
+def cam_clay(F_trial, J_P, snow):
+    """Associative flow with p0 of the step's start: strain increments g dy/dp and g dy/dq, g >= 0.
+
+    p = p_trial - K g dy/dp and q = q_trial - 3 mu g dy/dq are linear in p and q; g by bisection of y = 0.
+    """
+    U, sigma, V = polar_svd(F_trial)
+    eps = np.log(sigma)
+    e = eps.sum(-1)
+    deviator = eps - eps.mean(-1, keepdims=True)
+    p_trial = -snow.K * e
+    q_trial = np.sqrt(6) * snow.mu0 * np.linalg.norm(deviator, axis=-1)
+    p0 = cam_clay_size(J_P, snow)
+
+    def at(g):
+        p = (p_trial + snow.K * g * snow.M**2 * (1 - snow.beta) * p0) / (1 + 2 * snow.K * g * snow.M**2)
+        return p, q_trial / (1 + 6 * snow.mu0 * g * (1 + 2 * snow.beta))
+
+    flows = cam_clay_yield(p_trial, q_trial, p0, snow) > 0
+    low = np.zeros_like(e)
+    high = np.full_like(e, 1e-6) / snow.K
+    for _ in range(200):
+        outside = cam_clay_yield(*at(high), p0, snow) > 0
+        low, high = np.where(outside, high, low), np.where(outside, 2 * high, high)
+    for _ in range(100):
+        g = 0.5 * (low + high)
+        outside = cam_clay_yield(*at(g), p0, snow) > 0
+        low, high = np.where(outside, g, low), np.where(outside, high, g)
+    p, q = at(0.5 * (low + high))
+    kept = np.where(flows, -p / snow.K, e)
+    factor = np.where(flows & (q_trial > 0), q / np.where(q_trial > 0, q_trial, 1), 1)
+    F_E = (U * np.exp(column(kept, 1) / 3 + deviator * column(factor, 1))[:, None, :]) @ transpose(V)
+    return np.where(column(flows), F_E, F_trial), np.minimum(J_P * np.exp(e - kept), snow.J_P_max)
