@@ -1,4 +1,4 @@
-"""The command line: list, run, bench, info, cite.
+"""The command line: list, run, fragments, bench, info, cite.
 
 Exit code 0 is success, 2 is bad input or a run that could not go on (one sentence on standard error), 130 is
 Ctrl-C. Everything but click is imported inside the command that needs it, so that `neve --help` is instant.
@@ -149,6 +149,42 @@ def _is_folder(path: Path) -> bool:
         return path.is_dir()
     except OSError:  # whoever reads the scene says what is wrong
         return False
+
+
+@cli.command()
+@click.argument("run", metavar="RUN")
+@click.option("--out", metavar="FILE", help="Table to write; RUN/fragments.csv by default.")
+@click.option("--link", type=float, metavar="L", help="Link length in particle spacings.")
+@click.option("--torn", type=float, metavar="J", help="J_P above which snow is torn open and holds nothing.")
+@click.option("--least", metavar="N", callback=_whole, help="Fewer particles than N are powder.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def fragments(
+    run: str, out: str | None, link: float | None, torn: float | None, least: int | None, as_json: bool
+) -> None:
+    """Count the pieces that the snow of the run folder RUN has broken into, in every frame.
+
+    Prints what the last frame holds, and writes all frames to fragments.csv.
+    """
+    from neve.fragments import Limits, summary
+    from neve.run.fragments import count_run
+
+    given = {
+        name: value for name, value in (("link", link), ("torn", torn), ("least", least)) if value is not None
+    }
+    for name, value in given.items():
+        if not value > 0:
+            raise click.UsageError(f"--{name}: {value} is not greater than 0")
+    limits = Limits(**given) if given else None  # type: ignore[arg-type]
+    found = count_run(run, limits, None if out is None else Path(out))
+    told = summary(found)
+    if as_json:
+        click.echo(json.dumps(told, indent=2))
+        return
+    click.echo(
+        f"the last frame has {found.count} fragments over {told['decades']:.1f} decades of mass; the largest"
+        f" holds {told['largest']:.1%} of the snow, the largest five {told['five']:.1%}, powder"
+        f" {told['powder']:.1%}"
+    )
 
 
 @cli.command()

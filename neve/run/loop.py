@@ -18,6 +18,7 @@ from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import version
 from neve.progress import Progress, follow
+from neve.run.fragments import FragmentOutput
 from neve.run.interrupt import Interrupt
 from neve.run.outputs import CheckpointOutput, Clock, FrameOutput, LogOutput, Moment, Output
 from neve.run.pictures import FilmOutput, Painter, PictureOutput
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from neve.simulation import Simulation
 
 # What may differ between the scene of a run and the scene it is gone on with: nothing that moves snow.
-_FREE = ("about", "camera", "light", "run.duration", "run.film")
+_FREE = ("about", "camera", "light", "run.duration", "run.film", "run.fragments")
 
 
 def run(
@@ -121,6 +122,8 @@ def _run(
             if scene.run.film:
                 anew = checkpoint is not None and _looks(checkpoint.scene) != _looks(toml)
                 outputs.append(stack.enter_context(FilmOutput(folder, scene, painter, done, anew)))
+            if scene.run.fragments:
+                outputs.append(FragmentOutput(folder, scene, done))
             outputs += [LogOutput(folder, done), *observers]
             outputs.append(CheckpointOutput(folder, toml, version(), done))
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))

@@ -142,6 +142,9 @@ class Run(Part):
     duration: Real = entry(3.0, "Simulated time.", "s", gt=0, le=86400)
     fps: Whole = entry(30, "Frames per simulated second.", "1/s", ge=1, le=10000)
     film: Switch = entry(True, "Whether to make a film.", "")
+    fragments: Switch = entry(
+        False, "Whether to count the pieces of broken snow in every frame, in fragments.csv.", ""
+    )
 
 
 class Scene(Part):

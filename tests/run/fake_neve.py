@@ -39,6 +39,7 @@ class Simulation:
             id=np.arange(n, dtype=np.uint32),
             material=np.zeros(n, np.uint16),
             m=np.full(n, 0.4, np.float32),
+            V0=np.full(n, 0.001, np.float32),
             count=n,
         )
         self.blocks = 7
@@ -54,12 +55,12 @@ class Simulation:
     def restore(cls, scene, arrays, threads=None):
         sim = cls(scene, threads)
         sim.time, sim.steps = arrays["time"], arrays["steps"]
-        for name in ("x", "v", "J_P", "id", "material", "m"):
+        for name in ("x", "v", "J_P", "id", "material", "m", "V0"):
             setattr(sim.state, name, arrays[name].copy())
         return sim
 
     def arrays(self):
-        names = ("x", "v", "J_P", "id", "material", "m")
+        names = ("x", "v", "J_P", "id", "material", "m", "V0")
         return {"time": self.time, "steps": self.steps, **{name: getattr(self.state, name) for name in names}}
 
     def advance(self, seconds):
@@ -71,7 +72,7 @@ class Simulation:
             s.v *= np.where(s.x[:, 2:] < 0, np.float32(0.5), np.float32(1))
             s.J_P *= np.float32(1) - dt * np.abs(s.x[:, 0])
         order = np.random.default_rng(self.steps).permutation(s.count)
-        for name in ("x", "v", "J_P", "id", "material", "m"):
+        for name in ("x", "v", "J_P", "id", "material", "m", "V0"):
             setattr(s, name, getattr(s, name)[order])
         self.time += seconds
         self.steps += 4
