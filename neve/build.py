@@ -17,12 +17,13 @@ if TYPE_CHECKING:
 def build(scene: Scene) -> tuple[Model, State]:
     """Sample the sources and assemble the material table.
 
-    Each particle has rest volume V0, its share of its source's volume, and mass m = rho0 V0; F_E = I and
-    J_P = 1; with `apic` the affine velocity C is that of the source's spin.
+    Each particle has rest volume V0, its share of its source's volume, factors on stiffness and strength, and
+    mass m = rho0 f V0 with its factor f on density; F_E = I and J_P = 1; with `apic` the affine velocity C is
+    that of the source's spin.
     `numerics.initial_volume = "grid"` replaces V0 in the first step.
     """
     model = make_model(scene)
-    samples = [fill(source, scene.numerics, i) for i, source in enumerate(scene.sources)]
+    samples = [fill(scene.completed(s), scene.numerics, i) for i, s in enumerate(scene.sources)]
     state = model.core.State(sum(len(s.x) for s in samples))
     begin = 0
     for source, s in zip(scene.sources, samples, strict=True):
@@ -48,9 +49,10 @@ def material_table(scene: Scene) -> list[Snow]:
 def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) -> None:
     state.x[rows] = s.x
     state.v[rows] = s.v
-    state.m[rows] = rho0 * s.volume
+    state.m[rows] = rho0 * s.density * s.volume
     state.V0[rows] = s.volume
     state.stiffness[rows] = s.stiffness
+    state.strength[rows] = s.strength
     state.material[rows] = np.uint16(material)
 
 

@@ -160,7 +160,7 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "apic": ("jiang2015", "hu2018"),
     "flip": ("brackbill1986", "zhu2005"),
     "poisson": ("bridson2007",),
-    "stiffness_noise": ("perlin1985",),
+    "variation": ("perlin1985",),
 }
 
 
@@ -173,8 +173,9 @@ def methods(scene: Scene) -> list[str]:
     names = ["mpm", *laws, scene.numerics.spline, scene.numerics.transfer]
     if scene.numerics.sampling == "poisson":
         names.append("poisson")
-    if any(source.stiffness_noise.amplitude != 0.0 for source in scene.sources):
-        names.append("stiffness_noise")
+    noises = [scene.completed(source).variation for source in scene.sources]
+    if any(n and (n.stiffness or n.strength or n.density) for n in noises):
+        names.append("variation")
     return list(dict.fromkeys(names))
 
 

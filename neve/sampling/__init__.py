@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.noise import fractal
+from neve.sampling.factors import factors
 from neve.sampling.points import jittered, poisson, regular
 from neve.sampling.regions import region
 from neve.scene.errors import SceneError
@@ -30,20 +30,24 @@ class Samples:
         v: velocities [m/s], (n, 3)
         volume: share of the source's volume [m3], (n,); the sum is the volume of the shape
         stiffness: factor on Young's modulus [1], (n,)
+        strength: factor on the thresholds of plastic flow [1], (n,)
+        density: factor on density [1], (n,)
     """
 
     x: Array
     v: Array
     volume: Array
     stiffness: Array
+    strength: Array
+    density: Array
 
 
 def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
     """Place particles in `source`, the scene's source number `index`.
 
     On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and
-    moves with v = velocity + spin x (x - center). Stiffness is exp(amplitude * noise), with noise in [-1, 1]
-    that is fixed to the source. Equal arguments give equal bits.
+    moves with v = velocity + spin x (x - center). Its factors are told in `neve.sampling.factors`.
+    Equal arguments give equal bits.
 
     Errors: SceneError if the source is too small or too large for dx, or its font lacks a letter.
     """
@@ -73,13 +77,5 @@ def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
         x=space.center + arm,
         v=np.array(source.velocity) + np.cross(np.array(source.spin), arm),
         volume=np.full(len(local), space.volume / len(local)),
-        stiffness=_stiffness(source, local, numerics.seed, index),
+        **factors(source, space, local, numerics.seed, index),
     )
-
-
-def _stiffness(source: SnowSource, local: Array, seed: int, index: int) -> Array:
-    noise = source.stiffness_noise
-    if noise.amplitude == 0.0:
-        return np.ones(len(local))
-    mixed = int(np.random.SeedSequence([seed, index, noise.seed]).generate_state(1, np.uint64)[0])
-    return np.asarray(np.exp(noise.amplitude * fractal(local, noise.feature_size, noise.octaves, mixed)))

@@ -23,6 +23,8 @@ PIXELS_PER_SPACING = 8
 """Edges of letters are true to 1/16 of the distance between particles."""
 LARGEST_PICTURE = 64e6
 """Pixels of the largest picture; longer texts are drawn coarser."""
+LARGEST_MAP = 8e6
+"""Pixels of the largest map of distances."""
 NO_CHARACTER = "\U0010ffff"
 """A code that is never a character: every font draws it as its missing-glyph box."""
 
@@ -56,10 +58,25 @@ class Letters:
 
     def covers(self, x: Array) -> Mask:
         """Return whether points `x` [m] (n, 3) within the picture's edges lie in a letter."""
+        return np.asarray(self.solid[self._pixels(x)])
+
+    def depth(self, x: Array) -> Array:
+        """Return how far points `x` [m] (n, 3) of a letter lie from its outline [m] (n,), at least 0.
+
+        True to two pixels; in a picture larger than LARGEST_MAP, to two pixels of a map so much coarser.
+        """
+        from scipy.ndimage import distance_transform_edt
+
+        step = int(np.ceil(np.sqrt(self.solid.size / LARGEST_MAP)))
+        distance = distance_transform_edt(np.pad(self.solid[::step, ::step], 1))[1:-1, 1:-1]
+        i, j = self._pixels(x)  # between the middles of two pixels runs the outline, half a pixel from each
+        return np.asarray(np.maximum(distance[i // step, j // step] - 0.5, 0.0) * (step * self.pixel))
+
+    def _pixels(self, x: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         rows, columns = self.solid.shape
         i = np.clip((0.5 * rows - x[:, 2] / self.pixel).astype(np.int64), 0, rows - 1)
         j = np.clip((x[:, 0] / self.pixel + 0.5 * columns).astype(np.int64), 0, columns - 1)
-        return np.asarray(self.solid[i, j])
+        return i, j
 
 
 def letters(source: SnowText, spacing: float, name: str) -> Letters:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import pi
+from dataclasses import dataclass, replace
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.colliders.motion import turn
-from neve.sampling.lettering import letters
+from neve.sampling.lettering import Letters, letters
 from neve.scene.scene import SnowBox, SnowCylinder, SnowLayer, SnowSource, SnowSphere, SnowText
 
 Array = NDArray[np.float64]
@@ -27,6 +27,9 @@ class Region:
         size: edges of the smallest box around the region, centred on the origin [m], (3,)
         volume: of the region [m3]
         inside: points in own axes [m] (n, 3), all inside the box -> whether they belong to the region (n,)
+        depth: points of the region in own axes [m] (n, 3) -> distance below its surface [m] (n,); a layer's
+            surface is its top
+        lowest: height of the region's lowest point; of letters, of the box around them [m]
     """
 
     center: Array
@@ -34,6 +37,8 @@ class Region:
     size: Array
     volume: float
     inside: Callable[[Array], Mask]
+    depth: Callable[[Array], Array]
+    lowest: float
 
 
 def region(source: SnowSource, spacing: float, name: str) -> Region:
@@ -45,26 +50,39 @@ def region(source: SnowSource, spacing: float, name: str) -> Region:
         return _box(source.center, source.rotation, source.size)
     if isinstance(source, SnowLayer):
         (x, y), (a, b) = source.center, source.size
-        return _box((x, y, source.base + 0.5 * source.depth), (0.0, 0.0, 0.0), (a, b, source.depth))
+        sheet = _box((x, y, source.base + 0.5 * source.depth), (0.0, 0.0, 0.0), (a, b, source.depth))
+        return replace(sheet, depth=lambda p: np.asarray(0.5 * source.depth - p[:, 2]))
     if isinstance(source, SnowSphere):
-        r = source.radius
-        size = np.full(3, 2.0 * r)
-        return Region(np.array(source.center), np.eye(3), size, 4.0 / 3.0 * pi * r**3, _ball(r))
+        return _sphere(source.center, source.radius)
     if isinstance(source, SnowCylinder):
-        r, h = source.radius, source.height
-        size = np.array([2.0 * r, 2.0 * r, h])
-        return Region(np.array(source.center), _axes(source.rotation), size, pi * r * r * h, _disc(r))
+        return _cylinder(source.center, source.rotation, source.radius, source.height)
     assert isinstance(source, SnowText)
     sign = letters(source, spacing, name)
-    size = np.array([sign.width, source.depth, sign.height])
-    return Region(
-        np.array(source.center), _axes(source.rotation), size, sign.area * source.depth, sign.covers
-    )
+    block = _box(source.center, source.rotation, (sign.width, source.depth, sign.height))
+    volume = sign.area * source.depth
+    return replace(block, volume=volume, inside=sign.covers, depth=_below_letters(sign, source.depth))
+
+
+def _sphere(center: tuple[float, ...], r: float) -> Region:
+    middle, size = np.array(center), np.full(3, 2.0 * r)
+    return Region(middle, np.eye(3), size, 4.0 / 3.0 * pi * r**3, _ball(r), _below_ball(r), center[2] - r)
+
+
+def _cylinder(center: tuple[float, ...], rotation: tuple[float, ...], r: float, h: float) -> Region:
+    axes, size = _axes(rotation), np.array([2.0 * r, 2.0 * r, h])
+    up = min(abs(float(axes[2, 2])), 1.0)
+    lowest = center[2] - 0.5 * h * up - r * sqrt(1.0 - up * up)
+    return Region(np.array(center), axes, size, pi * r * r * h, _disc(r), _below_disc(r, h), lowest)
 
 
 def _box(center: tuple[float, ...], rotation: tuple[float, ...], size: tuple[float, ...]) -> Region:
-    edges = np.array(size)
-    return Region(np.array(center), _axes(rotation), edges, float(np.prod(edges)), _everywhere)
+    middle, edges, axes = np.array(center), np.array(size), _axes(rotation)
+
+    def depth(x: Array) -> Array:
+        return np.asarray((0.5 * edges - np.abs(x)).min(axis=1))
+
+    lowest = float(middle[2] - 0.5 * np.abs(axes[2]) @ edges)
+    return Region(middle, axes, edges, float(np.prod(edges)), _everywhere, depth, lowest)
 
 
 def _axes(rotation: tuple[float, ...]) -> Array:
@@ -79,5 +97,17 @@ def _ball(radius: float) -> Callable[[Array], Mask]:
     return lambda x: np.einsum("ij,ij->i", x, x) <= radius**2
 
 
+def _below_ball(radius: float) -> Callable[[Array], Array]:
+    return lambda x: np.asarray(radius - np.linalg.norm(x, axis=1))
+
+
 def _disc(radius: float) -> Callable[[Array], Mask]:
     return lambda x: x[:, 0] ** 2 + x[:, 1] ** 2 <= radius**2
+
+
+def _below_disc(radius: float, height: float) -> Callable[[Array], Array]:
+    return lambda x: np.minimum(radius - np.hypot(x[:, 0], x[:, 1]), 0.5 * height - np.abs(x[:, 2]))
+
+
+def _below_letters(sign: Letters, depth: float) -> Callable[[Array], Array]:
+    return lambda x: np.minimum(sign.depth(x), 0.5 * depth - np.abs(x[:, 1]))

@@ -58,8 +58,10 @@ def shapes(annotation: Any) -> dict[str, type[BaseModel]]:
 
 
 def part(annotation: Any) -> type[BaseModel] | None:
-    """Return `annotation` if it is a part of a scene with keys of its own."""
-    return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+    """Return the model of `annotation`, optional or not, if it is a part of a scene with keys of its own."""
+    kinds = get_args(annotation) if get_origin(annotation) is types.UnionType else (annotation,)
+    found = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)]
+    return found[0] if found else None
 
 
 def default_vector(path: tuple[str, ...], data: dict[str, Any], owner: type[BaseModel]) -> list[Any] | None:
@@ -107,10 +109,10 @@ def _kind(annotation: Any, metadata: list[Any]) -> str:
 
 
 def _list(items: tuple[Any, ...]) -> str:
-    if items[-1] is Ellipsis:
-        return "a list of tables"
     plural = _kind(items[0], []).replace("a number", "numbers")
-    return f"a list of {COUNT[len(items)]} {plural}"
+    if items[-1] is not Ellipsis:
+        return f"a list of {COUNT[len(items)]} {plural}"
+    return f"a list of {plural}" if "numbers" in plural else "a list of tables"
 
 
 def _limits(metadata: list[Any]) -> str:

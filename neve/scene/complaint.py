@@ -34,6 +34,11 @@ ALSO_CALLED = {
     "elevation": "sun_elevation",
     "azimuth": "sun_azimuth",
     "lookat": "target",
+    "stiffness_noise": "variation",
+    "amplitude": "stiffness",
+    "depths": "at",
+    "phi": "friction_angle",
+    "c": "cohesion",
 }
 """What people coming from elsewhere call a key -> the key."""
 

@@ -15,13 +15,14 @@ from neve.scene.load import PRESETS
 from neve.scene.scene import Camera, Light, Numerics, Run, Scene, World
 from neve.scene.snow import Snow
 from neve.scene.sources import (
+    Profile,
     SnowBox,
     SnowCylinder,
     SnowLayer,
     SnowSource,
     SnowSphere,
     SnowText,
-    StiffnessNoise,
+    Variation,
 )
 
 PATH = Path("docs") / "scene_format.md"  # from the root of the checkout
@@ -66,7 +67,12 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         "Letters that stand upright in the source's own x-z plane, to be read looking along +y.",
         SnowText,
     ),
-    ("[sources.stiffness_noise]", "Snow that is stiffer in some places than in others.", StiffnessNoise),
+    (
+        "[sources.variation]",
+        "Snow that differs from place to place: one field of noise, which moves with the snow.",
+        Variation,
+    ),
+    ("[sources.profile]", "Snow that differs with depth or height: a crust, a soft core, layers.", Profile),
     ("[[colliders]]", "Bodies that snow meets. All have these keys, and those of their shape.", Body),
     ('[[colliders]] with shape = "plane"', "A half-space.", Plane),
     ('[[colliders]] with shape = "box"', "A box or a plate, such as the blade of a plow.", Box),
@@ -126,10 +132,10 @@ def _range(field: FieldInfo) -> str:
 
 def _default(field: FieldInfo) -> str:
     value: Any = field.default
-    if part(field.annotation):
-        return "its defaults"
     if value is None:
         return "left out"
+    if part(field.annotation):
+        return "its defaults"
     return f"`{shown(list(value) if isinstance(value, tuple) else value)}`"
 
 

@@ -14,6 +14,8 @@ Switch = Annotated[bool, Strict()]
 Fraction = Annotated[float, Strict(), Field(ge=0, le=1)]
 Step = Annotated[float, Strict(), Field(gt=0, le=1)]
 
+Factor = Annotated[float, Strict(), Field(gt=0, le=100)]
+Distance = Annotated[float, Strict(), Field(ge=0, le=1e6)]
 Length = Annotated[float, Strict(), Field(gt=0, le=1e6)]
 Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(ge=-1e4, le=1e4)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 from pydantic import model_validator
@@ -20,8 +21,10 @@ from neve.scene.fields import (
     norm,
     wrong,
 )
-from neve.scene.snow import SSCTS, Overrides, Snow, problem
+from neve.scene.snow import SSCTS, Overrides, Snow, most_strength, problem, rounded_down
+from neve.scene.snows import SNOWS
 from neve.scene.sources import (
+    Profile,
     SnowBox,
     SnowCylinder,
     SnowLayer,
@@ -29,13 +32,13 @@ from neve.scene.sources import (
     SnowSphere,
     SnowText,
     Source,
-    StiffnessNoise,
+    Variation,
 )
 
 __all__ = [
     "Body", "Box", "Camera", "Collider", "Cylinder", "Keyframe", "Light", "Numerics", "Overrides", "Part",
-    "Plane", "Run", "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowSource", "SnowSphere",
-    "SnowText", "Source", "Sphere", "StiffnessNoise", "World",
+    "Plane", "Profile", "Run", "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowSource",
+    "SnowSphere", "SnowText", "Source", "Sphere", "Variation", "World",
 ]  # fmt: skip
 
 
@@ -173,8 +176,32 @@ class Scene(Part):
             found = problem(self.snow_of(source), source.snow.given())
             if found:
                 raise wrong(f"sources.{i}.snow.{found[0]}", found[1])
+            found = _too_strong(self.completed(source), most_strength(self.snow_of(source)))
+            if found:
+                raise wrong(f"sources.{i}.{found[0]}", found[1])
         return self
 
     def snow_of(self, source: SnowSource) -> Snow:
         """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""
         return self.snow.but(source.snow)
+
+    def completed(self, source: SnowSource) -> SnowSource:
+        """Return `source` with the variation and profile of its snow's kind, where it has none of its own."""
+        kind = SNOWS[self.snow_of(source).kind]
+        found: dict[str, Part] = {}
+        if source.variation is None and kind.variation:
+            found["variation"] = Variation.model_validate(kind.variation)
+        if source.profile is None and kind.profile:
+            found["profile"] = Profile.model_validate(kind.profile)
+        return source.model_copy(update=found) if found else source
+
+
+def _too_strong(source: SnowSource, most: float) -> tuple[str, str] | None:
+    """Tell when a source multiplies its snow's thresholds by more than `most`: key and end of a sentence."""
+    if source.strongest <= most * (1 + 1e-9):
+        return None
+    profile = max(source.profile.strength if source.profile else (), default=1.0)
+    why = "so that the strongest snow keeps to the rules of [snow] (see xi and p0)"
+    if profile > most * (1 + 1e-9):
+        return "profile.strength", f"must hold no factor above {rounded_down(most)}, {why}"
+    return "variation.strength", f"must be at most {rounded_down(math.log(most / profile))}, {why}"

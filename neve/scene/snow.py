@@ -39,6 +39,8 @@ MOST_HARDENING = 0.5
 exp(xi (1 - J_P)); the work of crushing pays for that as long as xi theta < 2/3 (small, on all axes)."""
 MOST_YIELD = 0.1
 """Largest yield pressure, in compression or tension, over the bulk modulus: elastic strains stay moderate."""
+LEAST_XI = 1e-4
+"""Least hardening of cam_clay, whose plastic strain at the start is asinh(p0 / K) / xi."""
 
 
 def used(law: str, plasticity: str) -> tuple[str, ...]:
@@ -214,10 +216,10 @@ else:
     )
 
 
-def problem(snow: Snow, given: Collection[str], strength: float = 1.0) -> tuple[str, str] | None:
+def problem(snow: Snow, given: Collection[str]) -> tuple[str, str] | None:
     """Return what is wrong between the values of `snow`: a key and the end of a sentence.
 
-    The key is one of `given` if possible. `strength` is the largest factor on the thresholds [1].
+    The key is one of `given` where there is a choice.
     """
     kind, law = SNOWS[snow.kind], snow.law
     if snow.kind != "reference" and _family(kind.law) != _family(law):
@@ -234,44 +236,52 @@ def problem(snow: Snow, given: Collection[str], strength: float = 1.0) -> tuple[
                 f"is not used with {why}, which takes {', '.join(here)}; "
                 f"leave it out or at its default, {field.default:g}"
             )
-    if "theta_c" in here:
-        return _too_brittle(snow, given, strength)
-    return _too_strong(snow, given) if law in USES and law not in ELASTIC_LAWS else None
-
-
-def _too_brittle(snow: Snow, given: Collection[str], strength: float) -> tuple[str, str] | None:
-    """Tell when hardening could create energy."""
-    theta = "theta_s" if snow.theta_s > snow.theta_c else "theta_c"
-    largest = strength * getattr(snow, theta)
-    if snow.xi * largest <= MOST_HARDENING * (1 + 1e-9):
+    if law == "cam_clay" and snow.xi < LEAST_XI:
+        return "xi", f'must be at least {LEAST_XI:g} with law = "cam_clay"'
+    if most_strength(snow) >= 1 - 1e-9:
         return None
-    factor = "" if strength == 1.0 else f" times a strength of up to {strength:.3g}"
+    return _too_brittle(snow, given) if law in ELASTIC_LAWS else _yields_late(snow, given)
+
+
+def most_strength(snow: Snow) -> float:
+    """Return the largest factor that the thresholds of `snow` may have [1]; below 1 it is not legal."""
+    if snow.law == "drucker_prager":
+        tension = snow.cohesion / math.tan(math.radians(snow.friction_angle))
+        return _most_pressure(snow) / tension if tension else math.inf
+    if snow.law == "cam_clay":
+        return _most_pressure(snow) / snow.p0
+    hardening = snow.xi * max(snow.theta_c, snow.theta_s) if snow.plasticity == "snow" else 0.0
+    return MOST_HARDENING / hardening if hardening else math.inf
+
+
+def _too_brittle(snow: Snow, given: Collection[str]) -> tuple[str, str]:
+    """Say that hardening could create energy."""
+    theta = "theta_s" if snow.theta_s > snow.theta_c else "theta_c"
     limit = f"so that hardening cannot create energy (xi {theta} at most {MOST_HARDENING:g})"
     if theta in given and "xi" not in given:
-        most = rounded_down(MOST_HARDENING / (snow.xi * strength))
-        return theta, f"must be at most {most} with xi = {snow.xi:g}{factor}, {limit}"
-    most = rounded_down(MOST_HARDENING / largest)
-    return "xi", f"must be at most {most} with {theta} = {getattr(snow, theta):g}{factor}, {limit}"
+        most = rounded_down(MOST_HARDENING / snow.xi)
+        return theta, f"must be at most {most} with xi = {snow.xi:g}, {limit}"
+    most = rounded_down(MOST_HARDENING / getattr(snow, theta))
+    return "xi", f"must be at most {most} with {theta} = {getattr(snow, theta):g}, {limit}"
 
 
-def _too_strong(snow: Snow, given: Collection[str]) -> tuple[str, str] | None:
-    """Tell when grains or clay would yield only at strains that are no longer small."""
-    most = MOST_YIELD * snow.E0 / (3 * (1 - 2 * snow.nu))
-    name, value = "p0", snow.p0
+def _yields_late(snow: Snow, given: Collection[str]) -> tuple[str, str]:
+    """Say that grains or clay would flow only at strains that are no longer small."""
+    name, value, most, whose = "p0", snow.p0, _most_pressure(snow), "this E0 and nu"
     if snow.law == "drucker_prager":
-        slope = math.tan(math.radians(snow.friction_angle))
-        name, value, most = "cohesion", snow.cohesion, most * slope
-    elif snow.xi < 1e-4:
-        return "xi", 'must be at least 0.0001 with law = "cam_clay"'
-    if value <= most * (1 + 1e-9):
-        return None
+        most *= math.tan(math.radians(snow.friction_angle))
+        name, value, whose = "cohesion", snow.cohesion, "this E0, nu and friction_angle"
     if name not in given and "E0" in given:
         return (
             "E0",
-            f"is too small for {name} = {value:g}; set {name} to at most {rounded_down(most)} as well",
+            f"is too small for {name} = {value:g}; set {name} to at most {rounded_down(most)}",
         )
-    whose = ", friction_angle" if name == "cohesion" else ""
-    return name, f"must be at most {rounded_down(most)} with this E0, nu{whose}"
+    return name, f"must be at most {rounded_down(most)} with {whose}"
+
+
+def _most_pressure(snow: Snow) -> float:
+    """Return the largest legal yield pressure, in compression or tension [Pa]."""
+    return MOST_YIELD * snow.E0 / (3 * (1 - 2 * snow.nu))
 
 
 def rounded_down(value: float) -> str:

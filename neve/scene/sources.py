@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -9,6 +11,8 @@ from pydantic import Field, model_validator
 from neve.scene.fields import (
     Angle3,
     Coordinate,
+    Distance,
+    Factor,
     Length,
     Part,
     Point2,
@@ -26,16 +30,30 @@ from neve.scene.snow import Overrides
 ROTATION = "Rotation vector (axis times angle) from the source's own axes to the world's."
 
 
-class StiffnessNoise(Part):
-    """Vary Young's modulus from place to place by the factor exp(amplitude * fractal noise)."""
+class Variation(Part):
+    """Vary snow from place to place by factors exp(amplitude * noise), all of one field of fractal noise."""
 
-    amplitude: Real = entry(
+    stiffness: Real = entry(
         0.0,
-        "Strength of the variation: the factor on E0 lies between about exp(-amplitude) and exp(amplitude). "
-        "0 is none; 0.5 to 1 lets snow break into chunks of different size.",
+        "Amplitude of Young's modulus: its factor lies between about exp(-amplitude) and exp(amplitude), "
+        "with median 1. 0 is none; 0.5 to 1 lets snow break into chunks of different size.",
         "1",
         ge=0,
         le=4,
+    )
+    strength: Real = entry(
+        0.0,
+        "Amplitude of what snow bears before it flows (theta_c and theta_s, cohesion, p0), with median 1.",
+        "1",
+        ge=0,
+        le=4,
+    )
+    density: Real = entry(
+        0.0,
+        "Amplitude of density; the mean factor is 1, so that the source keeps its mass.",
+        "1",
+        ge=0,
+        le=2,
     )
     feature_size: Length = entry(
         0.2, "Size of the largest stiff and soft spots; a good value is 3 to 8 numerics.dx.", "m"
@@ -46,15 +64,56 @@ class StiffnessNoise(Part):
     seed: Whole = entry(0, "Seed of this noise, combined with numerics.seed.", "1", ge=0, lt=2**32)
 
 
+class Profile(Part):
+    """Vary snow with depth or height: factors at given places, straight lines between, constant beyond."""
+
+    by: Literal["depth", "height"] = entry(
+        "depth",
+        '"depth": distance below the source\'s own surface (of a layer: below its top); "height": height '
+        "above the source's lowest point.",
+        "",
+    )
+    at: tuple[Distance, ...] = entry((), "Depths or heights, each greater than the one before.", "m")
+    stiffness: tuple[Factor, ...] = entry(
+        (), "Factors on Young's modulus, one for each of `at`; left out, 1.", "1"
+    )
+    strength: tuple[Factor, ...] = entry(
+        (),
+        "Factors on what snow bears before it flows (theta_c and theta_s, cohesion, p0); left out, 1.",
+        "1",
+    )
+    density: tuple[Factor, ...] = entry((), "Factors on density; left out, 1.", "1")
+
+    @model_validator(mode="after")
+    def _check(self) -> Profile:
+        for a, b in pairwise(self.at):
+            if b <= a:
+                raise wrong("at", f"must increase, and {b:g} comes after {a:g}")
+        for name in ("stiffness", "strength", "density"):
+            values = getattr(self, name)
+            if values and len(values) != len(self.at):
+                raise wrong(name, f"must have as many entries as at, {len(self.at)}")
+        return self
+
+
 class SnowSource(Part):
     """Hold what all snow sources share."""
 
     velocity: Rate3 = entry((0.0, 0.0, 0.0), "Velocity at the start.", "m/s")
     spin: Rate3 = entry((0.0, 0.0, 0.0), "Angular velocity at the start, about the source's centre.", "rad/s")
     snow: Overrides = entry(Overrides(), "Snow properties of this source alone: any key of [snow].", "")
-    stiffness_noise: StiffnessNoise = entry(
-        StiffnessNoise(), "Variation of stiffness inside this source.", ""
+    variation: Variation | None = entry(
+        None, "Differences from place to place; left out, those of the snow's kind, or none.", ""
     )
+    profile: Profile | None = entry(
+        None, "Differences with depth or height; left out, those of the snow's kind, or none.", ""
+    )
+
+    @property
+    def strongest(self) -> float:
+        """Return the largest factor on the thresholds of plastic flow that this source may have [1]."""
+        amplitude = self.variation.strength if self.variation else 0.0
+        return math.exp(amplitude) * max(self.profile.strength if self.profile else (), default=1.0)
 
 
 class SnowBox(SnowSource):

@@ -35,10 +35,10 @@ def test_entries_are_bibtex(key):
 
 
 def test_scene_cites_how_it_is_filled(scene_file):
-    """Poisson sampling and stiffness noise are cited where they are used, and only there."""
-    assert {"poisson", "stiffness_noise"}.isdisjoint(methods(load(scene_file)))
+    """Poisson sampling and noise are cited where they are used, and only there."""
+    assert {"poisson", "variation"}.isdisjoint(methods(load(scene_file)))
     poisson = bibtex(load(scene_file, ['numerics.sampling="poisson"']))
-    noisy = bibtex(load(scene_file, ["sources.0.stiffness_noise.amplitude=0.5"]))
+    noisy = bibtex(load(scene_file, ["sources.0.variation.strength=0.5"]))
     assert ("{bridson2007," in poisson, "{perlin1985," in poisson) == (True, False)
     assert ("{bridson2007," in noisy, "{perlin1985," in noisy) == (False, True)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from neve.scene.load import load, preset_about, presets, scene_from, to_toml
-from neve.scene.scene import Plane, Scene, SnowBox, SnowText
+from neve.scene.scene import Plane, Scene, SnowBox, SnowText, Variation
 
 BOX = '[[sources]]\nshape = "box"\n'
 
@@ -32,7 +32,9 @@ def test_written_scene_spells_out_every_default() -> None:
     assert set(written) == set(Scene.model_fields)
     assert set(written["numerics"]) == set(type(scene.numerics).model_fields)
     assert set(written["snow"]) == set(type(scene.snow).model_fields)
-    assert set(written["sources"][0]) == set(SnowBox.model_fields)
+    assert set(written["sources"][0]) == set(SnowBox.model_fields) - {"variation", "profile"}, (
+        "left out, they follow the kind of the snow"
+    )
     assert set(written["colliders"][0]) == set(Plane.model_fields) - {"color"}, (
         "a colour left out stays left out"
     )
@@ -60,7 +62,7 @@ def test_overrides_reach_every_kind_of_key(tmp_path: Path) -> None:
         "sources.0.size.1=0.5",
         "sources.0.spin.0=2",
         "sources.0.snow.xi=5",
-        "sources.0.stiffness_noise.amplitude=0.7",
+        "sources.0.variation.stiffness=0.7",
         "about=a = b",
         'colliders=[{shape="plane"}]',
         "colliders.0.mode=sticky",
@@ -73,7 +75,7 @@ def test_overrides_reach_every_kind_of_key(tmp_path: Path) -> None:
     assert (scene.numerics.dx, scene.numerics.transfer, scene.numerics.dt) == (0.03, "flip", 1e-4)
     assert scene.world.gravity == (0.0, 0.0, -1.62)
     assert (box.size, box.spin) == ((1.0, 0.5, 3.0), (2.0, 0.0, 0.0))
-    assert (box.snow.xi, box.stiffness_noise.amplitude) == (5.0, 0.7)
+    assert (box.snow.xi, box.variation) == (5.0, Variation(stiffness=0.7))
     assert (scene.about, scene.colliders[0].mode, scene.run.film) == ("a = b", "sticky", False)
 
 

@@ -20,7 +20,7 @@ from neve.scene.scene import (
     SnowSource,
     SnowSphere,
     SnowText,
-    StiffnessNoise,
+    Variation,
 )
 
 SHAPES: list[tuple[SnowSource, float]] = [
@@ -164,7 +164,7 @@ def test_density_is_even(sampling: Any, spread: float) -> None:
 @pytest.mark.parametrize("sampling", RANDOM)
 def test_seeds(sampling: Any) -> None:
     """Equal seed and index give equal bits; another seed or another index gives other points."""
-    ball = SnowSphere(stiffness_noise=StiffnessNoise(amplitude=0.5))
+    ball = SnowSphere(variation=Variation(stiffness=0.5))
     first, again = (fill(ball, Numerics(sampling=sampling, seed=4), 1) for _ in range(2))
     for name in ("x", "v", "volume", "stiffness"):
         assert np.array_equal(getattr(first, name), getattr(again, name))
@@ -190,14 +190,12 @@ def test_velocity_and_spin() -> None:
 def test_stiffness() -> None:
     """1 without noise; otherwise within exp(-a) and exp(a), median near 1, and fixed to the source."""
     assert np.array_equal(np.unique(fill(SnowBox(), Numerics(), 0).stiffness), [1.0])
-    noise = StiffnessNoise(amplitude=0.8, feature_size=0.15)
-    here = fill(SnowBox(stiffness_noise=noise), Numerics(dx=0.03), 0).stiffness
+    noise = Variation(stiffness=0.8, feature_size=0.15)
+    here = fill(SnowBox(variation=noise), Numerics(dx=0.03), 0).stiffness
     assert np.exp(-0.8) <= here.min() < 0.6
     assert 1.6 < here.max() <= np.exp(0.8)
     assert np.median(here) == pytest.approx(1.0, abs=0.1)
-    there = fill(
-        SnowBox(center=(50.0, 0.0, 0.0), rotation=(0, 0, 45), stiffness_noise=noise), Numerics(dx=0.03), 0
-    )
+    there = fill(SnowBox(center=(50.0, 0.0, 0.0), rotation=(0, 0, 45), variation=noise), Numerics(dx=0.03), 0)
     assert np.array_equal(here, there.stiffness)
 
 

@@ -1,0 +1,40 @@
+"""Make snow differ from place to place: factors from noise, depth and height."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.noise import fractal
+from neve.sampling.regions import Region
+from neve.scene.scene import SnowSource
+
+Array = NDArray[np.float64]
+
+
+def factors(source: SnowSource, space: Region, local: Array, seed: int, index: int) -> dict[str, Array]:
+    """Return factors [1] (n,) of particles at `local` [m] (n, 3), in the own axes of source number `index`.
+
+    There is one on `stiffness` (Young's modulus), one on `strength` (theta_c and theta_s, cohesion, p0) and
+    one on `density`. The noise n is one field in [-1, 1], fixed to the source; a factor is exp(amplitude n).
+    The median of n is nought, so that of stiffness and strength is 1; density is divided by its mean, so that
+    noise leaves the source its mass. The factors of the profile are multiplied onto that as they stand.
+    """
+    made = {name: np.ones(len(local)) for name in ("stiffness", "strength", "density")}
+    noise = source.variation
+    amplitudes = {name: getattr(noise, name) for name in made} if noise else {}
+    if noise and any(amplitudes.values()):
+        mixed = int(np.random.SeedSequence([seed, index, noise.seed]).generate_state(1, np.uint64)[0])
+        field = fractal(local, noise.feature_size, noise.octaves, mixed)
+        made |= {name: np.asarray(np.exp(a * field)) for name, a in amplitudes.items() if a}
+        made["density"] /= made["density"].mean()
+    profile = source.profile
+    if profile and profile.at:
+        if profile.by == "depth":
+            place = space.depth(local)
+        else:
+            place = space.center[2] + local @ space.rotation[2] - space.lowest
+        for name in made:
+            if values := getattr(profile, name):
+                made[name] = made[name] * np.interp(place, profile.at, values)
+    return made
