@@ -104,6 +104,13 @@ SNOWS: Mapping[str, NamedSnow] = {
         "the paper's advice of a shell stiffer than the core; the numbers are our choice",
         "chosen",
         constants={"rho0": 300.0, "E0": 1e5, "theta_c": 2e-2, "theta_s": 5e-3},
+        variation={"stiffness": 0.4, "strength": 0.3, "feature_size": 0.2},
+        profile={
+            "at": [0.0, 0.05, 0.08],
+            "stiffness": [5.0, 5.0, 1.0],
+            "strength": [1.8, 1.8, 1.0],
+            "density": [1.5, 1.5, 1.0],
+        },
     ),
     "muddy": NamedSnow(
         "dirty, soft and ductile: smears instead of breaking",

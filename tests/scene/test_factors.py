@@ -45,8 +45,8 @@ def noisy(**amplitudes: float) -> Variation:
 def test_depth_is_the_distance_to_the_surface(source: SnowSource) -> None:
     """Steps shorter than the depth stay inside in any direction; longer ones leave in some direction.
 
-    Tried with 400 directions at 300 points. One of them lies within 0.35 rad of the normal, but for a chance of
-    (1 - (1 - cos 0.35) / 2)^400 = 5e-6 a point: a step of depth / cos(0.35) + tolerance must leave. The
+    Tried with 400 directions at 300 points. One of them lies within 0.35 rad of the normal, but for a chance
+    of (1 - (1 - cos 0.35) / 2)^400 = 5e-6 a point: a step of depth / cos(0.35) + tolerance must leave. The
     tolerance is two pixels of the letters' picture, 2 x spacing / 8, and nought for the other shapes. A
     layer's depth counts from its top alone.
     """
@@ -140,7 +140,7 @@ def test_noise_and_profile_multiply() -> None:
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_state_holds_the_factors(precision: str) -> None:
-    """m = rho0 f V0, and the columns are the factors, to rounding; noise in density keeps the source's mass."""
+    """m = rho0 f V0, and the columns are the factors, to rounding; noise in density keeps the mass."""
     tables: dict[str, Any] = {
         "numerics": {"dx": 0.1, "precision": precision},
         "snow": {"rho0": 300.0},

@@ -7,9 +7,10 @@ from typing import Any, get_args
 
 import pytest
 
+from neve.sampling import fill
 from neve.scene.errors import SceneError
 from neve.scene.load import scene_from, to_toml
-from neve.scene.scene import Scene, SnowBox
+from neve.scene.scene import Profile, Scene, SnowBox, SnowLayer, Variation
 from neve.scene.snow import ELASTIC_LAWS, USES, Overrides, Snow, problem, rounded_down, used
 from neve.scene.snows import SNOWS, Kind
 
@@ -39,6 +40,8 @@ def test_kinds_are_the_words_and_are_complete() -> None:
         assert kind.source, name
         assert set(kind.constants) <= set(used(kind.law, "snow")), name
         assert all(isinstance(value, float) for value in kind.constants.values()), name
+        Variation.model_validate(kind.variation)
+        Profile.model_validate(kind.profile)
 
 
 @pytest.mark.parametrize("name", SNOWS)
@@ -163,3 +166,25 @@ def test_scene_default_is_a_scene_of_one_box() -> None:
     """A scene built in Python takes snow as an object, too."""
     scene = Scene(sources=(SnowBox(snow=Overrides(xi=5.0)),), snow=Snow(kind="wet"))
     assert scene.snow_of(scene.sources[0]) == Snow(kind="wet", xi=5.0)
+
+
+def test_kind_brings_its_variation_and_profile() -> None:
+    """Crust has a shell: a source without a profile takes it; one that has its own, even an empty one, keeps it."""
+    scene = scene_from(
+        {
+            "snow": {"kind": "crust"},
+            "sources": [
+                {"shape": "layer"},
+                {"shape": "layer", "profile": {}, "variation": {"density": 0.1}},
+                {"shape": "layer", "snow": {"kind": "powder"}},
+            ],
+        }
+    )
+    first, second, third = (scene.completed(source) for source in scene.sources)
+    assert first.profile == Profile.model_validate(SNOWS["crust"].profile)
+    assert first.variation == Variation.model_validate(SNOWS["crust"].variation)
+    assert (second.profile, second.variation) == (Profile(), Variation(density=0.1))
+    assert (third.profile, third.variation) == (None, None)
+    hard = fill(scene.completed(SnowLayer(depth=0.3)), scene.numerics, 0)
+    top = hard.x[:, 2] > 0.26
+    assert hard.stiffness[top].mean() > 3.0 * hard.stiffness[~top].mean()
