@@ -10,6 +10,7 @@ import difflib
 import json
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -76,9 +77,15 @@ def cli(ctx: click.Context, version: bool) -> None:
 
 
 @cli.command("list")
+@click.option("--snow", is_flag=True, help="List the named snows instead.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def list_scenes(as_json: bool) -> None:
-    """List the scenes that come with Neve."""
+def list_scenes(snow: bool, as_json: bool) -> None:
+    """List the scenes that come with Neve, or its named snows."""
+    if snow:
+        from neve.scene.zoo import as_data, as_text
+
+        click.echo(json.dumps(as_data(), indent=2) if as_json else as_text())
+        return
     from neve.scene.load import preset_about, presets
 
     about = {name: preset_about(name) for name in presets()}
@@ -122,8 +129,14 @@ def run(
         RunFolder(folder).check(resume, force)
     wish = load(scene, changes)
     from neve.run import run_scene
+    from neve.scene.advice import advice
+    from neve.scene.errors import SceneWarning
 
-    run_scene(wish, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
+    for sentence in () if quiet else advice(wish):
+        _complain(f"warning: {sentence}.")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)  # told above, in the style of the command line
+        run_scene(wish, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
 
 
 def _run_folder(scene: str, out: str | None, resume: bool) -> Path:

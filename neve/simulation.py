@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +19,8 @@ from neve.colliders.motion import Pose
 from neve.diagnostics import Diagnostics, diagnose
 from neve.mpm.solver import STAGES, measure_volumes, require_finite, require_progress, sort, step
 from neve.mpm.time_step import fitted, largest
+from neve.scene.advice import advice
+from neve.scene.errors import SceneWarning
 from neve.scene.scene import Collider, Scene
 from neve.state import from_arrays, to_arrays
 
@@ -47,6 +50,7 @@ class Simulation:
     """Simulate the snow of a scene.
 
     threads: how many to use; all by default. The result does not depend on it, to the bit.
+    Warns with SceneWarning of what `neve.scene.advice` finds.
     """
 
     def __init__(self, scene: Scene, threads: int | None = None) -> None:
@@ -58,6 +62,8 @@ class Simulation:
         """Number of substeps so far."""
         self.stats = Stats()
         """What the last advance() did."""
+        for sentence in advice(scene):
+            warnings.warn(sentence, SceneWarning, stacklevel=2)
         self._use_threads()
         self.model, self._state = build(scene)
         self._grid = self.model.core.Grid()

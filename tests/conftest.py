@@ -10,6 +10,11 @@ import numpy as np
 import pytest
 
 
+def pytest_configure(config):
+    """Let scenes of the tests be coarse on purpose; tests/scene/test_advice.py tests the warnings."""
+    config.addinivalue_line("filterwarnings", "ignore::neve.scene.errors.SceneWarning")
+
+
 @pytest.fixture(params=["float32", "float64"])
 def precision(request):
     """Number format of particles and grid, a value of `numerics.precision`."""

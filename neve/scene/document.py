@@ -1,4 +1,4 @@
-"""Write docs/scene_format.md from the models: `python -m neve.scene.document`."""
+"""Write docs/scene_format.md and the table of docs/snows.md: `python -m neve.scene.document`."""
 
 from __future__ import annotations
 
@@ -24,8 +24,14 @@ from neve.scene.sources import (
     SnowText,
     Variation,
 )
+from neve.scene.zoo import as_table
 
 PATH = Path("docs") / "scene_format.md"  # from the root of the checkout
+SNOWS_PATH = Path("docs") / "snows.md"
+BEGIN, END = (
+    "<!-- table of snows: begin; written by `python -m neve.scene.document` -->",
+    "<!-- table of snows: end -->",
+)
 
 INTRODUCTION = """\
 # The scene format
@@ -39,6 +45,11 @@ An unknown key, a value outside its range or a misspelled word is an error that 
 The same words lead to a value everywhere: in a file, `[numerics]` and `dx = 0.02`; on the command line,
 `--set numerics.dx=0.02`; in Python, `scene.numerics.dx`. Entries of lists are numbered from 0:
 `--set sources.0.radius=0.3`, `--set world.gravity.2=-1.62`.
+
+`snow.kind` picks a named snow ([the zoo](snows.md)); the other keys of `[snow]` override what it brings. Each
+law has constants of its own; setting one that the law does not use is an error. A source's own `snow` changes
+single values of the scene's, unless it names a `kind`, or a law with other constants, and starts from that.
+`--set 'snow={{kind="wet"}}'` replaces the whole table of a file.
 
 A rotation is a vector: its direction is the axis, its length the angle. `[0, 0, 90]` is a quarter turn about
 z, anticlockwise seen from above.
@@ -139,6 +150,14 @@ def _default(field: FieldInfo) -> str:
     return f"`{shown(list(value) if isinstance(value, tuple) else value)}`"
 
 
+def with_table(page: str) -> str:
+    """Return the page of the snows with the table between its two marks replaced by the present one."""
+    before, rest = page.split(BEGIN)
+    _, after = rest.split(END)
+    return f"{before}{BEGIN}\n{as_table()}{END}{after}"
+
+
 if __name__ == "__main__":
     PATH.write_text(document(), encoding="utf-8")
-    print(f"wrote {PATH}")
+    SNOWS_PATH.write_text(with_table(SNOWS_PATH.read_text(encoding="utf-8")), encoding="utf-8")
+    print(f"wrote {PATH} and the table of {SNOWS_PATH}")

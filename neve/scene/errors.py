@@ -1,4 +1,4 @@
-"""Say in one sentence what is wrong with a scene."""
+"""Say in one sentence what is wrong, or doubtful, with a scene."""
 
 
 class SceneError(ValueError):
@@ -8,3 +8,7 @@ class SceneError(ValueError):
         """Take the sentence, with or without its full stop."""
         one_line = sentence.rstrip(".").replace("\n", "\\n")
         super().__init__(f"{one_line}.")
+
+
+class SceneWarning(UserWarning):
+    """Warn, in one sentence with a better value, of a scene that runs but may not show what is meant."""

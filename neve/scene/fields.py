@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, Strict
@@ -54,3 +55,20 @@ def wrong(key: str, message: str) -> PydanticCustomError:
 def norm(vector: tuple[float, ...]) -> float:
     """Return the Euclidean length of `vector`."""
     return math.hypot(*vector)
+
+
+def rounded_down(value: float) -> str:
+    """Write a positive `value` with three digits, none too large; "0" for others."""
+    return _rounded(value, math.floor, 1 + 1e-12)
+
+
+def rounded_up(value: float) -> str:
+    """Write a positive `value` with three digits, none too small; "0" for others."""
+    return _rounded(value, math.ceil, 1 - 1e-12)
+
+
+def _rounded(value: float, cut: Callable[[float], int], slack: float) -> str:
+    if value <= 0:
+        return "0"
+    digits = math.floor(math.log10(value)) - 2
+    return f"{cut(value / 10.0**digits * slack) * 10.0**digits:.3g}"

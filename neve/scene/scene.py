@@ -19,9 +19,10 @@ from neve.scene.fields import (
     Whole,
     entry,
     norm,
+    rounded_down,
     wrong,
 )
-from neve.scene.snow import SSCTS, Overrides, Snow, most_strength, problem, rounded_down
+from neve.scene.snow import SSCTS, Overrides, Snow, most_strength, problem
 from neve.scene.snows import SNOWS
 from neve.scene.sources import (
     Profile,

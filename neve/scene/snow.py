@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import ModelWrapValidatorHandler, create_model, model_validator
 from pydantic.fields import FieldInfo
 
-from neve.scene.fields import CHOICE, Part, Real, entry, wrong
+from neve.scene.fields import CHOICE, Part, Real, entry, rounded_down, wrong
 from neve.scene.snows import SNOWS, Kind
 
 SSCTS = "Stomakhin et al. 2013 (as quoted in public codes)"
@@ -282,14 +282,6 @@ def _yields_late(snow: Snow, given: Collection[str]) -> tuple[str, str]:
 def _most_pressure(snow: Snow) -> float:
     """Return the largest legal yield pressure, in compression or tension [Pa]."""
     return MOST_YIELD * snow.E0 / (3 * (1 - 2 * snow.nu))
-
-
-def rounded_down(value: float) -> str:
-    """Write `value` with three digits, none too large."""
-    if value <= 0:
-        return "0"
-    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return f"{math.floor(value / unit * (1 + 1e-12)) * unit:.3g}"
 
 
 def _family(law: str) -> str:

@@ -15,6 +15,7 @@ import neve
 from neve import cli
 from neve.cli import main
 from neve.scene.load import presets
+from neve.scene.snows import SNOWS
 
 ROOT = Path(neve.__file__).parents[1]
 
@@ -88,7 +89,7 @@ BAD = [
     (f"run small.toml --threads {'9' * 5000}", "is not a whole number of 1 or more"),
     ("cite smal.toml", "did you mean small.toml?"),
     ("list all", "got unexpected extra argument (all)"),
-    ("list --jsno", "there is no option --jsno (did you mean --json?)"),
+    ("list --jso", "there is no option --jso (did you mean --json?)"),
     ("info -x", "there is no option -x (the options are --json"),
 ]
 
@@ -226,6 +227,29 @@ def test_list(call):
     entries = json.loads(out)
     assert [entry["name"] for entry in entries] == presets()
     assert all(entry["about"] for entry in entries)
+
+
+def test_list_of_snows(call):
+    """Every named snow begins a line, and every tag; the JSON holds the same."""
+    code, out, _ = call("list", "--snow")
+    lines = [line.split()[0] for line in out.splitlines() if line[:1].strip()]
+    assert (code, lines) == (0, [*SNOWS, "quoted", "derived", "chosen"])
+    entries = json.loads(call("list", "--snow", "--json")[1])
+    assert [entry["name"] for entry in entries] == list(SNOWS)
+    slush = entries[list(SNOWS).index("slush")]
+    assert (slush["law"], slush["constants"]["M"]) == ("cam_clay", SNOWS["slush"].constants["M"])
+
+
+def test_warnings_of_a_scene(call, scene_file, fake):
+    """A doubtful scene is told on standard error, a line each, and runs; `--quiet` keeps them."""
+    doubtful = ["run", scene_file, "--set", "numerics.dx=0.5", "--frames", "1"]
+    code, _, told = call(*doubtful, "--out", "a")
+    assert code == 0
+    warned = [line for line in told.splitlines() if line.startswith("neve: warning: sources.0.")]
+    assert len(warned) == 1
+    assert warned[0].endswith(" or smaller.")
+    code, _, told = call(*doubtful, "--out", "b", "--quiet")
+    assert (code, told) == (0, "")
 
 
 def test_info(call):

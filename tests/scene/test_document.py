@@ -8,9 +8,10 @@ import pytest
 from pydantic import BaseModel, ValidationError
 
 from neve.scene.allowed import source
-from neve.scene.document import PATH, SECTIONS, document
+from neve.scene.document import PATH, SECTIONS, SNOWS_PATH, document, with_table
 from neve.scene.scene import Scene
 from neve.scene.snow import Overrides, Snow
+from neve.scene.snows import SNOWS
 
 MODELS = [Scene, Overrides, *(model for _, _, model in SECTIONS)]
 
@@ -18,6 +19,14 @@ MODELS = [Scene, Overrides, *(model for _, _, model in SECTIONS)]
 def test_document_is_up_to_date() -> None:
     """docs/scene_format.md is the generated text; `python -m neve.scene.document` writes it."""
     assert (Path(__file__).parents[2] / PATH).read_text(encoding="utf-8") == document()
+
+
+def test_table_of_snows_is_up_to_date() -> None:
+    """The table of docs/snows.md is the generated one; the rest of the page is free."""
+    page = (Path(__file__).parents[2] / SNOWS_PATH).read_text(encoding="utf-8")
+    assert with_table(page) == page
+    for name in SNOWS:
+        assert f"| `{name}` | {SNOWS[name].about} |" in page
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)

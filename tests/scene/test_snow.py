@@ -9,9 +9,10 @@ import pytest
 
 from neve.sampling import fill
 from neve.scene.errors import SceneError
+from neve.scene.fields import rounded_down, rounded_up
 from neve.scene.load import scene_from, to_toml
 from neve.scene.scene import Profile, Scene, SnowBox, SnowLayer, Variation
-from neve.scene.snow import ELASTIC_LAWS, USES, Overrides, Snow, problem, rounded_down, used
+from neve.scene.snow import ELASTIC_LAWS, USES, Overrides, Snow, problem, used
 from neve.scene.snows import SNOWS, Kind
 
 WORDS = ("kind", "law", "plasticity")
@@ -155,10 +156,11 @@ def test_hardening_may_not_create_energy() -> None:
 
 
 @pytest.mark.parametrize("value", [0.0171, 5.0, 17.857142, 999.99, 1.0, 0.1, 123456.0, 833.333])
-def test_better_values_are_rounded_down(value: float) -> None:
-    """Three digits, never above the limit, never more than one in the last digit below."""
+def test_better_values_are_rounded_to_the_safe_side(value: float) -> None:
+    """Three digits, never beyond the limit, never more than one in the last digit away."""
     told = float(rounded_down(value))
     assert 0.99 * value < told <= value * (1 + 1e-12)
+    assert value * (1 - 1e-12) <= float(rounded_up(value)) < 1.01 * value
     assert len(rounded_down(value).replace(".", "").strip("0")) <= 3 or "e" in rounded_down(value)
 
 
@@ -169,7 +171,7 @@ def test_scene_default_is_a_scene_of_one_box() -> None:
 
 
 def test_kind_brings_its_variation_and_profile() -> None:
-    """Crust has a shell: a source without a profile takes it; one that has its own, even an empty one, keeps it."""
+    """Crust has a shell: a source without a profile takes it; one that has its own, if empty, keeps it."""
     scene = scene_from(
         {
             "snow": {"kind": "crust"},
