@@ -64,7 +64,7 @@ def test_a_step_too_long_is_caught():
     """dt = 0.05 s on stiff snow that is pressed together: the run ends in the sentence, not in nonsense."""
     sim = simulate(
         scene(
-            [ball(snow={"E0": 1e9, "xi": 50.0}, velocity=(0, 0, -30))],
+            [ball(snow={"E0": 1e9, "xi": 50.0, "theta_c": 0.01}, velocity=(0, 0, -30))],
             [{"shape": "plane", "point": (0, 0, -0.16), "normal": (0, 0, 1)}],
             dt=0.05,
             precision="float32",
