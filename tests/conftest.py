@@ -8,6 +8,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pytest
+from reference.laws import LAWS
 
 
 def pytest_configure(config):
@@ -43,3 +44,9 @@ def spline(request):
 @pytest.fixture(params=["apic", "flip"])
 def transfer(request):
     return request.param
+
+
+@pytest.fixture(params=list(LAWS))
+def law(request):
+    """A snow of the oracle for each constitutive law and variant."""
+    return LAWS[request.param]

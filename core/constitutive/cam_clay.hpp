@@ -57,7 +57,7 @@ struct CamClay {
     using T = scalar_t<R>;
     constexpr T enough = T(1) + 4 * std::numeric_limits<T>::epsilon();
     R t = max(max(abs(P) - T(1), k * (Q - T(1))), splat<R>(0));
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < 16; ++i) {
       const R u = T(1) + t, w = k + t;
       const R x = P / u, y = Q * k / w;
       const R S = x * x + y * y;
