@@ -8,7 +8,7 @@ import numpy as np
 
 from neve.model import Model
 from neve.sampling import Samples, fill
-from neve.scene.scene import Scene, Snow
+from neve.scene.scene import Numerics, Scene, Snow
 
 if TYPE_CHECKING:
     from neve._core import State
@@ -18,19 +18,19 @@ def build(scene: Scene) -> tuple[Model, State]:
     """Sample the sources and assemble the material table.
 
     Each particle has rest volume V0, its share of its source's volume, factors on stiffness and strength, and
-    mass m = rho0 f V0 with its factor f on density; F_E = I and J_P = 1; with `apic` the affine velocity C is
-    that of the source's spin.
+    mass m = rho0 f V0 with its factor f on density; F_E = I and J_P = 1; with an affine transfer the
+    affine velocity C is that of the source's spin; further modes of the velocity are zero.
     `numerics.initial_volume = "grid"` replaces V0 in the first step.
     """
     model = make_model(scene)
     samples = [fill(scene.completed(s), scene.numerics, i) for i, s in enumerate(scene.sources)]
-    state = model.core.State(sum(len(s.x) for s in samples))
+    state = model.core.State(sum(len(s.x) for s in samples), model.native.more_modes)
     begin = 0
     for source, s in zip(scene.sources, samples, strict=True):
         snow = scene.snow_of(source)
         rows = slice(begin, begin + len(s.x))
         _place(state, rows, s, model.snows.index(snow), snow.rho0)
-        if scene.numerics.transfer == "apic":
+        if _affine(scene.numerics):
             state.C[rows] = _spin_matrix(source.spin)
         begin = rows.stop
     return model, state
@@ -54,6 +54,13 @@ def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) ->
     state.stiffness[rows] = s.stiffness
     state.strength[rows] = s.strength
     state.material[rows] = np.uint16(material)
+
+
+def _affine(numerics: Numerics) -> bool:
+    """Whether particles carry an affine velocity C."""
+    if numerics.transfer == "polypic":
+        return numerics.polypic_modes > 1
+    return numerics.transfer in ("apic", "asflip")
 
 
 def _spin_matrix(spin: tuple[float, float, float]) -> list[list[float]]:

@@ -72,6 +72,33 @@ WORKS: Mapping[str, str] = {
   year    = {2018},
   doi     = {10.1145/3197517.3201293}
 }""",
+    "harlow1964": """@article{harlow1964,
+  author  = {Harlow, Francis H.},
+  title   = {The particle-in-cell computing method for fluid dynamics},
+  journal = {Methods in Computational Physics},
+  volume  = {3},
+  pages   = {319--343},
+  year    = {1964}
+}""",
+    "fu2017": """@article{fu2017,
+  author  = {Fu, Chuyuan and Guo, Qi and Gast, Theodore and Jiang, Chenfanfu and Teran, Joseph},
+  title   = {A polynomial particle-in-cell method},
+  journal = {ACM Transactions on Graphics},
+  volume  = {36},
+  number  = {6},
+  year    = {2017},
+  doi     = {10.1145/3130800.3130878}
+}""",
+    "fei2021": """@article{fei2021,
+  author  = {Fei, Yun and Guo, Qi and Wu, Rundong and Huang, Li and Gao, Ming},
+  title   = {Revisiting integration in the material point method: a scheme for easier separation and less
+             dissipation},
+  journal = {ACM Transactions on Graphics},
+  volume  = {40},
+  number  = {4},
+  year    = {2021},
+  doi     = {10.1145/3450626.3459678}
+}""",
     "brackbill1986": """@article{brackbill1986,
   author  = {Brackbill, J. U. and Ruppel, H. M.},
   title   = {{FLIP}: A method for adaptively zoned, particle-in-cell calculations of fluid flows in two
@@ -159,6 +186,9 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "cubic": ("steffen2008",),
     "apic": ("jiang2015", "hu2018"),
     "flip": ("brackbill1986", "zhu2005"),
+    "pic": ("harlow1964",),
+    "polypic": ("fu2017", "jiang2015", "hu2018"),
+    "asflip": ("fei2021", "jiang2015", "hu2018", "brackbill1986"),
     "poisson": ("bridson2007",),
     "variation": ("perlin1985",),
 }

@@ -41,7 +41,7 @@ def spline(request):
     return request.param
 
 
-@pytest.fixture(params=["apic", "flip"])
+@pytest.fixture(params=["apic", "flip", "pic", "polypic", "asflip"])
 def transfer(request):
     return request.param
 

@@ -27,6 +27,13 @@ View<T> view(Field<T, Components>& f, std::size_t n, nb::handle owner) {
     return View<T>(f.column(0), {n, std::size_t(Components)}, owner, {1, s});
   }
 }
+// (n, k, 3): vectors, three columns each.
+template <class T>
+View<T> view(Columns<T>& f, std::size_t n, nb::handle owner) {
+  const auto s = static_cast<std::int64_t>(f.stride());
+  const auto k = static_cast<std::size_t>(f.components() / 3);
+  return View<T>(f.column(0), {n, k, 3}, owner, {1, 3 * s, s});
+}
 template <class E>
 View<E> view(Column<E>& c, std::size_t n, nb::handle owner) {
   return View<E>(c.data(), {n}, owner, {1});

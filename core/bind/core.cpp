@@ -81,6 +81,7 @@ NB_MODULE(_core, m) {
                      return std::array<double, 3>{t.momentum[0], t.momentum[1], t.momentum[2]};
                    })
       .def_ro("kinetic", &neve::Totals::kinetic)
+      .def_ro("affine", &neve::Totals::affine)
       .def_ro("elastic", &neve::Totals::elastic)
       .def_ro("potential", &neve::Totals::potential);
   auto f32 = m.def_submodule("f32", "Single precision.");

@@ -21,7 +21,13 @@ inline Spline spline_of(const std::string& s) {
   return word<Spline>(s, {{"quadratic", Spline::quadratic}, {"cubic", Spline::cubic}}, "spline");
 }
 inline Transfer transfer_of(const std::string& s) {
-  return word<Transfer>(s, {{"apic", Transfer::apic}, {"flip", Transfer::flip}}, "transfer");
+  return word<Transfer>(s,
+                        {{"pic", Transfer::pic},
+                         {"flip", Transfer::flip},
+                         {"apic", Transfer::apic},
+                         {"polypic", Transfer::polypic},
+                         {"asflip", Transfer::asflip}},
+                        "transfer");
 }
 
 template <class T>
@@ -31,10 +37,16 @@ void bind_model(nb::module_& m) {
       .def(
           "__init__",
           [](M* self, double dx, const std::string& spline, const std::string& transfer, double flip_alpha,
-             const In<double, nb::shape<3>>& gravity) {
-            new (self) M{dx, spline_of(spline), transfer_of(transfer), flip_alpha, vec<T>(gravity), {}, {}};
+             const In<double, nb::shape<3>>& gravity, int polypic_modes, double flip_damping) {
+            if (polypic_modes != 1 && polypic_modes != 4 && polypic_modes != 8 && polypic_modes != 27)
+              throw nb::value_error("polypic_modes: 1, 4, 8 or 27");
+            new (self) M{dx,         spline_of(spline), transfer_of(transfer), polypic_modes,
+                         flip_alpha, flip_damping,      vec<T>(gravity),       {},
+                         {}};
           },
-          nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"))
+          nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"),
+          nb::arg("polypic_modes") = 8, nb::arg("flip_damping") = -1.0)
+      .def_prop_ro("more_modes", &more_modes<T>, "How many velocity modes a particle has beyond v and C.")
       .def(
           "add_snow",
           [](M& self, const std::string& law, const std::string& plasticity, const Constants& constants) {
@@ -85,10 +97,14 @@ void bind_state(nb::module_& m) {
   using S = State<T>;
   nb::class_<S> c(m, "State",
                   "Everything per particle; arrays are views of the core's memory, at fixed addresses.");
-  c.def("__init__", [](S* self, std::size_t count) {
-    new (self) S();
-    self->resize(count);
-  });
+  c.def(
+      "__init__",
+      [](S* self, std::size_t count, int more_modes) {
+        if (more_modes < 0) throw nb::value_error("more_modes is negative");
+        new (self) S(more_modes);
+        self->resize(count);
+      },
+      nb::arg("count"), nb::arg("more_modes") = 0);
   c.def_ro("count", &S::count);
   c.def_prop_ro("bytes", &S::bytes);
 #define NEVE_FIELD(name)                     \
@@ -99,6 +115,7 @@ void bind_state(nb::module_& m) {
   NEVE_FIELD(x);
   NEVE_FIELD(v);
   NEVE_FIELD(C);
+  NEVE_FIELD(modes);
   NEVE_FIELD(F_E);
   NEVE_FIELD(tau);
   NEVE_FIELD(J_P);
@@ -174,9 +191,11 @@ void bind_grid(nb::module_& m) {
 
 template <class T>
 void require_sorted(const Model<T>& model, const State<T>& state, const Grid<T>& grid) {
-  if (!grid.current || grid.count != state.count || grid.has_change != keeps_change(model.transfer)) {
+  if (!grid.current || grid.count != state.count || grid.has_change != keeps_change(model)) {
     throw nb::value_error("the grid does not hold this state: call sort() first");
   }
+  if (state.modes.components() != 3 * more_modes(model))
+    throw nb::value_error("the state has another number of velocity modes than the model");
 }
 template <class T>
 void require_snow(const Model<T>& model, const State<T>& state) {
@@ -196,7 +215,7 @@ void bind_stages(nb::module_& m) {
       [](const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {
         require_sorted(model, state, grid);
         with_spline(model.spline, [&](auto spline) {
-          with_transfer(model.transfer, [&](auto transfer) {
+          with_transfer(model, [&](auto transfer) {
             p2g<T, decltype(spline), decltype(transfer)>(model, state, grid, dt);
           });
         });
@@ -205,8 +224,7 @@ void bind_stages(nb::module_& m) {
   m.def(
       "grid_update",
       [](const Model<T>& model, Grid<T>& grid, double dt) {
-        if (grid.has_change != keeps_change(model.transfer))
-          throw nb::value_error("the grid is of another model");
+        if (grid.has_change != keeps_change(model)) throw nb::value_error("the grid is of another model");
         return grid_update(model, grid, dt);
       },
       free_gil,
@@ -217,7 +235,7 @@ void bind_stages(nb::module_& m) {
       [](const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, bool commit) {
         require_sorted(model, state, grid);
         return with_spline(model.spline, [&](auto spline) {
-          return with_transfer(model.transfer, [&](auto transfer) {
+          return with_transfer(model, [&](auto transfer) {
             return g2p<T, decltype(spline), decltype(transfer)>(model, state, grid, dt, commit);
           });
         });

@@ -1,6 +1,7 @@
 // Solids with an exact signed distance: plane, box, sphere, cylinder, placed by a centre and a rotation.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "colliders/contact.hpp"
@@ -107,6 +108,14 @@ inline Surface<R> surface(const Solid<scalar_t<R>>& solid, const Vec3<R>& x) {
 
 // A wall often lies exactly on a row of nodes; this share of a cell decides that it holds them, rather than rounding.
 inline constexpr double skin_cells = 1e-4;
+
+// Which points some solid holds: no more than `skin` [m] outside.
+template <class R>
+inline auto held(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, scalar_t<R> skin) {
+  R least = splat<R>(std::numeric_limits<scalar_t<R>>::max());
+  for (const auto& solid : solids) least = min(least, surface(solid, x).phi);
+  return least <= splat<R>(skin);
+}
 
 // The velocity of snow at x after every solid that holds x has acted on it, in the order of the scene. A solid holds
 // what is no more than `skin` [m] outside. What masses m (zero: no snow there) exchange with each goes into the ledger, if

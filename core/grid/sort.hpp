@@ -230,7 +230,7 @@ void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   detail::permute(state, grid);
   detail::lay_out_blocks(grid);
   const std::size_t values = grid.blocks.size() * block_values;
-  grid.has_change = keeps_change(model.transfer);
+  grid.has_change = keeps_change(model);
   if (grid.momentum.size() < values) grid.momentum.resize(values + values / 4);
   if (grid.has_change && grid.change.size() < values) grid.change.resize(values + values / 4);
   grid.bounds.resize(grid.blocks.size());

@@ -5,8 +5,7 @@
 #include "mpm/grid_update.hpp"
 #include "mpm/material.hpp"
 #include "mpm/time_step.hpp"
-#include "mpm/transfer/apic.hpp"
-#include "mpm/transfer/flip.hpp"
+#include "mpm/transfer/weights.hpp"
 
 namespace neve {
 
@@ -54,6 +53,7 @@ class HomeGather {
         home_(grid.homes[h]),
         ledger_(commit ? &grid.particle_ledgers[h] : nullptr),
         dt_(T(dt)),
+        alpha_(model.alpha(dt)),
         frame_(TileFrame<T>::template of<S>(model.dx, grid.homes[h].at)),
         from_(tile_),
         from_change_(change_) {
@@ -78,7 +78,7 @@ class HomeGather {
  private:
   Report batch(std::size_t p, int count) {
     Vec3<R> x = load_vector<R>(state_.x, p, count);
-    stencils_.template fill<X>(frame_, x);
+    stencils_.template fill<typename X::From>(frame_, x);
     gather(count);
     Vec3<R> pic, dv{};
     Mat3<R> G;
@@ -87,19 +87,27 @@ class HomeGather {
     load_quads(sums_[1], G.c0.x, G.c0.y, G.c0.z, unused);
     load_quads(sums_[2], G.c1.x, G.c1.y, G.c1.z, unused);
     load_quads(sums_[3], G.c2.x, G.c2.y, G.c2.z, unused);
-    if constexpr (X::has_change) load_quads(sums_[4], dv.x, dv.y, dv.z, unused);
+    if constexpr (X::has_change) load_quads(sums_[X::modes], dv.x, dv.y, dv.z, unused);
     const Mat3<R> grad_v = X::template velocity_gradient<S>(G, model_.dx);
 
     // 7. deformation, plastic flow, hardening; and the stress of the new state
     const Mat3<R> F = load_matrix<R>(state_.F_E, p, count);
     const R J_P = load<R>(state_.J_P.column(0) + p, count);
-    const Mapped<R> mapped = return_map(model_, state_, p, count, F + scaled(grad_v * F, dt_), J_P);
+    const Mat3<R> F_trial = F + scaled(grad_v * F, dt_);
+    const Mapped<R> mapped = return_map(model_, state_, p, count, F_trial, J_P);
 
     // 8. velocities, 9. particle collisions, 10. positions
-    Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, model_.flip_alpha);
+    Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, alpha_);
     const R m = load<R>(state_.m.column(0) + p, count);
-    v = collide(solids_, x, v, T(skin_cells * model_.dx), m, ledger_);
-    const Vec3<R> way = v * dt_;
+    const T skin = T(skin_cells * model_.dx);
+    Vec3<R> path;
+    if constexpr (X::has_path) {
+      path = X::path(v, pic, determinant(F_trial), held(solids_, x, skin));
+      path = collide<R>(solids_, x, path, skin, m, nullptr);
+    }
+    v = collide(solids_, x, v, skin, m, ledger_);
+    if constexpr (!X::has_path) path = v;
+    const Vec3<R> way = path * dt_;
     x = x + way;
 
     const Report report = check(p, count, x, v, grad_v, way, mapped);
@@ -110,20 +118,34 @@ class HomeGather {
     store(state_.J_P.column(0) + p, mapped.J_P, count);
     store_symmetric(state_.tau, p, mapped.stress.tau, count);
     X::keep(state_, p, count, grad_v);
+    if constexpr (X::modes > 4) keep_modes(p, count);
     return report;
   }
 
   void gather(int count) {
     for (int l = 0; l < count; ++l) {
-      const Row<T> s = from_.sums(stencils_, l);
-      for (int k = 0; k < 4; ++k)
-        std::memcpy(sums_[k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
+      if constexpr (X::modes > 4) {
+        from_.modes(stencils_, l, sums_);
+      } else {
+        const Row<T> s = from_.sums(stencils_, l);
+        for (int k = 0; k < 4; ++k)
+          std::memcpy(sums_[k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
+      }
     }
     if constexpr (X::has_change) {
       for (int l = 0; l < count; ++l) {
         const Row<T> s = from_change_.sum(stencils_, l);
-        std::memcpy(sums_[4] + 4 * l, &s, 4 * sizeof(T));
+        std::memcpy(sums_[X::modes] + 4 * l, &s, 4 * sizeof(T));
       }
+    }
+  }
+
+  void keep_modes(std::size_t p, int count) {
+    for (int n = 4; n < X::modes; ++n) {
+      Vec3<R> c;
+      R unused;
+      load_quads(sums_[n], c.x, c.y, c.z, unused);
+      store_vector(state_.modes, p, c * T(X::template scale<S>(n)), count, 3 * (n - 4));
     }
   }
 
@@ -158,12 +180,13 @@ class HomeGather {
   const Home& home_;
   Ledger* ledger_;  // none: a trial, which moves nothing
   T dt_;
+  double alpha_;
   TileFrame<T> frame_;
   Tile<T> tile_, change_;
   Gather<T, S> from_, from_change_;
   std::vector<Solid<T>> solids_;
-  Stencils<T, S> stencils_;
-  alignas(64) T sums_[X::has_change ? 5 : 4][4 * L];
+  Stencils<T, S, X::From::count> stencils_;
+  alignas(64) T sums_[X::modes + X::has_change][4 * L];  // of each mode; then of the change
 };
 
 }  // namespace detail

@@ -1,6 +1,7 @@
 // Model: the constants of one run.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "colliders/analytic.hpp"
@@ -9,17 +10,22 @@
 namespace neve {
 
 enum class Spline { quadratic, cubic };
-enum class Transfer { apic, flip };
+enum class Transfer { pic, flip, apic, polypic, asflip };
 
 template <class T>
 struct Model {
   double dx = 0.05;  // [m]
   Spline spline = Spline::quadratic;
   Transfer transfer = Transfer::apic;
-  double flip_alpha = 0.95;
+  int polypic_modes = 8;     // 1, 4, 8 or 27
+  double flip_alpha = 0.95;  // share of FLIP in a step
+  double flip_damping = -1;  // rate [1/s] at which what the grid cannot see fades; below 0: flip_alpha counts
   Vec3<T> gravity{T(0), T(0), T(-9.81)};  // [m/s2]
   std::vector<Snow> snows;                // the material table
   std::vector<Solid<T>> solids;           // colliders; their poses change in time
+
+  // The share of FLIP in a step of dt [s].
+  double alpha(double dt) const { return flip_damping < 0 ? flip_alpha : std::exp(-flip_damping * dt); }
 };
 
 }  // namespace neve

@@ -2,52 +2,58 @@
 #pragma once
 
 #include "mpm/stencil.hpp"
-#include "mpm/transfer/apic.hpp"
-#include "mpm/transfer/flip.hpp"
+#include "mpm/transfer/weights.hpp"
 #include "threads.hpp"
 
 namespace neve {
 
 namespace detail {
 
-// What a batch scatters, as quads per particle.
-template <class T>
+// What a batch scatters, as quads per particle: one for each velocity mode, of which the first carries the mass.
+template <class T, int Modes>
 struct Carried {
   static constexpr int L = lane_count<T>;
-  alignas(64) T q[4 * L], ax[4 * L], ay[4 * L], az[4 * L];
+  alignas(64) T mode[Modes][4 * L];
 
-  void set_momentum(const Vec3<Lanes<T>>& mv, Lanes<T> m) { store_quads(q, mv.x, mv.y, mv.z, m); }
+  void set(int k, const Vec3<Lanes<T>>& a, Lanes<T> last) { store_quads(mode[k], a.x, a.y, a.z, last); }
   void set_matrix(const Mat3<Lanes<T>>& A) {
     const auto zero = splat<Lanes<T>>(0);
-    store_quads(ax, A.c0.x, A.c0.y, A.c0.z, zero);
-    store_quads(ay, A.c1.x, A.c1.y, A.c1.z, zero);
-    store_quads(az, A.c2.x, A.c2.y, A.c2.z, zero);
+    set(1, A.c0, zero), set(2, A.c1, zero), set(3, A.c2, zero);
   }
 };
 
-template <class T, class S>
-[[gnu::always_inline]] inline void scatter_affine(const Stencils<T, S>& st, const Carried<T>& c, int count,
-                                                  Scatter<T, S>& to) {
+template <class T, class S, int Q, int Modes>
+[[gnu::always_inline]] inline void scatter_affine(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c,
+                                                  int count, Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
-    to.add(st, l, row_of_quad(c.q + 4 * l), row_of_quad(c.ax + 4 * l), row_of_quad(c.ay + 4 * l),
-           row_of_quad(c.az + 4 * l));
+    to.add(st, l, row_of_quad(c.mode[0] + 4 * l), row_of_quad(c.mode[1] + 4 * l),
+           row_of_quad(c.mode[2] + 4 * l), row_of_quad(c.mode[3] + 4 * l));
   }
 }
-template <class T, class S>
-[[gnu::always_inline]] inline void scatter_plain(const Stencils<T, S>& st, const Carried<T>& c, int count,
-                                                 Scatter<T, S>& to) {
+template <class T, class S, int Q, int Modes>
+[[gnu::always_inline]] inline void scatter_plain(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c,
+                                                 int count, Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
-    to.add(st, l, row_of_quad(c.q + 4 * l));
+    to.add(st, l, row_of_quad(c.mode[0] + 4 * l));
   }
 }
-template <class T, class S>
-[[gnu::always_inline]] inline void scatter_matrix(const Stencils<T, S>& st, const Carried<T>& c, int count,
-                                                  Scatter<T, S>& to) {
+template <class T, class S, int Q, int Modes>
+[[gnu::always_inline]] inline void scatter_matrix(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c,
+                                                  int count, Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
-    to.add(st, l, Row<T>{}, row_of_quad(c.ax + 4 * l), row_of_quad(c.ay + 4 * l), row_of_quad(c.az + 4 * l));
+    to.add(st, l, Row<T>{}, row_of_quad(c.mode[1] + 4 * l), row_of_quad(c.mode[2] + 4 * l),
+           row_of_quad(c.mode[3] + 4 * l));
+  }
+}
+template <class T, class S, int Q, int Modes>
+[[gnu::always_inline]] inline void scatter_modes(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c,
+                                                 int count, Scatter<T, S>& to) {
+  for (int l = 0; l < count; ++l) {
+    to.move_to(st.cell[l]);
+    to.add(st, l, c.mode);
   }
 }
 
@@ -59,21 +65,28 @@ void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const
   if constexpr (X::has_change) force.clear();
   const auto frame = TileFrame<T>::template of<S>(model.dx, home.at);
   Scatter<T, S> to(tile), to_force(force);
-  Stencils<T, S> st;
-  Carried<T> carried;
+  Stencils<T, S, X::To::count> st;
+  Carried<T, X::modes> carried;
   for (std::uint32_t done = 0; done < home.count; done += width<R>) {
     const std::size_t p = home.begin + done;
     const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
-    st.template fill<X>(frame, load_vector<R>(state.x, p, count));
+    st.template fill<typename X::To>(frame, load_vector<R>(state.x, p, count));
     const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
-    carried.set_momentum(load_vector<R>(state.v, p, count) * m, m);
-    if constexpr (X::has_change) {
-      carried.set_matrix(X::template force_matrix<R>(state, p, count, model.dx, V0));
-      scatter_plain(st, carried, count, to);
-      scatter_matrix(st, carried, count, to_force);
-    } else {
-      carried.set_matrix(X::template affine_momentum<S, R>(state, p, count, model.dx, dt, m, V0));
+    carried.set(0, load_vector<R>(state.v, p, count) * m, m);
+    if constexpr (X::has_matrix)
+      carried.set_matrix(X::template matrix<S, R>(state, p, count, model.dx, dt, m, V0));
+    if constexpr (X::modes > 4) {
+      for (int k = 4; k < X::modes; ++k)
+        carried.set(k, load_vector<R>(state.modes, p, count, 3 * (k - 4)) * m, splat<R>(0));
+      scatter_modes(st, carried, count, to);
+    } else if constexpr (X::has_matrix) {
       scatter_affine(st, carried, count, to);
+    } else {
+      scatter_plain(st, carried, count, to);
+    }
+    if constexpr (X::has_change) {
+      carried.set_matrix(X::template force<S, R>(state, p, count, model.dx, V0));
+      scatter_matrix(st, carried, count, to_force);
     }
   }
   to.flush();

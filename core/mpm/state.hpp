@@ -39,14 +39,15 @@ class Column {
 };
 
 // Components of one quantity, `stride` apart, so that a vector is columns x, y, z of one allocation.
-template <class T, int Components>
-class Field {
+template <class T>
+class Columns {
  public:
+  explicit Columns(int components) : components_(components) {}
   void resize(std::size_t n) {
     const std::size_t stride = (n + 15) / 16 * 16 + 16;
     Column<T> fresh;
-    fresh.resize(stride * Components);
-    for (int k = 0; k < Components; ++k) {
+    if (components_ > 0) fresh.resize(stride * static_cast<std::size_t>(components_));
+    for (int k = 0; k < components_; ++k) {
       if (stride_) std::memcpy(fresh.data() + k * stride, column(k), std::min(n, count_) * sizeof(T));
     }
     values_ = std::move(fresh);
@@ -55,20 +56,34 @@ class Field {
   }
   T* column(int k) { return values_.data() + k * stride_; }
   const T* column(int k) const { return values_.data() + k * stride_; }
+  int components() const { return components_; }
   std::size_t stride() const { return stride_; }
   std::size_t bytes() const { return values_.size() * sizeof(T); }
 
  private:
+  int components_;
   Column<T> values_;
   std::size_t stride_ = 0, count_ = 0;
 };
 
+// As many as the type says.
+template <class T, int Components>
+class Field : public Columns<T> {
+ public:
+  Field() : Columns<T>(Components) {}
+};
+
 template <class T>
 struct State {
+  // `more_modes`: how many modes a particle has beyond v and C.
+  explicit State(int more_modes = 0) : modes(3 * more_modes) {}
+
   std::size_t count = 0;
   Field<T, 3> x, v;  // position [m], velocity [m/s]
   Field<T, 9> C,
       F_E;  // affine velocity [1/s], elastic deformation gradient [1]; component 3 j + i is row i, column j
+  Columns<T>
+      modes;  // velocity modes of polypic beyond v and C [m/s]; component 3 k + i is axis i of mode 4 + k
   Field<T, 6> tau;        // Kirchhoff stress [Pa]: xx yy zz xy xz yz; follows from F_E and J_P, see refresh()
   Field<T, 1> J_P;        // plastic volume change [1]
   Field<T, 1> m, V0;      // mass [kg], rest volume [m3]
@@ -80,15 +95,15 @@ struct State {
   // Call f(column) for each column that a particle owns: what sorting permutes.
   template <class F>
   void each_column(F&& f) {
-    each_field([&](auto& field, int components) {
-      for (int k = 0; k < components; ++k) f(field.column(k));
+    each_field([&](auto& field) {
+      for (int k = 0; k < field.components(); ++k) f(field.column(k));
     });
     f(material.data());
     f(id.data());
   }
 
   void resize(std::size_t n) {
-    each_field([&](auto& field, int) { field.resize(n); });
+    each_field([&](auto& field) { field.resize(n); });
     material.resize(n);
     id.resize(n);
     for (std::size_t p = count; p < n; ++p) {
@@ -101,27 +116,27 @@ struct State {
 
   std::size_t bytes() {
     std::size_t sum = material.size() * sizeof(std::uint16_t) + id.size() * sizeof(std::uint32_t);
-    each_field([&](auto& field, int) { sum += field.bytes(); });
+    each_field([&](auto& field) { sum += field.bytes(); });
     return sum;
   }
 
  private:
   template <class F>
   void each_field(F&& f) {
-    f(x, 3), f(v, 3), f(C, 9), f(F_E, 9), f(tau, 6), f(J_P, 1), f(m, 1), f(V0, 1), f(stiffness, 1),
-        f(strength, 1);
+    f(x), f(v), f(C), f(modes), f(F_E), f(tau), f(J_P), f(m), f(V0), f(stiffness), f(strength);
   }
 };
 
 // ---- lanes of a field ----
 
 template <class R>
-inline Vec3<R> load_vector(const Field<scalar_t<R>, 3>& f, std::size_t p, int count) {
-  return {load<R>(f.column(0) + p, count), load<R>(f.column(1) + p, count), load<R>(f.column(2) + p, count)};
+inline Vec3<R> load_vector(const Columns<scalar_t<R>>& f, std::size_t p, int count, int first = 0) {
+  return {load<R>(f.column(first) + p, count), load<R>(f.column(first + 1) + p, count),
+          load<R>(f.column(first + 2) + p, count)};
 }
 template <class R>
-inline void store_vector(Field<scalar_t<R>, 3>& f, std::size_t p, const Vec3<R>& a, int count) {
-  for (int k = 0; k < 3; ++k) store(f.column(k) + p, a[k], count);
+inline void store_vector(Columns<scalar_t<R>>& f, std::size_t p, const Vec3<R>& a, int count, int first = 0) {
+  for (int k = 0; k < 3; ++k) store(f.column(first + k) + p, a[k], count);
 }
 template <class R>
 inline Mat3<R> load_matrix(const Field<scalar_t<R>, 9>& f, std::size_t p, int count) {

@@ -10,6 +10,7 @@
 
 #include "grid/blocks.hpp"
 #include "math/bspline.hpp"
+#include "mpm/modes.hpp"
 
 namespace neve {
 
@@ -60,36 +61,33 @@ struct TileFrame {
   }
 };
 
-// Weights of up to lane_count particles.
-template <class T, class S>
+// Weights of up to lane_count particles: for each axis the spline's [0] and the transfer's second [1] (and third).
+template <class T, class S, int Q = 2>
 struct Stencils {
   static constexpr int K = S::nodes, L = lane_count<T>;
-  alignas(64) T wx[K][L], sx[K][L], wy[K][L], sy[K][L];
-  alignas(64) T wz[4 * L], sz[4 * L];  // quads per particle, zero-padded
-  alignas(64) std::int32_t cell[L];    // index of the stencil's first value in the tile
+  alignas(64) T x[Q][K][L], y[Q][K][L];
+  alignas(64) T z[Q][4 * L];         // quads per particle, zero-padded
+  alignas(64) std::int32_t cell[L];  // index of the stencil's first value in the tile
 
-  // X gives the second weights of one axis.
-  template <class X>
-  void fill(const TileFrame<T>& frame, const Vec3<Lanes<T>>& x) {
+  // W gives the weights of one axis.
+  template <class W>
+  void fill(const TileFrame<T>& frame, const Vec3<Lanes<T>>& at) {
+    static_assert(W::count == Q);
     using R = Lanes<T>;
-    R w[3][4], s[3][4];
+    R w[3][Q][4];
     R index = splat<R>(0);
     for (int a = 0; a < 3; ++a) {
       // a drifted particle is caught by g2p; the clamp keeps even a wrong call inside the tile
-      const R u = clamp(frame.local(x[a], a), splat<R>(0), splat<R>(T(S::reach)));
+      const R u = clamp(frame.local(at[a], a), splat<R>(0), splat<R>(T(S::reach)));
       const R base = floor(u), f = u - base;
-      R dw[4];
-      S::weights(f, w[a], dw);
-      X::template second_weights<S>(f, w[a], dw, s[a]);
+      W::template axis<S>(f, w[a]);
       index = index * T(tile_width) + base;
     }
-    for (int k = 0; k < K; ++k) {
-      store(wx[k], w[0][k]), store(sx[k], s[0][k]);
-      store(wy[k], w[1][k]), store(sy[k], s[1][k]);
+    for (int q = 0; q < Q; ++q) {
+      for (int k = 0; k < K; ++k) store(x[q][k], w[0][q][k]), store(y[q][k], w[1][q][k]);
+      if constexpr (K == 3) w[2][q][3] = splat<R>(0);
+      store_quads(z[q], w[2][q][0], w[2][q][1], w[2][q][2], w[2][q][3]);
     }
-    if constexpr (K == 3) w[2][3] = s[2][3] = splat<R>(0);
-    store_quads(wz, w[2][0], w[2][1], w[2][2], w[2][3]);
-    store_quads(sz, s[2][0], s[2][1], s[2][2], s[2][3]);
     const auto cells = __builtin_convertvector(index * T(4), Pack<std::int32_t, L>);
     std::memcpy(cell, &cells, sizeof(cells));
   }
@@ -112,26 +110,50 @@ class Scatter {
 
   // Add w q of the batch's lane l.
   [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q) {
-    const Row<T> p = row_of_weights(st.wz + 4 * l) * q;
+    const Row<T> p = row_of_weights(st.z[0] + 4 * l) * q;
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
-      const Row<T> r = st.wx[i][l] * p;
+      const Row<T> r = st.x[0][i][l] * p;
 #pragma GCC unroll 4
-      for (int j = 0; j < S::nodes; ++j) sum_[i][j] += st.wy[j][l] * r;
+      for (int j = 0; j < S::nodes; ++j) sum_[i][j] += st.y[0][j][l] * r;
     }
   }
 
   // Add w q + g . A, with the rows ax, ay, az of A.
   [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q, Row<T> ax, Row<T> ay,
                                   Row<T> az) {
-    const Row<T> wz = row_of_weights(st.wz + 4 * l), sz = row_of_weights(st.sz + 4 * l);
+    const Row<T> wz = row_of_weights(st.z[0] + 4 * l), sz = row_of_weights(st.z[1] + 4 * l);
     const Row<T> p = wz * q + sz * az, px = wz * ax, py = wz * ay;
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
-      const Row<T> r = st.wx[i][l] * p + st.sx[i][l] * px, y = st.wx[i][l] * py;
+      const Row<T> r = st.x[0][i][l] * p + st.x[1][i][l] * px, y = st.x[0][i][l] * py;
 #pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j)
-        sum_[i][j] = (sum_[i][j] + st.wy[j][l] * r) + st.sy[j][l] * y;  // two fused multiply-adds
+        sum_[i][j] = (sum_[i][j] + st.y[0][j][l] * r) + st.y[1][j][l] * y;  // two fused multiply-adds
+    }
+  }
+
+  // Add the modes' sum, over a b c, of x_a y_b z_c q_abc: quads of lane l in the order of modes.hpp, axis by axis.
+  template <int Q>
+  [[gnu::always_inline]] void add(const Stencils<T, S, Q>& st, int l, const T (*mode)[4 * lane_count<T>]) {
+    Row<T> p[Q][Q] = {};
+#pragma GCC unroll 3
+    for (int c = 0; c < Q; ++c) {
+      const Row<T> z = row_of_weights(st.z[c] + 4 * l);
+#pragma GCC unroll 9
+      for (int ab = 0; ab < Q * Q; ++ab)
+        p[ab / Q][ab % Q] += z * row_of_quad(mode[mode_places<Q>[std::size_t(ab * Q + c)]] + 4 * l);
+    }
+#pragma GCC unroll 4
+    for (int i = 0; i < S::nodes; ++i) {
+      Row<T> r[Q] = {};
+#pragma GCC unroll 9
+      for (int ab = 0; ab < Q * Q; ++ab) r[ab % Q] += st.x[ab / Q][i][l] * p[ab / Q][ab % Q];
+#pragma GCC unroll 4
+      for (int j = 0; j < S::nodes; ++j) {
+#pragma GCC unroll 3
+        for (int b = 0; b < Q; ++b) sum_[i][j] += st.y[b][j][l] * r[b];
+      }
     }
   }
 
@@ -171,29 +193,59 @@ class Gather {
 #pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) {
         const Row<T> u = load<Row<T>>(corner + row_offset(i, j));
-        r += st.wy[j][l] * u;
-        ry += st.sy[j][l] * u;
+        r += st.y[0][j][l] * u;
+        ry += st.y[1][j][l] * u;
       }
-      a += st.wx[i][l] * r;
-      ax += st.sx[i][l] * r;
-      ay += st.wx[i][l] * ry;
+      a += st.x[0][i][l] * r;
+      ax += st.x[1][i][l] * r;
+      ay += st.x[0][i][l] * ry;
     }
-    const Row<T> wz = row_of_weights(st.wz + 4 * l), sz = row_of_weights(st.sz + 4 * l);
+    const Row<T> wz = row_of_weights(st.z[0] + 4 * l), sz = row_of_weights(st.z[1] + 4 * l);
     return sum_nodes<T>(wz * a, wz * ax, wz * ay, sz * a);
   }
 
+  // For each mode, in the order of modes.hpp, the quad sum x_a y_b z_c u of lane l, into sum[mode] + 4 l.
+  template <int Q>
+  [[gnu::always_inline]] void modes(const Stencils<T, S, Q>& st, int l, T (*sum)[4 * lane_count<T>]) const {
+    const T* corner = tile_ + st.cell[l];
+    Row<T> p[Q][Q] = {};
+#pragma GCC unroll 4
+    for (int i = 0; i < S::nodes; ++i) {
+      Row<T> r[Q] = {};
+#pragma GCC unroll 4
+      for (int j = 0; j < S::nodes; ++j) {
+        const Row<T> u = load<Row<T>>(corner + row_offset(i, j));
+#pragma GCC unroll 3
+        for (int b = 0; b < Q; ++b) r[b] += st.y[b][j][l] * u;
+      }
+#pragma GCC unroll 9
+      for (int ab = 0; ab < Q * Q; ++ab) p[ab / Q][ab % Q] += st.x[ab / Q][i][l] * r[ab % Q];
+    }
+    const auto of = [&](int n) {
+      if (n >= Q * Q * Q) return Row<T>{};
+      const int* d = modes_of<Q>[static_cast<std::size_t>(n)].degree;
+      return row_of_weights(st.z[d[2]] + 4 * l) * p[d[0]][d[1]];
+    };
+    for (int n = 0; n < Q * Q * Q; n += 4) {
+      const Row<T> s = sum_nodes<T>(of(n), of(n + 1), of(n + 2), of(n + 3));
+      for (int k = 0; k < std::min(4, Q * Q * Q - n); ++k)
+        std::memcpy(sum[n + k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
+    }
+  }
+
   // The quad sum w u alone.
-  [[gnu::always_inline]] Row<T> sum(const Stencils<T, S>& st, int l) const {
+  template <int Q>
+  [[gnu::always_inline]] Row<T> sum(const Stencils<T, S, Q>& st, int l) const {
     const T* corner = tile_ + st.cell[l];
     Row<T> a{};
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       Row<T> r{};
 #pragma GCC unroll 4
-      for (int j = 0; j < S::nodes; ++j) r += st.wy[j][l] * load<Row<T>>(corner + row_offset(i, j));
-      a += st.wx[i][l] * r;
+      for (int j = 0; j < S::nodes; ++j) r += st.y[0][j][l] * load<Row<T>>(corner + row_offset(i, j));
+      a += st.x[0][i][l] * r;
     }
-    a *= row_of_weights(st.wz + 4 * l);
+    a *= row_of_weights(st.z[0] + 4 * l);
     return sum_nodes<T>(a, a, a, a);
   }
 

@@ -24,9 +24,9 @@ def source(field: FieldInfo) -> str:
     return str(extra["source"]) if isinstance(extra, dict) else ""
 
 
-def words(choices: tuple[str, ...] | list[str]) -> str:
-    """Join `choices` as `"a", "b" or "c"`."""
-    quoted = [f'"{choice}"' for choice in choices]
+def words(choices: tuple[str | int, ...] | list[str]) -> str:
+    """Join `choices` as `"a", "b" or "c"`; numbers stand without quotes."""
+    quoted = [str(choice) if isinstance(choice, int) else f'"{choice}"' for choice in choices]
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}"
 
 
@@ -42,7 +42,7 @@ def choices(field: FieldInfo) -> tuple[str, ...]:
     found: list[str] = []
     for part in (field.annotation, *get_args(field.annotation)):
         if get_origin(part) is Literal:
-            found += get_args(part)
+            found += [choice for choice in get_args(part) if isinstance(choice, str)]
     return tuple(found)
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 from pydantic_core import PydanticCustomError
 
 Real = Annotated[float, Strict()]
@@ -17,6 +17,18 @@ Step = Annotated[float, Strict(), Field(gt=0, le=1)]
 
 Factor = Annotated[float, Strict(), Field(gt=0, le=100)]
 Distance = Annotated[float, Strict(), Field(ge=0, le=1e6)]
+
+
+def _no_switch(value: object) -> object:
+    """Refuse true and false where a number is one of a few: Python takes them for 1 and 0."""
+    if isinstance(value, bool):
+        raise ValueError("true and false are no numbers")
+    return value
+
+
+Modes = Annotated[Literal[1, 4, 8, 27], BeforeValidator(_no_switch)]
+Damping = Annotated[float, Strict(), Field(ge=0, le=1e6)]
+
 Length = Annotated[float, Strict(), Field(gt=0, le=1e6)]
 Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(ge=-1e4, le=1e4)]

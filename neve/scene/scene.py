@@ -10,6 +10,8 @@ from pydantic import model_validator
 from neve.scene.colliders import Body, Box, Collider, Cylinder, Keyframe, Plane, Sphere
 from neve.scene.fields import (
     Color,
+    Damping,
+    Modes,
     Part,
     Point3,
     Rate3,
@@ -63,13 +65,31 @@ class Numerics(Part):
         "",
         "cubic: Stomakhin et al. 2013 (as quoted in public codes); quadratic: our choice",
     )
-    transfer: Literal["apic", "flip"] = entry(
+    transfer: Literal["pic", "flip", "apic", "polypic", "asflip"] = entry(
         "apic",
-        'How velocities go to the grid and back: "apic" keeps angular momentum, "flip" blends FLIP and PIC.',
+        'How velocities go to the grid and back: "apic" and "polypic" keep angular momentum, "polypic" finer '
+        'motions too; "flip" blends FLIP and PIC; "asflip" adds APIC to that and lets snow come apart; "pic" '
+        "damps all but translations.",
         "",
-        "flip: Stomakhin et al. 2013, apic: Jiang et al. 2015 (as quoted in public codes)",
+        "flip: Stomakhin et al. 2013, apic: Jiang et al. 2015, asflip: Fei et al. 2021 (as quoted in public "
+        "codes); polypic: Fu et al. 2017 names the idea, the details are ours; pic: Harlow 1964",
     )
-    flip_alpha: Real = entry(0.95, "Share of FLIP in the blend; used by flip only.", "1", SSCTS, ge=0, le=1)
+    polypic_modes: Modes = entry(
+        8,
+        "Velocity modes of a particle with polypic: 1 is pic, 4 is apic, 8 are the multilinear ones, 27 the "
+        "quadratic ones.",
+        "1",
+        "Fu et al. 2017 name the choices; 8: ours",
+    )
+    flip_alpha: Real = entry(
+        0.95, "Share of FLIP in the blend of one step; used by flip and asflip.", "1", SSCTS, ge=0, le=1
+    )
+    flip_damping: Literal["off"] | Damping = entry(
+        "off",
+        "Rate at which motion that the grid cannot see fades, in place of flip_alpha: alpha = "
+        "exp(-flip_damping dt), so that a change of the time step does not change the look.",
+        "1/s",
+    )
     dt: Literal["auto"] | Step = entry(
         "auto", 'Time step, or "auto" to take the largest that is stable.', "s"
     )

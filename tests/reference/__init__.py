@@ -7,5 +7,6 @@ from the paper's section 4.1 and its notation, so that a slip in either shows up
 * `snow`     the constants, and energy, stress and return map by law: `elasticity`, `plasticity`
 * `laws`     one snow per law, for tests that run over all of them
 * `contact`  signed distances of the collider shapes and the three contact laws
+* `modes`    the velocity modes of PolyPIC, by Gram-Schmidt
 * `step`     the ten stages, in the paper's order
 """

@@ -85,6 +85,14 @@ def respond(v, x, bodies, skin=0.0):
     return v
 
 
+def touches(x, bodies, skin=0.0):
+    """Whether some body holds the point (n,)."""
+    held = np.zeros(len(x), bool)
+    for body in bodies:
+        held |= body.distance(x)[0] <= skin
+    return held
+
+
 def relative(v_rel, n, mode, mu_c):
     """Apply one contact law to velocities relative to the body.
 

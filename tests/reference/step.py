@@ -1,16 +1,17 @@
 """One explicit step in the ten stages of Stomakhin et al. 2013, section 4.1.
 
 The dense grid covers the particles' bounding box: `Nodes.mass[i, j, k]` belongs to the node at
-(low + (i, j, k)) dx. Two transfers: "flip" is the paper's (force from the gradients of the weights, PIC/FLIP
-blend); "apic" carries the affine velocity C = B D^-1 and takes the force in the MLS form,
-Q = -dt V0 D^-1 tau.
+(low + (i, j, k)) dx. Five transfers. Force from the gradients of the weights: "flip" is the paper's (PIC/FLIP
+blend), "pic" its end alpha = 0. Force in the MLS form, Q = -dt V0 D^-1 tau: "apic" carries the affine
+velocity C = B D^-1, "polypic" more modes of the velocity (with 1 mode it is "pic"), and "asflip" is the blend
+with C, whose positions follow the particle's own velocity only where snow separates.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from reference import contact, snow, splines
+from reference import contact, modes, snow, splines
 from reference.snow import Snow
 
 SKIN = 1e-4  # share of a cell within which a body holds a point: a wall on a row of nodes holds them
@@ -22,12 +23,13 @@ class Particles:
 
     x: np.ndarray  # position [m] (n, 3)
     v: np.ndarray  # velocity [m/s] (n, 3)
-    C: np.ndarray  # affine velocity [1/s] (n, 3, 3), used by "apic" only
+    C: np.ndarray  # affine velocity [1/s] (n, 3, 3), used by "apic", "asflip" and "polypic"
     F_E: np.ndarray  # elastic deformation gradient [1] (n, 3, 3)
     J_P: np.ndarray  # determinant of the plastic part [1] (n,)
     m: np.ndarray  # mass [kg] (n,)
     V0: np.ndarray  # volume at rest [m3] (n,)
     law: Snow
+    more: np.ndarray | None = None  # further modes of "polypic" [m/s], in cells (n, count - 4, 3)
 
     @classmethod
     def at_rest(cls, x, m, V0, law, v=None):
@@ -64,6 +66,20 @@ class Method:
     transfer: str = "apic"
     alpha: float = 0.95
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    damping: float | None = None  # alpha = exp(-damping dt) instead of `alpha` [1/s]
+    modes: int = 8  # of "polypic"
+
+    @property
+    def count(self):
+        """Velocity modes that a particle carries."""
+        return {"pic": 1, "flip": 1, "apic": 4, "asflip": 4, "polypic": self.modes}[self.transfer]
+
+    @property
+    def affine(self):
+        return self.count > 1
+
+    def flip_share(self, dt):
+        return self.alpha if self.damping is None else np.exp(-self.damping * dt)
 
 
 def step(p, method, dt, bodies=(), first=False):
@@ -72,7 +88,8 @@ def step(p, method, dt, bodies=(), first=False):
     `first` marks the first step of a run, which takes V0 from the grid's density.
     """
     ijk, w, grad_w = splines.stencil(method.spline, p.x, method.dx)
-    nodes = rasterize(p, method, ijk, w)  # 1
+    s = modes.basis(w, ijk - p.x[:, None, :] / method.dx, method.count)
+    nodes = rasterize(p, method, ijk, w, s)  # 1
     at = tuple(np.moveaxis(ijk - nodes.low, -1, 0))
     if first:
         p.V0 = volumes(p, method, nodes, at, w)  # 2
@@ -80,10 +97,12 @@ def step(p, method, dt, bodies=(), first=False):
     update_grid_velocities(nodes, method, f, dt)  # 4
     collide_nodes(nodes, bodies, SKIN * method.dx)  # 5
     # 6: explicit, v^{n+1} = v*
-    grad_v = update_deformation(p, method, nodes, at, ijk, w, grad_w, dt)  # 7
-    update_velocities(p, method, nodes, at, w, grad_v)  # 8
-    p.v = contact.respond(p.v, p.x, bodies, SKIN * method.dx)  # 9
-    p.x = p.x + dt * p.v  # 10
+    separates = ~contact.touches(p.x, bodies, SKIN * method.dx)
+    grad_v, J_trial = update_deformation(p, method, nodes, at, ijk, w, grad_w, dt)  # 7
+    separates &= J_trial >= np.exp(-0.001)
+    path = update_velocities(p, method, nodes, at, w, s, grad_v, dt, separates)  # 8
+    p.v, path = (contact.respond(v, p.x, bodies, SKIN * method.dx) for v in (p.v, path))  # 9
+    p.x = p.x + dt * path  # 10
     return nodes
 
 
@@ -94,20 +113,25 @@ def scatter(nodes, at, values):
     return out
 
 
-def rasterize(p, method, ijk, w):
-    """Stage 1. m_i = sum w m_p and v_i = sum w m_p (v_p + C_p (x_i - x_p)) / m_i; without C for "flip"."""
+def rasterize(p, method, ijk, w, s):
+    """Stage 1. m_i = sum w m_p and v_i = sum w m_p v_p(x_i) / m_i with all that a particle knows of v_p."""
     low, high = ijk.min((0, 1)), ijk.max((0, 1))
     shape = tuple(high - low + 1)
     grid_x = method.dx * (low + np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1))
     nodes = Nodes(low, np.zeros(shape), np.zeros((*shape, 3)), np.zeros((*shape, 3)), grid_x)
     at = tuple(np.moveaxis(ijk - low, -1, 0))
     nodes.mass = scatter(nodes, at, w * p.m[:, None])
-    v_ip = np.broadcast_to(p.v[:, None, :], ijk.shape)
-    if method.transfer == "apic":
-        v_ip = v_ip + np.einsum("pab,pkb->pka", p.C, method.dx * ijk - p.x[:, None, :])
+    c = np.concatenate([p.v[:, None], method.dx * np.swapaxes(p.C, 1, 2), rest(p, method)], axis=1)
+    v_ip = modes.field(s, c[:, : method.count])
     momentum = scatter(nodes, at, (w * p.m[:, None])[..., None] * v_ip)
     nodes.v = momentum / np.where(nodes.mass > 0, nodes.mass, 1.0)[..., None]
     return nodes
+
+
+def rest(p, method):
+    """The modes beyond v and C, none at first."""
+    shape = (len(p.x), max(method.count - 4, 0), 3)
+    return np.zeros(shape) if p.more is None or p.more.shape != shape else p.more
 
 
 def volumes(p, method, nodes, at, w):
@@ -117,7 +141,7 @@ def volumes(p, method, nodes, at, w):
 
 def forces(p, method, nodes, at, ijk, w, grad_w):
     """Stage 3. f_i = -sum V0 tau grad_w; in the MLS form grad_w is replaced by w D^-1 (x_i - x_p)."""
-    if method.transfer == "apic":
+    if method.affine:
         D = splines.MOMENT[method.spline] * method.dx**2
         grad_w = w[..., None] * (method.dx * ijk - p.x[:, None, :]) / D
     tau = snow.kirchhoff(p.F_E, p.J_P, p.law)
@@ -140,26 +164,46 @@ def collide_nodes(nodes, bodies, skin):
 
 
 def update_deformation(p, method, nodes, at, ijk, w, grad_w, dt):
-    """Stage 7. F_E trial = (I + dt grad v) F_E, then the return map. Return grad v, the new C for "apic"."""
+    """Stage 7. F_E trial = (I + dt grad v) F_E, then the return map.
+
+    Return grad v (the new C, if there is one) and the determinant of the trial.
+    """
     v_i = nodes.v_new[at]
-    if method.transfer == "apic":
+    if method.affine:
         D = splines.MOMENT[method.spline] * method.dx**2
         B = np.einsum("pk,pka,pkb->pab", w, v_i, method.dx * ijk - p.x[:, None, :])
         grad_v = B / D
     else:
         grad_v = np.einsum("pka,pkb->pab", v_i, grad_w)
-    p.F_E, p.J_P = snow.return_map((np.eye(3) + dt * grad_v) @ p.F_E, p.J_P, p.law)
-    return grad_v
+    trial = (np.eye(3) + dt * grad_v) @ p.F_E
+    p.F_E, p.J_P = snow.return_map(trial, p.J_P, p.law)
+    return grad_v, np.linalg.det(trial)
 
 
-def update_velocities(p, method, nodes, at, w, grad_v):
-    """Stage 8. (1 - alpha) PIC + alpha FLIP, or PIC with the affine part beside it."""
+def update_velocities(p, method, nodes, at, w, s, grad_v, dt, separates):
+    """Stage 8. PIC, or PIC + alpha (v_p - sum w v_i^n), the FLIP blend; C and further modes beside it.
+
+    Return the velocity that positions follow: for "asflip" that of PIC where snow does not separate.
+    """
     pic = np.einsum("pk,pka->pa", w, nodes.v_new[at])
-    if method.transfer == "apic":
-        p.v, p.C = pic, grad_v
-    else:
-        change = np.einsum("pk,pka->pa", w, nodes.v_new[at] - nodes.v[at])
-        p.v = (1 - method.alpha) * pic + method.alpha * (p.v + change)
+    own = np.zeros_like(pic)
+    if method.transfer in ("flip", "asflip"):
+        own = method.flip_share(dt) * (p.v - np.einsum("pk,pka->pa", w, nodes.v[at]))
+    if method.transfer == "polypic":
+        p.more = modes.coefficients(w, s, nodes.v_new[at])[:, 4:]
+    if method.affine:
+        p.C = grad_v
+    p.v = pic + own
+    return pic + own * separates[:, None] if method.transfer == "asflip" else p.v
+
+
+def kinetic(p, method):
+    """Return 1/2 sum m |v|^2 and 1/2 sum m sum_r <s_r, s_r> |c_r|^2 of all modes but the first [J]."""
+    ijk, w, _ = splines.stencil(method.spline, p.x, method.dx)
+    c = np.concatenate([method.dx * np.swapaxes(p.C, 1, 2), rest(p, method)], axis=1)[:, : method.count - 1]
+    s = modes.basis(w, ijk - p.x[:, None, :] / method.dx, method.count)
+    own = modes.norms(w, s).astype(float)[:, 1:, None] * c**2
+    return 0.5 * p.m @ (p.v**2).sum(1), 0.5 * p.m @ own.sum((1, 2))
 
 
 def momentum(p):
@@ -168,13 +212,16 @@ def momentum(p):
 
 
 def angular_momentum(p, method):
-    """sum x cross m v [kg m2/s] (3,), and for "apic" the part that the affine velocity carries, B = C D."""
+    """sum x cross m v [kg m2/s] (3,), and the part that an affine velocity carries, B = C D.
+
+    Further modes carry none: they are orthogonal to the linear ones.
+    """
     L = np.cross(p.x, p.m[:, None] * p.v).sum(0)
-    if method.transfer == "apic":
+    if method.affine:
         B = p.C * (splines.MOMENT[method.spline] * method.dx**2)
         axial = np.stack([B[:, 2, 1] - B[:, 1, 2], B[:, 0, 2] - B[:, 2, 0], B[:, 1, 0] - B[:, 0, 1]], -1)
         L = L + (p.m[:, None] * axial).sum(0)
     return L
 
 
-__all__ = ["Method", "Nodes", "Particles", "angular_momentum", "momentum", "step"]
+__all__ = ["Method", "Nodes", "Particles", "angular_momentum", "kinetic", "momentum", "step"]

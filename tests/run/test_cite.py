@@ -23,15 +23,15 @@ def test_every_method_has_works_and_every_work_a_method():
 
 @pytest.mark.parametrize("key", WORKS)
 def test_entries_are_bibtex(key):
-    """An entry carries its key, balanced braces, an author, a title, a year and a DOI."""
+    """An entry carries its key, balanced braces, an author, a title, a year and a DOI if there is one."""
     entry = WORKS[key]
     assert re.match(rf"@(article|inproceedings)\{{{key},\n", entry)
     assert entry.count("{") == entry.count("}")
     fields = dict(re.findall(r"^  (\w+) += \{((?:[^{}]|\{[^}]*\})*)\}", entry, re.M))
-    assert {"author", "title", "year", "doi"} <= fields.keys()
+    assert {"author", "title", "year"} <= fields.keys()
     assert len({"journal", "booktitle"} & fields.keys()) == 1
     assert key.endswith(fields["year"])
-    assert fields["doi"].startswith("10.")
+    assert fields["doi"].startswith("10.") if "doi" in fields else int(fields["year"]) < 1980
 
 
 def test_scene_cites_how_it_is_filled(scene_file):

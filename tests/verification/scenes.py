@@ -10,7 +10,7 @@ import neve
 from neve.scene.scene import Scene
 
 ELASTIC = {"plasticity": "none"}  # snow that does not yield
-NAMES = ("x", "v", "C", "F_E", "J_P", "m", "V0", "material", "stiffness", "strength", "id")
+NAMES = ("x", "v", "C", "modes", "F_E", "J_P", "m", "V0", "material", "stiffness", "strength", "id")
 
 
 def scene(sources, colliders=(), gravity=(0.0, 0.0, 0.0), snow=None, **numerics):
@@ -66,7 +66,7 @@ def wide(sim):
 
 
 def angular_momentum(sim):
-    """L = sum x cross m v + axial(m C D) [kg m2/s]; the affine part exists for "apic" alone."""
+    """L = sum x cross m v + axial(m C D) [kg m2/s]; the affine part exists for affine transfers alone."""
     p, method = oracle(sim)
     return step.angular_momentum(p, method)
 
@@ -78,10 +78,11 @@ def oracle(sim):
     names = [f.name for f in fields(Snow) if f.name != "strength"]
     rows = [Snow(**{name: getattr(snow, name) for name in names}) for snow in materials(sim)]
     law = Snow.table(rows, c["material"].astype(int), c["stiffness"], c["strength"])
-    p = step.Particles(c["x"], c["v"], c["C"], c["F_E"], c["J_P"], c["m"], c["V0"], law)
+    p = step.Particles(c["x"], c["v"], c["C"], c["F_E"], c["J_P"], c["m"], c["V0"], law, c["modes"])
     method = step.Method(
-        numerics.dx, numerics.spline, numerics.transfer, numerics.flip_alpha, tuple(sim.scene.world.gravity)
-    )
+        numerics.dx, numerics.spline, numerics.transfer, numerics.flip_alpha, tuple(sim.scene.world.gravity),
+        None if numerics.flip_damping == "off" else numerics.flip_damping, numerics.polypic_modes,
+    )  # fmt: skip
     return p, method
 
 

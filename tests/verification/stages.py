@@ -19,14 +19,18 @@ class Lab:
         dx=0.05,
         alpha=0.95,
         gravity=(0, 0, 0),
+        polypic_modes=8,
+        flip_damping=-1.0,
         **values,
     ):
         _core.set_threads(1)
         self.core, self.dtype = core, np.dtype(precision)
-        self.model = core.Model(dx, spline, transfer, alpha, np.asarray(gravity, float))
+        self.model = core.Model(
+            dx, spline, transfer, alpha, np.asarray(gravity, float), polypic_modes, flip_damping
+        )
         for law in laws:
             self.model.add_snow(str(law.law), str(law.plasticity), parameters(law))
-        self.state = core.State(len(values["x"]))
+        self.state = core.State(len(values["x"]), self.model.more_modes)
         self.grid = core.Grid()
         for name, value in values.items():
             getattr(self.state, name)[:] = np.asarray(value).astype(getattr(self.state, name).dtype)
@@ -64,5 +68,5 @@ class Lab:
     def columns(self):
         """Copy the particles in the order of their id, as float64."""
         order = np.argsort(np.asarray(self.state.id))
-        names = ("x", "v", "C", "F_E", "J_P", "m", "V0", "tau")
+        names = ("x", "v", "C", "modes", "F_E", "J_P", "m", "V0", "tau")
         return {name: np.array(getattr(self.state, name), float)[order] for name in names}

@@ -4,27 +4,25 @@
 //   (m v)_i = sum_p w_ip [ m_p v_p + (m_p C_p - dt V0_p D^-1 tau_p) (x_i - x_p) ],   C_p = D^-1 sum_i w_ip v_i (x_i - x_p)^T
 #pragma once
 
-#include "mpm/model.hpp"
-#include "mpm/state.hpp"
+#include "mpm/transfer/weights.hpp"
 
 namespace neve {
 
 struct Apic {
-  static constexpr bool has_change = false;
+  static constexpr bool has_change = false;  // force and momentum apart on the grid
+  static constexpr bool has_matrix = true;   // the momentum carries a matrix beside v
+  static constexpr bool has_path = false;    // particles move with a velocity other than their own
+  static constexpr int modes = 4;            // v, and the columns of a matrix
+  using To = AffineWeights;
+  using From = AffineWeights;
 
+  // The matrix of the momentum, per cell: columns multiply the axes of x_i - x_p.
   template <class S, class R>
-  static void second_weights(R f, const R* w, const R*, R* s) {
-    for (int k = 0; k < S::nodes; ++k) s[k] = w[k] * S::template offset<R>(f, k);
-  }
-
-  // The matrix A of the scatter, per cell: columns multiply the axes of x_i - x_p.
-  template <class S, class R>
-  static Mat3<R> affine_momentum(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
-                                 double dt, R m, R V0) {
+  static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, double dt, R m,
+                        R V0) {
     using T = scalar_t<R>;
-    const R k = V0 * T(-dt * S::inverse_inertia / dx);
     return scaled(load_matrix<R>(state.C, p, count), m * T(dx)) +
-           scaled(full(load_symmetric<R>(state.tau, p, count)), k);
+           mls_force<S>(state, p, count, dx, V0 * T(dt));
   }
 
   // From the gathered G = sum w v_i (x_i - x_p)^T / dx: the velocity gradient, which is C.

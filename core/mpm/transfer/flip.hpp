@@ -6,23 +6,22 @@
 // Force and momentum stay apart on the grid, so that no force means a change of exactly zero.
 #pragma once
 
-#include "mpm/model.hpp"
-#include "mpm/state.hpp"
+#include "mpm/transfer/weights.hpp"
 
 namespace neve {
 
 struct Flip {
   static constexpr bool has_change = true;
+  static constexpr bool has_matrix = false;
+  static constexpr bool has_path = false;
+  static constexpr int modes = 4;
+  using To = GradientWeights;
+  using From = GradientWeights;
 
+  // The matrix of the force, per cell.
   template <class S, class R>
-  static void second_weights(R, const R*, const R* dw, R* s) {
-    for (int k = 0; k < S::nodes; ++k) s[k] = dw[k];
-  }
-
-  // The matrix -V0 tau of the force scatter, per cell.
-  template <class R>
-  static Mat3<R> force_matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
-    return scaled(full(load_symmetric<R>(state.tau, p, count)), V0 * scalar_t<R>(-1 / dx));
+  static Mat3<R> force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+    return gradient_force(state, p, count, dx, V0);
   }
 
   template <class S, class R>

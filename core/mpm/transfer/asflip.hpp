@@ -1,0 +1,56 @@
+// ASFLIP (Fei et al. 2021): APIC's affine velocity beside the FLIP blend, and positions that follow the particle's own
+// velocity only where snow comes apart, so that it separates as with FLIP and does not clump as with PIC or APIC.
+//
+//   (m v)_i = sum_p w_ip m_p [ v_p + C_p (x_i - x_p) ],   f_i = -sum_p V0_p D^-1 tau_p w_ip (x_i - x_p)
+//   v_p = v_PIC + alpha (v_p - sum_i w_ip v_i^n),   x_p += dt ( v_PIC + gamma alpha (v_p - sum_i w_ip v_i^n) )
+//   gamma = 1 if det F_E of the trial state >= exp(-0.001) and no solid holds the particle, else 0
+#pragma once
+
+#include "mpm/transfer/apic.hpp"
+#include "mpm/transfer/flip.hpp"
+
+namespace neve {
+
+struct Asflip {
+  static constexpr bool has_change = true;
+  static constexpr bool has_matrix = true;
+  static constexpr bool has_path = true;
+  static constexpr int modes = 4;
+  using To = AffineWeights;
+  using From = AffineWeights;
+
+  template <class S, class R>
+  static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, double, R m,
+                        R) {
+    return scaled(load_matrix<R>(state.C, p, count), m * scalar_t<R>(dx));
+  }
+
+  template <class S, class R>
+  static Mat3<R> force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+    return mls_force<S>(state, p, count, dx, V0);
+  }
+
+  template <class S, class R>
+  static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
+    return Apic::velocity_gradient<S>(G, dx);
+  }
+
+  template <class R>
+  static Vec3<R> velocity(const Vec3<R>& v, const Vec3<R>& pic, const Vec3<R>& change, double alpha) {
+    return Flip::velocity(v, pic, change, alpha);
+  }
+
+  // The velocity that positions follow.
+  template <class R, class M>
+  static Vec3<R> path(const Vec3<R>& v, const Vec3<R>& pic, R J_trial, M held) {
+    constexpr double apart = 0.99900049983337499;  // exp(-0.001)
+    return select((J_trial >= scalar_t<R>(apart)) & ~held, v, pic);
+  }
+
+  template <class R>
+  static void keep(State<scalar_t<R>>& state, std::size_t p, int count, const Mat3<R>& C) {
+    store_matrix(state.C, p, C, count);
+  }
+};
+
+}  // namespace neve

@@ -1,0 +1,39 @@
+// PIC (Harlow 1964): particles carry their velocity alone and take it anew from the grid, which damps all but
+// translations. The classic force rides on the momentum.
+//
+//   (m v)_i = sum_p w_ip m_p v_p - dt sum_p V0_p tau_p grad w_ip,   v_p = sum_i w_ip v_i,   grad v_p = sum_i v_i grad w_ip^T
+#pragma once
+
+#include "mpm/transfer/weights.hpp"
+
+namespace neve {
+
+struct Pic {
+  static constexpr bool has_change = false;
+  static constexpr bool has_matrix = true;
+  static constexpr bool has_path = false;
+  static constexpr int modes = 4;
+  using To = GradientWeights;
+  using From = GradientWeights;
+
+  template <class S, class R>
+  static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, double dt, R,
+                        R V0) {
+    return gradient_force(state, p, count, dx, V0 * scalar_t<R>(dt));
+  }
+
+  template <class S, class R>
+  static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
+    return scaled(G, scalar_t<R>(1 / dx));
+  }
+
+  template <class R>
+  static Vec3<R> velocity(const Vec3<R>&, const Vec3<R>& pic, const Vec3<R>&, double) {
+    return pic;
+  }
+
+  template <class R>
+  static void keep(State<scalar_t<R>>&, std::size_t, int, const Mat3<R>&) {}
+};
+
+}  // namespace neve

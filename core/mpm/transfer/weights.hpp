@@ -1,0 +1,95 @@
+// The weights of one axis that transfers scatter and gather with: w[0] are the spline's, the rest is the transfer's
+// choice. f is the fraction of the particle's place between the stencil's first node and the next, in cells.
+#pragma once
+
+#include "mpm/model.hpp"
+#include "mpm/state.hpp"
+
+namespace neve {
+
+// w, dw/dx_p [1/cell]: the classic gradient.
+struct GradientWeights {
+  static constexpr int count = 2;
+  template <class S, class R>
+  static void axis(R f, R (*w)[4]) {
+    S::weights(f, w[0], w[1]);
+  }
+};
+
+// w, w z with z = x_i - x_p [cells]: affine velocities and the MLS force.
+struct AffineWeights {
+  static constexpr int count = 2;
+  template <class S, class R>
+  static void axis(R f, R (*w)[4]) {
+    R dw[4];
+    S::weights(f, w[0], dw);
+    for (int k = 0; k < S::nodes; ++k) w[1][k] = w[0][k] * S::template offset<R>(f, k);
+  }
+};
+
+// phi_2 of modes.hpp at the nodes.
+template <class S, class R>
+inline void second_mode(R f, const R* w, R* phi) {
+  using T = scalar_t<R>;
+  R third = splat<R>(0);
+  for (int k = 0; k < S::nodes; ++k) {
+    const R z = S::template offset<R>(f, k);
+    third = third + w[k] * z * z * z;
+  }
+  const R slope = third * T(S::inverse_inertia);
+  for (int k = 0; k < S::nodes; ++k) {
+    const R z = S::template offset<R>(f, k);
+    phi[k] = (z - slope) * z - T(1 / S::inverse_inertia);
+  }
+}
+
+// w, w z, w phi_2: what a mode brings to the nodes.
+struct QuadraticWeights {
+  static constexpr int count = 3;
+  template <class S, class R>
+  static void axis(R f, R (*w)[4]) {
+    AffineWeights::axis<S>(f, w);
+    R phi[4];
+    second_mode<S>(f, w[0], phi);
+    for (int k = 0; k < S::nodes; ++k) w[2][k] = w[0][k] * phi[k];
+  }
+};
+
+// w, w z, and the weights d with sum d phi_2 = 1, sum d = sum d z = 0: what takes the coefficient of phi_2 from the nodes.
+// In general d = w phi_2 / sum w phi_2^2. On the three nodes of the quadratic spline that is (1, -2, 1) / 2 wherever
+// the particle is, and 0/0 on the border of its cell; there a node without weight may have no mass and so no velocity,
+// and the mode, which no node feels, is dropped.
+struct QuadraticDuals {
+  static constexpr int count = 3;
+  template <class S, class R>
+  static void axis(R f, R (*w)[4]) {
+    using T = scalar_t<R>;
+    AffineWeights::axis<S>(f, w);
+    if constexpr (S::nodes == 3) {
+      const R least = min(w[0][0], w[0][2]);
+      const R half = select(least > T(1e-10), splat<R>(T(0.5)), splat<R>(0));
+      w[2][0] = w[2][2] = half;
+      w[2][1] = T(-2) * half;
+    } else {
+      R phi[4], norm = splat<R>(0);
+      second_mode<S>(f, w[0], phi);
+      for (int k = 0; k < S::nodes; ++k) norm = norm + w[0][k] * phi[k] * phi[k];
+      const R scale = T(1) / norm;
+      for (int k = 0; k < S::nodes; ++k) w[2][k] = w[0][k] * phi[k] * scale;
+    }
+  }
+};
+
+// The MLS force -V0 D^-1 tau (Hu et al. 2018), per cell: the matrix that multiplies w (x_i - x_p) / dx.
+template <class S, class R>
+inline Mat3<R> mls_force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+  return scaled(full(load_symmetric<R>(state.tau, p, count)), V0 * scalar_t<R>(-S::inverse_inertia / dx));
+}
+
+// The classic force -V0 tau, per cell: the matrix that multiplies dx grad w.
+template <class R>
+inline Mat3<R> gradient_force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+  return scaled(full(load_symmetric<R>(state.tau, p, count)), V0 * scalar_t<R>(-1 / dx));
+}
+
+}  // namespace neve
