@@ -5,6 +5,7 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 
+#include <cmath>
 #include <initializer_list>
 #include <map>
 
@@ -55,6 +56,7 @@ inline Snow snow_of(const std::string& law, const std::string& plasticity, const
     if (found == members.end()) throw nb::value_error(("there is no constant '" + name + "'").c_str());
     snow.*(found->second) = value;
   }
+  snow.sine = std::sin(snow.friction_angle * (3.14159265358979323846 / 180));
   return snow;
 }
 

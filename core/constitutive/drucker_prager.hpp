@@ -24,10 +24,10 @@ struct DruckerPrager {
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
     const Lame c = lame(snow);
-    const double phi = snow.friction_angle * (3.14159265358979323846 / 180), sine = std::sin(phi);
+    const double sine = snow.sine, tangent = sine / std::sqrt(1 - sine * sine);
     const double M_phi = 6 * sine / (3 - sine);
     return {stiffness * T(c.mu), stiffness * T(c.lam),
-            strength * T(snow.cohesion / (std::tan(phi) * c.K)) / stiffness,
+            strength * T(snow.cohesion / (tangent * c.K)) / stiffness,
             splat<R>(T(M_phi * c.K / (std::sqrt(6.0) * c.mu))), splat<R>(T(snow.J_P_max))};
   }
 

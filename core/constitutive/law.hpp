@@ -27,6 +27,7 @@ struct Snow {
   double E0 = 0, nu = 0, rho0 = 0;
   double xi = 0, theta_c = 0, theta_s = 0, J_P_min = 0, J_P_max = 0;
   double friction_angle = 0, cohesion = 0;  // [degrees], [Pa]
+  double sine = 0;                          // of friction_angle: laws make their parameters for every pack
   double M = 0, beta = 0, p0 = 0;           // [1], [1], [Pa]
 };
 
