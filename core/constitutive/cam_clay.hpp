@@ -1,18 +1,18 @@
-// Cohesive snow that crushes and fractures: Hencky elasticity and the cohesive Cam-Clay of Gaume et al. 2018, with the
-// associative flow that they and Li et al. 2021 use.
+// Cohesive snow that crushes and fractures: Hencky elasticity and the cohesive Cam-Clay of Gaume et al. 2018, with
+// the associative flow that they and Li et al. 2021 use.
 //
 //   y = (1 + 2 beta) q^2 + M^2 (p + beta p0) (p - p0) <= 0        p = -K tr eps, q = sqrt 6 mu ||dev eps||
 //   p0 = K sinh(xi max(-alpha, 0)),  alpha = alpha0 + ln J_P,  alpha0 = -asinh(p0_start / K) / xi
 //
-// Associative flow is the projection onto the ellipse that is closest in the energy norm,
-// (p - p_trial)^2 / (2 K) + (q - q_trial)^2 / (6 mu): with p0 frozen at the J_P of the step's start it never makes
-// energy. Compaction (J_P falls) hardens, expansion softens, down to a p0 of 1e-6 K. J_P is bounded inside the hardening
-// as in snow_plasticity.hpp. (A return at constant p, as some programs have it, shows no softening in shear.)
+// Associative flow is the projection onto the ellipse that is closest in the energy norm, (p - p_trial)^2 / (2 K) +
+// (q - q_trial)^2 / (6 mu): with p0 frozen at the J_P of the step's start it never makes energy. Compaction (J_P
+// falls) hardens, expansion softens, down to a p0 of 1e-6 K. J_P is bounded inside the hardening as in
+// snow_plasticity.hpp. (A return at constant p, as some programs have it, shows no softening in shear.)
 //
-// Projection. In units of the half-axes a = (1 + beta) p0 / 2 and b = M a / sqrt(1 + 2 beta) the ellipse is the circle
-// P^2 + Q^2 = 1, and the closest point is x = P / (1 + t), y = Q / (1 + t / k), k = b^2 K / (3 mu a^2), where t >= 0
-// solves S(t) = x^2 + y^2 = 1. 1/sqrt(S) is concave and nearly linear, so Newton on 1/sqrt(S) - 1 climbs to the root
-// from below, and t = max(|P| - 1, k (Q - 1)), where S <= 2, is below. Stiffness p0 / K is all that p0 needs, so every
+// Projection. In units of the half-axes a = (1 + beta) p0 / 2 and b = M a / sqrt(1 + 2 beta) the ellipse is the
+// circle P^2 + Q^2 = 1, and the closest point is x = P / (1 + t), y = Q / (1 + t / k), k = b^2 K / (3 mu a^2), where
+// t >= 0 solves S(t) = x^2 + y^2 = 1. 1/sqrt(S) is concave and nearly linear, so Newton on 1/sqrt(S) - 1 climbs to
+// the root from below, and t = max(|P| - 1, k (Q - 1)), where S <= 2, is below. p0 enters as p0 / K alone, so every
 // number here is a strain.
 #pragma once
 

@@ -3,10 +3,10 @@
 //   q <= M_phi (p + p_t),   M_phi = 6 sin phi / (3 - sin phi),   p_t = cohesion / tan phi
 //   p = -K tr eps,   q = sqrt(3/2) ||dev tau|| = sqrt 6 mu ||dev eps||
 //
-// Deviators shrink onto the cone at constant volume. Past the apex, tr eps = e_c = p_t / K, snow comes apart without
-// stress, and J_P remembers by how much: the true log-volume is e = ln J_E + ln J_P. It stays in J_P until e is back at
-// e_c; only then grains touch and all of e is elastic again. That is the volume correction of Klar et al. (section 4.3.4
-// there): without it snow that was torn apart and pushed together again would be larger than before. J_E J_P is
+// Deviators shrink onto the cone at constant volume. Past the apex, tr eps = e_c = p_t / K, snow comes apart at
+// constant tension p_t, and J_P remembers by how much: the true log-volume is e = ln J_E + ln J_P. It stays in J_P
+// until e is back at e_c; only then grains touch and all of e is elastic again. That is the volume correction, exact
+// in J: without it snow that was torn apart and pushed together again would be larger than before. J_E J_P is
 // conserved to rounding, and a hydrostatic compression is elastic.
 #pragma once
 

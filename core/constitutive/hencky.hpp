@@ -2,8 +2,8 @@
 //
 //   Psi = mu sum eps_k^2 + lam/2 (sum eps_k)^2,     tau_k = 2 mu eps_k + lam sum eps_k,     eps = ln sigma
 //
-// The sum of eps is ln J exactly, so the pressure is -K ln J and a plastic flow splits J without error: the elasticity of
-// choice for laws in p and q. Moduli along the axes: 2 mu + lam - tau_k (P), mu x / (1 - exp(-x)) with
+// The sum of eps is ln J exactly, so the pressure is -K ln J and a plastic flow splits J without error: the
+// elasticity of choice for laws in p and q. Moduli along the axes: 2 mu + lam - tau_k (P), mu x / (1 - exp(-x)) with
 // x = 2 (eps_k - eps_l) (shear), which grows with x.
 #pragma once
 

@@ -8,7 +8,7 @@
 //
 // The acoustic modulus of direction n and polarisation a is a_i n_j C_ijkl a_k n_l, C the spatial tangent of tau per
 // rest volume: rho0 c^2 of that wave [Pa]. Along the principal axis k it is sigma_k^2 Psi_kk for a P wave and
-// sigma_k^2 (tau_k - tau_l) / (sigma_k^2 - sigma_l^2) for a shear wave towards l (Ogden 1984, section 6.1).
+// sigma_k^2 (tau_k - tau_l) / (sigma_k^2 - sigma_l^2) for a shear wave towards l.
 #pragma once
 
 #include "constitutive/law.hpp"

@@ -4,12 +4,13 @@
 //   flow:       sigma <- clamp(sigma, [1 - theta_c, 1 + theta_s]),  J_P <- J_P prod(sigma_trial / sigma)
 //   hardening:  mu, lam = (mu0, lam0) exp(xi (1 - J_P))
 //
-// J_P is bounded, which the paper does not do. From below by J_P_min inside the exponent only: J_P = 0.3 would multiply
-// the stiffness by exp(7) = 1100 and shrink the time step 33 times, for a compaction past solid ice (400 kg/m3 / 917
-// kg/m3 = 0.44); the state keeps the true J_P, since F_E F_P = F must hold
-// (a step so long that it turns F inside out leaves J_P < 0: such a step should not have been taken). From above by J_P_max in the state too: a
-// grain that flies alone keeps its affine velocity, so its "expansion" grows exponentially and means nothing; without
-// the bound it overflows. At 20 the stiffness is long gone (exp(-190)), so the bound moves nothing that can be seen.
+// J_P is bounded, which the paper does not do. From below by J_P_min inside the exponent only: J_P = 0.3 would
+// multiply the stiffness by exp(7) = 1100 and shrink the time step 33 times, for a compaction past solid ice (400
+// kg/m3 / 917 kg/m3 = 0.44); the state keeps the true J_P, since F_E F_P = F must hold (a step so long that it turns
+// F inside out leaves J_P < 0: such a step should not have been taken). From above by J_P_max in the state too: a
+// grain that flies alone keeps its affine velocity, so its "expansion" grows exponentially and means nothing;
+// without the bound it overflows. At 20 the stiffness is long gone (exp(-190)), so the bound moves nothing that can
+// be seen.
 //
 // Without plasticity ("none") the same code has limits that no strain reaches and xi = 0: F_E = F, J_P = 1.
 #pragma once
@@ -25,7 +26,7 @@ struct SnowPlasticity {
     R mu0, lam0, xi, theta_c, theta_s, J_P_min, J_P_max;
   };
 
-  // `strength` is a factor on both critical strains; it leaves theta_c below one, so that no stretch is clamped to zero.
+  // `strength` is a factor on both critical strains; theta_c stays below one: no stretch is clamped to zero.
   template <class R>
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
