@@ -1,7 +1,8 @@
-"""The command line: list, run, fragments, bench, info, cite.
+"""The command line: list, run, fragments, bench, validate, info, cite.
 
-Exit code 0 is success, 2 is bad input or a run that could not go on (one sentence on standard error), 130 is
-Ctrl-C. Everything but click is imported inside the command that needs it, so that `neve --help` is instant.
+Exit code 0 is success, 1 is a validation that fails, 2 is bad input or a run that could not go on (one
+sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that needs it,
+so that `neve --help` is instant.
 """
 
 from __future__ import annotations
@@ -208,6 +209,22 @@ def bench(cases: tuple[str, ...], as_json: bool) -> None:
     from neve import bench as benchmark
 
     benchmark.run(list(cases), as_json)
+
+
+@cli.command()
+@click.argument("cases", metavar="[CASE]...", nargs=-1)
+@click.option("--out", metavar="FILE", help="The report; validation.html by default.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print JSON; then the report is written only with --out."
+)
+@click.option(
+    "--threads", metavar="N", callback=_threads, help="Cases to run at once; all processors by default."
+)
+def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: int | None) -> int:
+    """Run experiments whose answers are known and write a report. Exit code 1 when one fails."""
+    from neve.validate.run import validate as run_cases
+
+    return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
 
 
 @cli.command()

@@ -1,0 +1,33 @@
+"""The cases of the validation, in the order in which they are told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from neve.validate import bar, discs, oedometer, real_snow, refinement, settlement, slide
+from neve.validate.result import Result
+
+
+@dataclass(frozen=True)
+class Case:
+    """Name a case: its title, the number of its known answer, and the function that runs it."""
+
+    name: str
+    title: str
+    number: str
+    run: Callable[[int], Result]
+
+
+CASES = {
+    case.name: case
+    for case in (
+        Case("oedometer", "Compression in a rigid ring", "13", oedometer.case),
+        Case("bar", "Vibration of a bar", "16", bar.case),
+        Case("refinement", "Convergence", "27", refinement.case),
+        Case("settlement", "A column settles", "15", settlement.case),
+        Case("slide", "A block slides", "19, 21", slide.case),
+        Case("discs", "Two elastic discs collide", "18", discs.case),
+        Case("real_snow", "Against real snow", "13.1", real_snow.case),
+    )
+}

@@ -1,0 +1,125 @@
+"""Run cases, tell how they go, and write the report."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from difflib import get_close_matches
+from multiprocessing import get_context
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from neve.io.atomic import write_text
+from neve.io.errors import RunError
+from neve.io.version import version
+from neve.validate.page import page
+from neve.validate.plots import require_matplotlib
+from neve.validate.registry import CASES
+from neve.validate.result import Result
+
+REPORT = "validation.html"
+
+
+def validate(
+    names: Sequence[str] = (), out: str | None = None, as_json: bool = False, threads: int = 1
+) -> bool:
+    """Run the named cases (or all), print a line each, write the report; return whether all hold.
+
+    `threads` cases run at once. The report goes to `out`, or to REPORT; with `as_json` results are printed as
+    JSON and the page is written only if `out` is given. Neither depends on the time or the threads.
+
+    Errors: RunError for a name that is no case, for plots without matplotlib, and for a page that cannot be
+    written.
+    """
+    chosen = _chosen(names)
+    writes_page = out is not None or not as_json
+    if writes_page:
+        require_matplotlib()
+    told = sys.stderr if as_json else sys.stdout
+    results: dict[str, Result] = {}
+    for name, result, seconds in _run(chosen, threads):
+        results[name] = result
+        held = sum(check.ok for check in result.checks)
+        print(
+            f"{name:12} {'pass' if result.ok else 'FAIL'}  {held} of {len(result.checks)} checks, "
+            f"{seconds:.1f} s",
+            file=told,
+            flush=True,
+        )
+        for check in result.checks:
+            if not check.ok:
+                print(
+                    f"  {plain(check.quantity)}: {check.measured:.6g} {check.unit}, not "
+                    f"{check.exact:.6g} +- {check.tolerance:.3g}",
+                    file=told,
+                    flush=True,
+                )
+    results = {name: results[name] for name in chosen}
+    if writes_page:
+        path = Path(out or REPORT)
+        write_text(path, page(results, version()))
+        print(f"report: {path}", file=told)
+    if as_json:
+        print(json.dumps({name: facts(result) for name, result in results.items()}, indent=2))
+    return all(result.ok for result in results.values())
+
+
+def facts(result: Result) -> dict[str, Any]:
+    """Return the numbers of a result, for JSON."""
+    return {
+        "pass": result.ok,
+        "verdict": plain(result.verdict),
+        "checks": [
+            {
+                "quantity": plain(check.quantity),
+                "measured": check.measured,
+                "exact": check.exact,
+                "tolerance": check.tolerance,
+                "rule": check.rule,
+                "unit": check.unit,
+                "pass": check.ok,
+            }
+            for check in result.checks
+        ],
+        "particles": result.particles,
+        "steps": result.steps,
+    }
+
+
+def plain(text: str) -> str:
+    """Return `text` without its tags."""
+    for tag in ("sub", "sup", "i", "b"):
+        text = text.replace(f"<{tag}>", "").replace(f"</{tag}>", "")
+    return text
+
+
+def _chosen(names: Sequence[str]) -> list[str]:
+    for name in names:
+        if name not in CASES:
+            near = get_close_matches(name, CASES, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"the cases are {', '.join(CASES)}"
+            raise RunError(f"there is no validation case {name} ({hint})")
+    return [name for name in CASES if name in names or not names]
+
+
+def _run(names: Sequence[str], threads: int) -> Iterator[tuple[str, Result, float]]:
+    """Yield the results as they come: the cases are small, so threads run cases and not parts of one."""
+    if threads == 1 or len(names) == 1:
+        yield from (_timed(name) for name in names)
+        return
+    with ProcessPoolExecutor(min(threads, len(names)), mp_context=get_context("spawn")) as pool:
+        futures = [pool.submit(_timed, name) for name in names]
+        try:
+            for future in as_completed(futures):
+                yield future.result()
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _timed(name: str) -> tuple[str, Result, float]:
+    begun = perf_counter()
+    result = CASES[name].run(1)
+    return name, result, perf_counter() - begun

@@ -1,0 +1,118 @@
+"""Small scenes with exact answers, made through the same door as a scene file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.scene.load import scene_from
+from neve.scene.scene import Numerics
+from neve.simulation import Simulation
+
+Array = NDArray[np.float64]
+Table = Mapping[str, Any]
+
+ZERO = (0.0, 0.0, 0.0)
+SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
+"""Places of xx yy zz xy xz yz in a symmetric matrix."""
+
+
+def simulation(
+    sources: Sequence[Table],
+    colliders: Sequence[Table] = (),
+    *,
+    snow: Table | None = None,
+    gravity: tuple[float, float, float] = ZERO,
+    threads: int = 1,
+    **numerics: Any,
+) -> Simulation:
+    """Return the simulation of tables as they stand in a scene file.
+
+    Particles stand on the lattice and numbers are float64 unless `numerics` says otherwise.
+    """
+    tables = {
+        "world": {"gravity": list(gravity)},
+        "numerics": {"precision": "float64", "sampling": "regular", **numerics},
+        "snow": dict(snow or {}),
+        "sources": [dict(source) for source in sources],
+        "colliders": [dict(collider) for collider in colliders],
+    }
+    return Simulation(scene_from(tables, where="validation"), threads=threads)
+
+
+def elastic(**constants: Any) -> dict[str, Any]:
+    """Return snow that never yields."""
+    return {"plasticity": "none", **constants}
+
+
+def transfers() -> dict[str, dict[str, Any]]:
+    """Return the numerics of every transfer that Neve has, none of which adds damping of its own."""
+    fields = Numerics.model_fields
+    if "flip_alpha" in fields:
+        return {
+            "apic": {"transfer": "apic"},
+            "flip": {"transfer": "flip", "flip_alpha": 1.0},
+            "pic": {"transfer": "flip", "flip_alpha": 0.0},
+        }
+    names = get_args(fields["transfer"].annotation)
+    undamped = {"flip": {"flip_damping": "off"}, "asflip": {"flip_damping": "off"}}
+    return {name: {"transfer": name, **undamped.get(name, {})} for name in sorted(names)}
+
+
+def box(low: Sequence[float], high: Sequence[float], **more: Any) -> dict[str, Any]:
+    """Return the snow of a box between two corners [m]."""
+    a, b = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+    return {"shape": "box", "center": (0.5 * (a + b)).tolist(), "size": (b - a).tolist(), **more}
+
+
+def plane(
+    point: Sequence[float], normal: Sequence[float] | Array, mode: str = "slip", **more: Any
+) -> dict[str, Any]:
+    """Return a plane through `point` [m]; without friction unless `more` says otherwise."""
+    return {
+        "shape": "plane",
+        "point": [float(a) for a in point],
+        "normal": [float(a) for a in normal],
+        "mode": mode,
+        "mu_c": 0.0,
+        **more,
+    }
+
+
+def duct(x: float, y: float) -> list[dict[str, Any]]:
+    """Return four smooth walls that confine snow to 0 < x < `x`, 0 < y < `y` [m]: uniaxial strain along z.
+
+    On a grid whose rows of nodes lie in the walls, all nodes that such snow reaches are held across, so
+    that a row of cells is exactly a one-dimensional problem.
+    """
+    return [
+        plane((0, 0, 0), (1, 0, 0)),
+        plane((x, 0, 0), (-1, 0, 0)),
+        plane((0, 0, 0), (0, 1, 0)),
+        plane((0, y, 0), (0, -1, 0)),
+    ]
+
+
+def slab(y: float) -> list[dict[str, Any]]:
+    """Return two smooth walls that confine snow to 0 < y < `y` [m]: plane strain in x and z."""
+    return [plane((0, 0, 0), (0, 1, 0)), plane((0, y, 0), (0, -1, 0))]
+
+
+def column(sim: Simulation, name: str) -> Array:
+    """Return one of the particles' columns in the order of their birth, in double precision."""
+    order = np.argsort(np.asarray(sim.state.id))
+    return np.asarray(getattr(sim.state, name), dtype=np.float64)[order]
+
+
+def stress(sim: Simulation) -> Array:
+    """Return the Kirchhoff stress tau of the particles [Pa], (n, 3, 3), in the order of their birth."""
+    return np.asarray(column(sim, "tau")[:, SYMMETRIC])
+
+
+def moduli(E0: float, nu: float) -> tuple[float, float, float]:
+    """Return mu, lam and the modulus of uniaxial strain M_c = lam + 2 mu [Pa]."""
+    mu, lam = E0 / (2 * (1 + nu)), E0 * nu / ((1 + nu) * (1 - 2 * nu))
+    return mu, lam, lam + 2 * mu
