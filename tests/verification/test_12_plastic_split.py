@@ -2,7 +2,7 @@
 
 import numpy as np
 from reference.snow import Snow
-from verification.material import DEFAULT, near_identity, respond, transpose
+from verification.material import DEFAULT, near_identity, respond, response, transpose, turns
 
 
 def test_volume_is_conserved(core, precision, eps, law):
@@ -95,3 +95,20 @@ def test_expansion_is_bounded_in_the_state(core, precision, eps):
     top = 1 + DEFAULT.theta_s
     np.testing.assert_allclose(J_P, [5 * 2 / top, 20.0], rtol=30 * eps)
     assert np.abs(tau).max() < 1e-30
+
+
+def test_extremes_stay_finite(core, precision, law):
+    """Stretches from 1e-8 to 1e3, flat, inverted and zero, with any J_P: numbers come out, and no NaN.
+
+    Such steps are refused elsewhere; here only logarithms and quotients must not break down.
+    """
+    n, rng = 2000, np.random.default_rng(21)
+    sigma = 10.0 ** rng.uniform(-8, 3, (n, 3))
+    sigma[::5, 2] *= -1
+    sigma[::7, 2] = 0
+    sigma[:10] = 0
+    J_P = 10.0 ** rng.uniform(-3, 3, n)
+    J_P[::11] *= -1
+    F = (turns(n, 22) * sigma[:, None, :]) @ turns(n, 23)
+    for part in response(core, F, J_P, law, precision):
+        assert np.isfinite(part).all()
