@@ -199,7 +199,13 @@ class Scene(Part):
                 raise wrong(f"sources.{i}.snow.{found[0]}", found[1])
             found = _too_strong(self.completed(source), most_strength(self.snow_of(source)))
             if found:
-                raise wrong(f"sources.{i}.{found[0]}", found[1])
+                key, sentence = found
+                whose = (
+                    ""
+                    if getattr(source, key.partition(".")[0])
+                    else f", with the {key.partition('.')[0]} of its kind"
+                )
+                raise wrong(f"sources.{i}.{key}", f"{sentence}{whose}")
         return self
 
     def snow_of(self, source: SnowSource) -> Snow:

@@ -54,7 +54,7 @@ BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
     (BOX + '[snow]\nlaw = "cam_clay"\ntheta_c = 0.03', ("snow.theta_c = 0.03", "cam_clay", "M, beta, p0")),
     (BOX + '[snow]\nplasticity = "none"\nxi = 3', ("snow.xi = 3", 'plasticity = "none"', "default, 10")),
     (BOX + "[snow]\nfriction_angle = 30", ("snow.friction_angle = 30", 'law = "stomakhin2013"')),
-    (BOX + '[snow]\nkind = "wet"\nlaw = "cam_clay"', ('snow.law = "cam_clay"', 'does not fit kind = "wet"')),
+    (BOX + '[snow]\nkind = "icy"\nlaw = "cam_clay"', ('snow.law = "cam_clay"', 'does not fit kind = "icy"')),
     (BOX + '[snow]\nlaw = "cam_clay"\nxi = 0', ("snow.xi = 0", "at least 0.0001")),
     (BOX + '[snow]\nlaw = "cam_clay"\np0 = 1e6', ("snow.p0 = 1000000.0", "at most 2.5e+05")),
     (BOX + '[snow]\nlaw = "cam_clay"\nE0 = 1e4', ("snow.E0 = 10000.0", "set p0 to at most 833")),
@@ -108,6 +108,10 @@ BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
     (BOX + "variation = 0.5", ("sources.0.variation = 0.5", "a table")),
     (BOX + "variation = { density = 3 }", ("sources.0.variation.density = 3", "from 0 to 2")),
     (BOX + "variation = { strength = 0.7 }", ("sources.0.variation.strength = 0.7", "at most 0.693", "xi")),
+    (
+        BOX + '[snow]\nkind = "icy"\ntheta_c = 0.02',
+        ("sources.0.variation.strength", "at most 0.223", "with the variation of its kind"),
+    ),
     (BOX + "profile = 0.5", ("sources.0.profile = 0.5", "a table")),
     (BOX + 'profile = { by = "dept" }', ('sources.0.profile.by = "dept"', 'did you mean "depth"?')),
     (

@@ -108,8 +108,8 @@ def test_complete_file_of_a_kind_loads_equal(name: str) -> None:
 
 def test_source_follows_the_scene() -> None:
     """What a source leaves out is the scene's; unused keys of another plasticity fall back to defaults."""
-    ours = snow_of({"kind": "icy", "E0": 3e5}, {"theta_c": 0.02})
-    assert (ours.kind, ours.xi, ours.E0, ours.theta_c, ours.rho0) == ("icy", 20.0, 3e5, 0.02, 500.0)
+    ours = snow_of({"kind": "icy", "E0": 3e5}, {"theta_c": 0.012})
+    assert (ours.kind, ours.xi, ours.E0, ours.theta_c, ours.rho0) == ("icy", 20.0, 3e5, 0.012, 500.0)
     elastic = snow_of({"theta_c": 0.02, "E0": 3e5}, {"plasticity": "none"})
     assert elastic == Snow(plasticity="none", E0=3e5)
     assert snow_of({"theta_c": 0.02, "E0": 3e5}, {"law": "hencky"}) == Snow(
