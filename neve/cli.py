@@ -23,7 +23,7 @@ USER_ERRORS = (
     ("neve.scene.errors", "SceneError"),
     ("neve.io.errors", "RunError"),
     ("neve.look.film", "FilmError"),
-    ("neve.mpm.solver", "Blowup"),
+    ("neve.mpm.blowup", "Blowup"),
 )
 
 

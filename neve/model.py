@@ -51,6 +51,17 @@ class Model:
             self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
 
     @property
+    def strain_limit(self) -> float:
+        """Largest dt |grad v| of an automatic step: numerics.strain_max, and with hardening snow at most 1 /
+        xi.
+
+        Stiffness grows by exp(xi de) when snow is pressed by de. The step's work is that of the stress before
+        it, so a step with xi de above 2 could store more energy than went in (docs/theory.md, time step).
+        """
+        hardening = max((snow.xi for snow in self.snows), default=0.0)
+        return min(self.numerics.strain_max, 1.0 / max(hardening, 1e-9))
+
+    @property
     def colliders_move(self) -> bool:
         """Whether any collider changes its place in time."""
         return any(c.keyframes or any(c.velocity) or any(c.spin) for c in self.colliders)

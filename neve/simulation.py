@@ -17,7 +17,9 @@ from neve import _core
 from neve.build import build, make_model
 from neve.colliders.motion import Pose
 from neve.diagnostics import Diagnostics, diagnose
-from neve.mpm.solver import STAGES, measure_volumes, require_finite, require_progress, sort, step
+from neve.mpm.blowup import require_finite, require_progress
+from neve.mpm.caution import careful_step
+from neve.mpm.solver import STAGES, measure_volumes, sort
 from neve.mpm.time_step import fitted, largest
 from neve.scene.advice import advice
 from neve.scene.errors import SceneWarning
@@ -30,16 +32,25 @@ if TYPE_CHECKING:
 
 @dataclass
 class Stats:
-    """Hold what the last advance() did: steps taken, their dt [s], what bound dt, seconds spent per stage."""
+    """Hold what the last advance() did.
+
+    steps taken, their dt [s] and what bound the smallest one, how often a step was refused and tried again
+    with half the dt, what each collider exchanged with the snow, (n, 7): impulse of the snow on the collider
+    [N s], its moment about the collider's centre [N m s], kinetic energy that the contact gave to the snow
+    [J]; seconds per stage.
+    """
 
     steps: int = 0
     dt_min: float = 0.0
     dt_mean: float = 0.0
     bound: str = ""
+    refusals: int = 0
+    exchanged: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 7)))
     stage_seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(STAGES, 0.0))
 
-    def add(self, dt: float, bound: str) -> None:
+    def add(self, dt: float, bound: str, refusals: int) -> None:
         """Count one step."""
+        self.refusals += refusals
         if self.steps == 0 or dt < self.dt_min:
             self.dt_min, self.bound = dt, bound
         self.steps += 1
@@ -67,6 +78,8 @@ class Simulation:
         self._use_threads()
         self.model, self._state = build(scene)
         self._grid = self.model.core.Grid()
+        self.exchanged = np.zeros((len(scene.colliders), 7))
+        """What each collider has exchanged with the snow so far, in the columns of `stats.exchanged`."""
 
     @property
     def state(self) -> State:
@@ -93,22 +106,27 @@ class Simulation:
         if not (np.isfinite(seconds) and seconds > 0):
             raise ValueError(f"seconds = {seconds}: a positive, finite number")
         self._use_threads()
-        model, state, numerics = self.model, self._state, self.scene.numerics
+        model, state = self.model, self._state
         start, done = self.time, 0.0
         self.stats = Stats()
         report = self._begin()
         while done < seconds:
-            choice = largest(numerics, report)
+            choice = largest(model, report)
             require_progress(model, report, choice.dt, seconds, self.steps)
             dt = fitted(choice.dt, seconds - done)
             if model.colliders_move:
                 model.place_colliders(start + done)
-            report = step(model, state, self._grid, dt, self.stats.stage_seconds)
+            taken = careful_step(
+                model, state, self._grid, dt, report, self.stats.stage_seconds, self.steps, self.time
+            )
+            report, dt = taken.report, taken.dt
             done = seconds if seconds - done <= dt * (1 + 1e-9) else done + dt
             self.time = start + done
             self.steps += 1
-            self.stats.add(dt, choice.bound)
+            self.stats.add(dt, "retry" if taken.refusals else choice.bound, taken.refusals)
             require_finite(model, state, report, self.steps, self.time, dt)
+        self.stats.exchanged = self._grid.take_exchanged(len(model.colliders))
+        self.exchanged += self.stats.exchanged
 
     def _begin(self) -> Report:
         """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
@@ -132,11 +150,16 @@ class Simulation:
     def diagnostics(self) -> Diagnostics:
         """Return mass, momentum and energies now."""
         self._use_threads()
-        return diagnose(self.model, self._state, self._grid)
+        return diagnose(self.model, self._state, self._grid, self.exchanged)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return everything that an exact resume needs: the state, the time and the step count."""
-        return {**to_arrays(self._state), "time": np.float64(self.time), "steps": np.int64(self.steps)}  # type: ignore[dict-item]
+        return {
+            **to_arrays(self._state),
+            "exchanged": self.exchanged.copy(),
+            "time": np.float64(self.time),  # type: ignore[dict-item]
+            "steps": np.int64(self.steps),  # type: ignore[dict-item]
+        }
 
     @classmethod
     def restore(
@@ -150,6 +173,7 @@ class Simulation:
         self.model = make_model(scene)
         self._state = from_arrays(self.model.core, arrays)
         self._grid = self.model.core.Grid()
+        self.exchanged = np.array(arrays["exchanged"], dtype=np.float64)
         return self
 
     def run(

@@ -11,7 +11,7 @@ from neve.io.atomic import replacing
 from neve.io.errors import RunError, cannot_read
 from neve.io.npz import read_npz, write_npz
 
-FORMAT = 1
+FORMAT = 2
 """Version of the checkpoint's layout; a resume needs the same one."""
 
 _PREFIX = "state."

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from neve.scene.scene import Numerics
-
 if TYPE_CHECKING:
     from neve._core import Report
+    from neve.model import Model
 
-Bound = Literal["wave", "speed", "fixed", "dt_max"]
+Bound = Literal["wave", "speed", "strain", "fixed", "dt_max", "retry"]
 
 
 class Choice(NamedTuple):
@@ -20,19 +19,30 @@ class Choice(NamedTuple):
     bound: Bound
 
 
-def largest(numerics: Numerics, report: Report) -> Choice:
-    """Return the largest step allowed: dt = cfl dx / max_p(c_p + |v_p|).
+def largest(model: Model, report: Report) -> Choice:
+    """Return the step that the scene allows: the longest stable one, or the user's own ("fixed")."""
+    if model.numerics.dt != "auto":
+        return Choice(float(model.numerics.dt), "fixed")
+    return longest_stable(model, report)
 
-    c = sqrt((lam + 2 mu) V0 / m) with the hardened moduli, per particle (METHODS 8.7). The bound is "wave" or
-    "speed", whichever is larger, "dt_max" if that is smaller still, or "fixed" for a step set by the user.
+
+def longest_stable(model: Model, report: Report) -> Choice:
+    """Return the longest stable step: dt = min(cfl dx / max_p(c_p + |v_p|), strain limit / max_p |grad v|_p,
+    dt_max).
+
+    c = sqrt(modulus V0 / m) with the largest acoustic modulus of the law in the present, hardened state, per
+    particle (Sun, Shinar and Schroeder 2020 give the idea; each law's header the formula); |grad v|
+    (Frobenius) is that of the last step, and the limit is `Model.strain_limit`. The bound is "wave" or
+    "speed", whichever is larger, "strain", or "dt_max".
     """
-    if numerics.dt != "auto":
-        return Choice(float(numerics.dt), "fixed")
-    if report.fastest * numerics.dt_max <= numerics.cfl * numerics.dx:
-        return Choice(numerics.dt_max, "dt_max")
-    return Choice(
-        numerics.cfl * numerics.dx / report.fastest, "wave" if report.wave >= report.speed else "speed"
-    )
+    numerics = model.numerics
+    best = Choice(numerics.dt_max, "dt_max")
+    if report.fastest * best.dt > numerics.cfl * numerics.dx:
+        bound: Bound = "wave" if report.wave >= report.speed else "speed"
+        best = Choice(numerics.cfl * numerics.dx / report.fastest, bound)
+    if report.strain_rate * best.dt > model.strain_limit:
+        best = Choice(model.strain_limit / report.strain_rate, "strain")
+    return best
 
 
 def fitted(dt: float, remaining: float) -> float:

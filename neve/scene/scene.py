@@ -96,6 +96,14 @@ class Numerics(Part):
     cfl: Real = entry(
         0.4, "Share of a cell that a wave or a particle may cross in one automatic step.", "1", gt=0, le=1
     )
+    strain_max: Real = entry(
+        0.25,
+        "Largest change of the deformation, dt |grad v|, in one automatic step; with hardening snow 1 / xi "
+        "if that is less.",
+        "1",
+        gt=0,
+        le=1,
+    )
     dt_max: Real = entry(1e-2, "Largest automatic time step.", "s", gt=0, le=1)
     precision: Literal["float32", "float64"] = entry("float32", "Number format of particles and grid.", "")
     particles_per_cell: Whole = entry(

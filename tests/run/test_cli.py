@@ -194,9 +194,9 @@ def test_ctrl_c_anywhere_is_130(call, fake, scene_file, monkeypatch, stop, words
 
 def test_errors_of_the_simulation(call, fake, scene_file, monkeypatch):
     """A particle without numbers and too little memory are sentences; a mistake in Neve is none."""
-    solver = types.ModuleType("neve.mpm.solver")
-    solver.Blowup = type("Blowup", (RuntimeError,), {})
-    monkeypatch.setitem(sys.modules, "neve.mpm.solver", solver)
+    blowup = types.ModuleType("neve.mpm.blowup")
+    blowup.Blowup = type("Blowup", (RuntimeError,), {})
+    monkeypatch.setitem(sys.modules, "neve.mpm.blowup", blowup)
 
     def failing(error):
         def fail(*_, **__):
@@ -204,7 +204,7 @@ def test_errors_of_the_simulation(call, fake, scene_file, monkeypatch):
 
         return fail
 
-    monkeypatch.setattr(fake.Simulation, "advance", failing(solver.Blowup("particle 7 lost its numbers.")))
+    monkeypatch.setattr(fake.Simulation, "advance", failing(blowup.Blowup("particle 7 lost its numbers.")))
     code, _, err = call("run", "small.toml", "--out", "a", "--quiet")
     assert (code, err) == (2, "neve: particle 7 lost its numbers.\n")
     monkeypatch.setattr(fake.Simulation, "advance", failing(MemoryError()))

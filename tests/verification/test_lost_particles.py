@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from verification.scenes import ball, march, scene, simulate
 
-from neve.mpm.solver import Blowup
+from neve.mpm.blowup import Blowup
 
 
 def simulation(**numerics):

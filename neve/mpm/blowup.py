@@ -1,0 +1,81 @@
+"""Say in one sentence why a run cannot go on: which particle, which snow, which quantity, what to change."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from neve import _core
+from neve.model import Model
+
+if TYPE_CHECKING:
+    from neve._core import Report, State
+
+
+class Blowup(RuntimeError):
+    """Say which particle lost its numbers, where, when, and what to change. One sentence."""
+
+
+def require_finite(model: Model, state: State, report: Report, steps: int, time: float, dt: float) -> None:
+    """Raise Blowup if a pass found a value that is not finite."""
+    if report.finite:
+        return
+    row = model.core.first_not_finite(state)
+    when = f"after step {steps} (t = {time:.6g} s, dt = {dt:.3g} s)"
+    if row < 0:
+        raise Blowup(f"a particle has no finite stress {when}: {remedy(model)}")
+    values = {"x": state.x[row], "v": state.v[row], "F_E": state.F_E[row], "J_P": state.J_P[row]}
+    broken = [name for name, value in values.items() if not _finite(value)]
+    raise Blowup(
+        f"{_name(model, state, row)} has no finite {' or '.join(broken) or 'stress'} {when}: {remedy(model)}"
+    )
+
+
+def require_progress(model: Model, report: Report, dt: float, seconds: float, steps: int) -> None:
+    """Raise Blowup if the time step has become so small that `seconds` [s] would never be over."""
+    if dt > 1e-9 * seconds:
+        return
+    raise Blowup(
+        f"after step {steps} waves run at {report.wave:.3g} m/s, snow moves at {report.speed:.3g} m/s "
+        f"and deforms at {report.strain_rate:.3g} 1/s, which asks for a time step of {dt:.3g} s: raise snow.J_P_min, or "
+        "lower snow.xi, snow.E0 or the velocities"
+    )
+
+
+def no_step(
+    model: Model, state: State, report: Report, tried: int, steps: int, time: float, dt: float
+) -> Blowup:
+    """Return the Blowup of a step that was refused `tried` times, the last time with dt [s]."""
+    rows = np.flatnonzero(np.asarray(state.id) == report.culprit)
+    who = _name(model, state, int(rows[0])) if len(rows) else "a particle"
+    if not report.finite:
+        what = "would have no finite value"
+    elif report.leap > _core.most_leap:
+        what = f"would leap {report.leap:.3g} cells"
+    elif report.squeeze >= _core.least_squeeze:
+        what = f"would be strained by {report.strain_rate * dt:.2g}"
+    else:
+        what = f"would be pressed to {max(report.squeeze, 0.0):.2g} of its volume"
+    return Blowup(
+        f"{who} {what} in step {steps + 1} (t = {time:.6g} s), even with a step {2 ** (tried - 1)} "
+        f"times shorter (dt = {dt:.3g} s): {remedy(model)}"
+    )
+
+
+def remedy(model: Model) -> str:
+    """Return what the user may change."""
+    numerics = model.numerics
+    if numerics.dt != "auto":
+        return f'lower numerics.dt (now {numerics.dt:g} s) or set it to "auto"'
+    return f"lower numerics.cfl (now {numerics.cfl:g}) or check E0, xi and velocities"
+
+
+def _name(model: Model, state: State, row: int) -> str:
+    material = int(state.material[row])
+    where = ", ".join(f"{a:.4g}" for a in state.x[row])
+    return f"particle {state.id[row]} (snow {material}, {model.snows[material].law}) at ({where}) m"
+
+
+def _finite(value: object) -> bool:
+    return bool(np.all(np.isfinite(np.asarray(value, dtype=np.float64))))
