@@ -38,8 +38,8 @@ def require_progress(model: Model, report: Report, dt: float, seconds: float, st
         return
     raise Blowup(
         f"after step {steps} waves run at {report.wave:.3g} m/s, snow moves at {report.speed:.3g} m/s "
-        f"and deforms at {report.strain_rate:.3g} 1/s, which asks for a time step of {dt:.3g} s: raise snow.J_P_min, or "
-        "lower snow.xi, snow.E0 or the velocities"
+        f"and deforms at {report.strain_rate:.3g} 1/s, which asks for a time step of {dt:.3g} s: raise "
+        "snow.J_P_min, or lower snow.xi, snow.E0 or the velocities"
     )
 
 

@@ -60,18 +60,23 @@ def test_remedy_follows_the_time_step():
     assert "numerics.cfl" in sentence(sim)
 
 
-def test_a_step_too_long_is_caught():
-    """dt = 0.05 s on stiff snow that is pressed together: the run ends in the sentence, not in nonsense."""
+def test_a_step_too_long_is_shortened():
+    """dt = 0.05 s on stiff snow that hits a floor: Neve goes on with shorter steps, and makes no energy of it.
+
+    The ball brings m v^2 / 2 = 450 m [J]; what is in the snow afterwards is no more than that and what gravity adds.
+    """
     sim = simulate(
         scene(
-            [ball(snow={"E0": 1e9, "xi": 50.0, "theta_c": 0.01}, velocity=(0, 0, -30))],
+            [ball(snow={"E0": 1e7, "xi": 20.0, "theta_c": 0.02}, velocity=(0, 0, -30))],
             [{"shape": "plane", "point": (0, 0, -0.16), "normal": (0, 0, 1)}],
             dt=0.05,
             precision="float32",
         )
     )
-    with pytest.raises(Blowup, match=r"numerics\.dt"):
-        sim.advance(50.0)
+    sim.advance(5e-3)
+    now = sim.diagnostics()
+    assert sim.stats.refusals > 0
+    assert now.kinetic + now.elastic < 450.0 * now.mass
 
 
 def test_finite_snow_goes_on(precision, transfer):

@@ -1,0 +1,116 @@
+"""A step is looked at before it is taken: refused without a trace, tried again, and given up in a sentence."""
+
+import numpy as np
+import pytest
+from verification.scenes import ball, columns, scene, simulate
+
+from neve.mpm import caution
+from neve.mpm.blowup import Blowup
+from neve.mpm.solver import step
+
+
+def squeezed(transfer="apic", rate=-200.0, **numerics):
+    """A ball whose particles all rush to its centre: grad v = rate I."""
+    sim = simulate(
+        scene([ball()], transfer=transfer, initial_volume="sampled", snow={"plasticity": "none"}, **numerics)
+    )
+    x = np.asarray(sim.state.x, float)
+    sim.state.v[:] = rate * (x - x.mean(0))
+    if transfer not in ("pic", "flip"):
+        sim.state.C[:] = rate * np.eye(3)
+    return sim
+
+
+def try_step(sim, dt, bold=lambda ahead: True, refuses=lambda report: report.refused):
+    model, state, grid = sim.model, sim.state, sim._grid
+    model.core.refresh(model.native, state)
+    return step(model, state, grid, dt, dict.fromkeys(("sort", "p2g", "grid", "g2p"), 0.0), bold, refuses)
+
+
+def test_a_trial_moves_nothing(precision, spline, transfer):
+    """A refused step leaves every bit of every column; the report says how deep the squeeze would be.
+
+    det(I + dt grad v) = (1 - 200 x 0.004)^3 = 0.008 in the bulk, which is below 0.05.
+    """
+    sim = squeezed(transfer, precision=precision, spline=spline)
+    try_step(sim, 1e-9)
+    before = columns(sim)
+    report, done = try_step(sim, 4e-3)
+    assert not done
+    assert report.squeeze == pytest.approx(0.008, abs=0.004)
+    assert report.strain_rate == pytest.approx(200 * np.sqrt(3), rel=0.2)
+    for name, value in columns(sim).items():
+        np.testing.assert_array_equal(value, before[name], err_msg=name)
+
+
+def test_a_trial_is_the_step(precision, spline, transfer):
+    """A step that was tried first is, bit for bit, the one that was not."""
+    tried, plain = (squeezed(transfer, precision=precision, spline=spline) for _ in range(2))
+    _, done = try_step(tried, 1e-4)
+    assert done
+    try_step(plain, 1e-4, bold=lambda ahead: False)
+    for name, value in columns(tried).items():
+        np.testing.assert_array_equal(value, columns(plain)[name], err_msg=name)
+
+
+def test_the_bound_on_the_strain_holds(precision, spline, transfer):
+    """|grad v| of every particle is at most sqrt(3) spread / dx (derived in neve/mpm/caution.py), for rough velocities.
+
+    The nodes that the bound leaves out are lighter than a tenth of a particle; that they can be is measured
+    here: velocities are random, so a light node's velocity is that of the particles next to it.
+    """
+    sim = squeezed(transfer, precision=precision, spline=spline)
+    seen = []
+
+    def look(ahead):
+        seen.append(ahead)
+        return True
+
+    for seed in range(5):
+        v = np.random.default_rng(seed).standard_normal(sim.state.v.shape)
+        sim.state.v[:] = v.astype(sim.state.v.dtype)
+        sim.state.C[:] = 0
+        report, _ = try_step(sim, 1e-7, bold=look)
+        bound = np.sqrt(3) * seen[-1].spread / 0.05
+        assert 0.05 * bound < report.strain_rate <= bound
+        assert report.leap * 0.05 / 1e-7 <= max(seen[-1].speed, report.speed + seen[-1].change) * 1.0001
+
+
+def test_a_rash_step_is_shortened(precision, transfer):
+    """The scene asks for dt = 4e-3 s, which would press snow to a hundredth: Neve takes a shorter one and says so."""
+    sim = squeezed(transfer, precision=precision, dt=4e-3)
+    sim.advance(4e-3)
+    assert sim.stats.refusals > 0
+    assert sim.stats.bound == "retry"
+    assert sim.stats.dt_min < 2e-3
+    assert sim.time == pytest.approx(4e-3, rel=1e-12)
+    assert np.linalg.det(np.asarray(sim.state.F_E, float)).min() > 0
+
+
+def test_a_calm_step_needs_no_trial(monkeypatch, transfer):
+    """Snow that flies as one is never looked at twice, however fast: only differences of velocity are bold."""
+    sim = simulate(scene([ball(velocity=(40, -20, 30))], transfer=transfer, dt="auto"))
+    asked = []
+    plain = caution.is_bold
+
+    def counted(*args, **kwargs):
+        asked.append(plain(*args, **kwargs))
+        return asked[-1]
+
+    monkeypatch.setattr(caution, "is_bold", counted)
+    sim.advance(5e-3)
+    assert len(asked) > 3
+    assert not any(asked)
+
+
+def test_it_gives_up_in_one_sentence(monkeypatch):
+    """When no step is short enough the sentence names particle, snow, quantity, step and what to change."""
+    monkeypatch.setattr(caution, "MOST_TRIES", 3)
+    sim = squeezed(rate=-1e9, dt=4e-3, precision="float64")
+    monkeypatch.setattr(caution, "longest_stable", lambda model, report: caution.longest_stable_of(4e-3))
+    with pytest.raises(Blowup) as caught:
+        sim.advance(4e-3)
+    text = str(caught.value)
+    for part in ("particle ", "stomakhin2013", "step 1 ", "4 times shorter", "numerics.dt"):
+        assert part in text, text
+    assert "\n" not in text
