@@ -18,20 +18,26 @@ if TYPE_CHECKING:
 class Diagnostics:
     """Hold the sums over all particles at one instant, added up in double precision in a fixed order.
 
-    mass [kg], momentum (3,) [kg m/s], kinetic, elastic and potential energy [J], numbers of particles and of
-    allocated blocks. The potential is -m g . x; the kinetic energy is that of the particles' velocities,
-    without the affine part of APIC. `given` is the kinetic energy that contacts with colliders have given to
-    the snow so far, negative where they took some.
+    mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic (of the particles' velocities), affine (of the
+    velocity field that each particle carries around itself, with transfers that have one), elastic, potential
+    (-m g . x); numbers of particles and of allocated blocks. `given` is the kinetic energy [J] that contacts
+    with colliders have given to the snow so far, negative where they took some.
     """
 
     mass: float
     momentum: tuple[float, float, float]
     kinetic: float
+    affine: float
     elastic: float
     potential: float
     given: float
     particles: int
     blocks: int
+
+    @property
+    def energy(self) -> float:
+        """All of the snow's energy [J]."""
+        return self.kinetic + self.affine + self.elastic + self.potential
 
 
 def diagnose(model: Model, state: State, grid: Grid, exchanged: NDArray[np.float64]) -> Diagnostics:
@@ -42,6 +48,7 @@ def diagnose(model: Model, state: State, grid: Grid, exchanged: NDArray[np.float
         mass=t.mass,
         momentum=(px, py, pz),
         kinetic=t.kinetic,
+        affine=t.affine,
         elastic=t.elastic,
         potential=t.potential,
         given=float(exchanged[:, 6].sum()),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self, TextIO
 
@@ -176,3 +178,27 @@ class Bar:
     def say(self, sentence: str) -> None:
         """Print the sentence above the bar."""
         self._bar.console.print(sentence, highlight=False, markup=False)
+
+
+@contextlib.contextmanager
+def told_by(progress: Progress) -> Iterator[None]:
+    """Show what is logged under "neve" in the block as sentences of `progress`, not of Python's logging."""
+    logger = logging.getLogger("neve")
+    handler = _Teller(progress)
+    before = logger.propagate
+    logger.addHandler(handler)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.propagate = before
+        logger.removeHandler(handler)
+
+
+class _Teller(logging.Handler):
+    def __init__(self, progress: Progress) -> None:
+        super().__init__()
+        self._progress = progress
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._progress.say(f"warning: {record.getMessage()}")

@@ -16,7 +16,8 @@ COLUMNS = (
     "steps",  # substeps since the start of the run
     "dt_min",  # smallest substep since the frame before [s]
     "dt_mean",  # mean substep since the frame before [s]
-    "bound",  # what limited the smallest substep: wave, speed, fixed or dt_max
+    "bound",  # what limited the smallest substep: wave, speed, strain, fixed, dt_max or retry
+    "refusals",  # substeps that were refused and tried again with a shorter one since the frame before
     "mass",  # [kg]
     "momentum_x",  # [kg m/s]
     "momentum_y",
@@ -24,6 +25,9 @@ COLUMNS = (
     "kinetic",  # energies [J]
     "elastic",
     "potential",
+    "affine",  # kinetic energy of the velocity field that each particle carries around itself
+    "given",  # kinetic energy that colliders gave to the snow since the start, negative: took
+    "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
     "particles",
     "blocks",  # grid blocks of 4x4x4 nodes in use
     *(f"seconds_{stage}" for stage in STAGES),

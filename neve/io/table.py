@@ -28,9 +28,11 @@ class Table:
         """
         self.path = path
         self.columns = columns
-        rows = []
+        rows: list[dict[str, str]] = []
         if keep_through is not None and path.exists():
             rows = [row for row in read_table(path, columns) if int(row["frame"]) <= keep_through]
+        self.last = rows[-1] if rows else None
+        """The last row that was kept."""
         write_text(path, table_text(columns, rows))
 
     def append(self, *rows: Mapping[str, object]) -> None:

@@ -17,7 +17,7 @@ from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import version
-from neve.progress import Progress, follow
+from neve.progress import Progress, follow, told_by
 from neve.run.fragments import FragmentOutput
 from neve.run.interrupt import Interrupt
 from neve.run.outputs import CheckpointOutput, Clock, FrameOutput, LogOutput, Moment, Output
@@ -132,6 +132,7 @@ def _run(
                     f"{folder.path}: the run was begun with Neve {checkpoint.neve} and goes on with"
                     f" {version()}, so its bits may differ from those of a run in one go"
                 )
+            stack.enter_context(told_by(progress))
             interrupt = stack.enter_context(Interrupt(quiet))
             reached = _loop(sim, done, last, outputs, progress, interrupt)
             if reached < last:

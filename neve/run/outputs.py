@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import logging
 import time
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from neve.io.checkpoint import write_checkpoint
 from neve.io.frames import Frame, make_frame, write_frame
@@ -14,6 +15,7 @@ from neve.io.log import STAGES, Log
 from neve.schedule import EveryFrame, EverySeconds, Schedule
 
 if TYPE_CHECKING:
+    from neve.diagnostics import Diagnostics
     from neve.io.run_folder import RunFolder
     from neve.simulation import Simulation
 
@@ -91,6 +93,64 @@ class FrameOutput:
         """Do nothing: each frame is complete."""
 
 
+class EnergyWatch:
+    """Notice when snow gains energy from nowhere: more than contacts gave it and gravity can."""
+
+    SHARE = 0.01
+    """Growth from frame to frame, as a share of the kinetic and elastic energy, from which on it is told."""
+
+    def __init__(self, last_row: Mapping[str, str] | None) -> None:
+        """Start at the beginning of a run, or after the last row of the log of one that goes on."""
+        self._before = None if last_row is None else Balance.of_row(last_row)
+        self._told = False
+
+    def excess(self, now: Diagnostics, frame: int) -> float | None:
+        """Return how much energy [J] nothing accounts for since the last call; log it the first time."""
+        before, self._before = (
+            self._before,
+            Balance(now.kinetic, now.affine, now.elastic, now.potential, now.given),
+        )
+        if before is None:
+            return None
+        excess = (self._before.total - before.total) - (self._before.given - before.given)
+        lively = max(before.lively, self._before.lively)
+        if excess > self.SHARE * lively and not self._told:
+            self._told = True
+            logging.getLogger("neve").warning(
+                "in frame %d the energy of the snow grew by %.2g J (%.2g %% of what moves) without work: "
+                "lower numerics.cfl or numerics.strain_max, or check xi, theta_c and theta_s",
+                frame,
+                excess,
+                100.0 * excess / lively,
+            )
+        return excess
+
+
+class Balance(NamedTuple):
+    """Energies of the snow [J] at one moment, by the names of the log's columns."""
+
+    kinetic: float
+    affine: float
+    elastic: float
+    potential: float
+    given: float
+
+    @classmethod
+    def of_row(cls, row: Mapping[str, str]) -> Balance:
+        """Read the balance from a row of the log."""
+        return cls(*(float(row[name]) for name in cls._fields))
+
+    @property
+    def lively(self) -> float:
+        """What moves or is strained."""
+        return self.kinetic + self.affine + self.elastic
+
+    @property
+    def total(self) -> float:
+        """All of the snow's own."""
+        return self.lively + self.potential
+
+
 class LogOutput:
     """Write a row of `log.csv`.
 
@@ -101,6 +161,7 @@ class LogOutput:
         """Start the log, or go on after the row of frame `done`."""
         self.schedule: Schedule = EveryFrame()
         self._log = Log(folder.log, keep_through=done)
+        self._watch = EnergyWatch(self._log.last)
 
     def write(self, moment: Moment) -> None:
         """Add the row of this frame."""
@@ -108,6 +169,7 @@ class LogOutput:
         moved = moment.frame > 0  # the initial state took no step
         seconds = {**(stats.stage_seconds if moved else {}), **moment.clock.take()}
         x, y, z = (float(component) for component in totals.momentum)
+        excess = self._watch.excess(totals, moment.frame)
         self._log.append(
             {
                 "frame": moment.frame,
@@ -116,6 +178,7 @@ class LogOutput:
                 "dt_min": float(stats.dt_min) if moved else None,
                 "dt_mean": float(stats.dt_mean) if moved else None,
                 "bound": stats.bound if moved else None,
+                "refusals": int(stats.refusals) if moved else None,
                 "mass": float(totals.mass),
                 "momentum_x": x,
                 "momentum_y": y,
@@ -123,6 +186,9 @@ class LogOutput:
                 "kinetic": float(totals.kinetic),
                 "elastic": float(totals.elastic),
                 "potential": float(totals.potential),
+                "affine": float(totals.affine),
+                "given": float(totals.given),
+                "excess": excess,
                 "particles": int(totals.particles),
                 "blocks": int(totals.blocks),
                 **{f"seconds_{stage}": round(seconds.get(stage, 0.0), 6) for stage in STAGES},

@@ -47,6 +47,7 @@ class Simulation:
             dt_min=float("nan"),
             dt_mean=float("nan"),
             bound="",
+            refusals=0,
             steps=0,
             stage_seconds=dict.fromkeys(STAGES, 0.0),
         )
@@ -80,6 +81,7 @@ class Simulation:
             dt_min=seconds / 4,
             dt_mean=seconds / 4,
             bound="speed",
+            refusals=0,
             steps=4,
             stage_seconds=dict.fromkeys(STAGES, 0.1),
         )
@@ -98,6 +100,8 @@ class Simulation:
             momentum=(m[:, None] * v).sum(0),
             kinetic=0.5 * (m * (v**2).sum(1)).sum(),
             elastic=0.0,
+            affine=0.0,
+            given=0.0,
             potential=9.81 * (m * s.x[:, 2]).sum(),
             particles=s.count,
             blocks=self.blocks,

@@ -1,4 +1,4 @@
-"""A step is looked at before it is taken: refused without a trace, tried again, and given up in a sentence."""
+"""A step is looked at before it is taken: refused without a trace, tried again, given up in a sentence."""
 
 import numpy as np
 import pytest
@@ -7,6 +7,7 @@ from verification.scenes import ball, columns, scene, simulate
 from neve.mpm import caution
 from neve.mpm.blowup import Blowup
 from neve.mpm.solver import step
+from neve.mpm.time_step import Choice
 
 
 def squeezed(transfer="apic", rate=-200.0, **numerics):
@@ -30,14 +31,15 @@ def try_step(sim, dt, bold=lambda ahead: True, refuses=lambda report: report.ref
 def test_a_trial_moves_nothing(precision, spline, transfer):
     """A refused step leaves every bit of every column; the report says how deep the squeeze would be.
 
-    det(I + dt grad v) = (1 - 200 x 0.004)^3 = 0.008 in the bulk, which is below 0.05.
+    det(I + dt grad v) = (1 - 200 x 0.004)^3 = 0.008 in the bulk, which is below 0.05; a transfer without C
+    smooths the velocities of the small ball first: grad v is up to a tenth smaller, (1 - 0.72)^3 = 0.02.
     """
     sim = squeezed(transfer, precision=precision, spline=spline)
     try_step(sim, 1e-9)
     before = columns(sim)
     report, done = try_step(sim, 4e-3)
     assert not done
-    assert report.squeeze == pytest.approx(0.008, abs=0.004)
+    assert report.squeeze == pytest.approx(0.008, abs=0.014)
     assert report.strain_rate == pytest.approx(200 * np.sqrt(3), rel=0.2)
     for name, value in columns(sim).items():
         np.testing.assert_array_equal(value, before[name], err_msg=name)
@@ -54,7 +56,7 @@ def test_a_trial_is_the_step(precision, spline, transfer):
 
 
 def test_the_bound_on_the_strain_holds(precision, spline, transfer):
-    """|grad v| of every particle is at most sqrt(3) spread / dx (derived in neve/mpm/caution.py), for rough velocities.
+    """|grad v| of a particle is at most sqrt(3) spread / dx (neve/mpm/caution.py says why): rough velocities.
 
     The nodes that the bound leaves out are lighter than a tenth of a particle; that they can be is measured
     here: velocities are random, so a light node's velocity is that of the particles next to it.
@@ -77,7 +79,7 @@ def test_the_bound_on_the_strain_holds(precision, spline, transfer):
 
 
 def test_a_rash_step_is_shortened(precision, transfer):
-    """The scene asks for dt = 4e-3 s, which would press snow to a hundredth: Neve takes a shorter one and says so."""
+    """dt = 4e-3 s, as the scene asks, would press snow to a hundredth: Neve takes less and says so."""
     sim = squeezed(transfer, precision=precision, dt=4e-3)
     sim.advance(4e-3)
     assert sim.stats.refusals > 0
@@ -88,7 +90,7 @@ def test_a_rash_step_is_shortened(precision, transfer):
 
 
 def test_a_calm_step_needs_no_trial(monkeypatch, transfer):
-    """Snow that flies as one is never looked at twice, however fast: only differences of velocity are bold."""
+    """Snow that flies as one is never looked at twice, however fast: only differences are bold."""
     sim = simulate(scene([ball(velocity=(40, -20, 30))], transfer=transfer, dt="auto"))
     asked = []
     plain = caution.is_bold
@@ -107,7 +109,7 @@ def test_it_gives_up_in_one_sentence(monkeypatch):
     """When no step is short enough the sentence names particle, snow, quantity, step and what to change."""
     monkeypatch.setattr(caution, "MOST_TRIES", 3)
     sim = squeezed(rate=-1e9, dt=4e-3, precision="float64")
-    monkeypatch.setattr(caution, "longest_stable", lambda model, report: caution.longest_stable_of(4e-3))
+    monkeypatch.setattr(caution, "longest_stable", lambda model, report: Choice(4e-3, "wave"))
     with pytest.raises(Blowup) as caught:
         sim.advance(4e-3)
     text = str(caught.value)

@@ -61,9 +61,9 @@ def test_remedy_follows_the_time_step():
 
 
 def test_a_step_too_long_is_shortened():
-    """dt = 0.05 s on stiff snow that hits a floor: Neve goes on with shorter steps, and makes no energy of it.
+    """dt = 0.05 s on stiff snow that hits a floor: Neve takes shorter steps, and makes no energy of it.
 
-    The ball brings m v^2 / 2 = 450 m [J]; what is in the snow afterwards is no more than that and what gravity adds.
+    The ball brings m v^2 / 2 = 450 m [J]; afterwards there is no more than that.
     """
     sim = simulate(
         scene(
