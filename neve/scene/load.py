@@ -76,7 +76,8 @@ def scene_from(
     except ValidationError as error:
         found = complaints(error, tables)
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        raise SceneError(f"{_origin(found[0].path, changed, where)}: {found[0].sentence}{more}") from None
+        sentence = f"{found[0].sentence}{_whole_table(found[0].path, tables, changed)}{more}"
+        raise SceneError(f"{_origin(found[0].path, changed, where)}: {sentence}") from None
     for i, source in enumerate(scene.sources):
         font = getattr(source, "font", "")
         if font and not _is_file(font):
@@ -163,6 +164,17 @@ def _resolve_fonts(tables: dict[str, Any], folder: Path) -> None:
         if isinstance(font, str) and font:
             with contextlib.suppress(OSError, RuntimeError, ValueError):
                 source["font"] = str((folder / Path(font).expanduser()).resolve())
+
+
+def _whole_table(
+    path: tuple[str, ...], tables: Mapping[str, Any], changed: list[tuple[tuple[str, ...], str]]
+) -> str:
+    """Tell how to leave out a key of a file's [snow] that does not go with an override's kind or law."""
+    asked = {key[1] for key, _ in changed if len(key) == 2 and key[0] == "snow" and key[1] in ("kind", "law")}
+    if not asked or len(path) != 2 or path[0] != "snow" or path in [key for key, _ in changed]:
+        return ""
+    words = ", ".join(f'{key}="{tables["snow"][key]}"' for key in sorted(asked))
+    return f"; or replace the whole table with --set 'snow={{{words}}}'"
 
 
 def _origin(path: tuple[str, ...], changed: list[tuple[tuple[str, ...], str]], where: str) -> str:

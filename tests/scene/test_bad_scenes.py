@@ -9,6 +9,7 @@ import pytest
 
 from neve.scene.errors import SceneError
 from neve.scene.load import load, preset_about, scene_from
+from neve.scene.snow import Snow
 
 BOX = '[[sources]]\nshape = "box"\nsize = [1, 1, 1]\n'
 PLANE = '[[colliders]]\nshape = "plane"\n'
@@ -217,6 +218,21 @@ def test_bad_override_is_one_sentence(text: str, parts: tuple[str, ...], tmp_pat
     assert sentence.startswith("--set ")
     for part in parts:
         assert part in sentence
+
+
+def test_kind_that_does_not_go_with_the_file() -> None:
+    """A kind or law set on top of a file's [snow]: the file's key is named, and how to replace the table."""
+    tables = {"sources": [{"shape": "box"}], "snow": {"theta_c": 0.03}}
+    for text in ("snow.kind=powder", "snow.law=cam_clay"):
+        with pytest.raises(SceneError, match=r"^scene: snow\.theta_c = 0\.03 is not allowed") as caught:
+            scene_from(tables, [text])
+        key, word = text.removeprefix("snow.").split("=")
+        told = f"or replace the whole table with --set 'snow={{{key}=\"{word}\"}}'."
+        assert sentence_of(caught.value).endswith(told)
+        assert scene_from(tables, [told.split("'")[1]]).snow == Snow.model_validate({key: word})
+    with pytest.raises(SceneError) as caught:
+        scene_from(tables, ["snow.law=cam_clay", "snow.theta_c=0.02"])
+    assert "replace" not in sentence_of(caught.value)
 
 
 def test_other_problems_are_counted() -> None:
