@@ -190,12 +190,16 @@ void bind_grid(nb::module_& m) {
 }
 
 template <class T>
+void require_modes(const Model<T>& model, const State<T>& state) {
+  if (state.modes.components() != 3 * more_modes(model))
+    throw nb::value_error("the state has another number of velocity modes than the model");
+}
+template <class T>
 void require_sorted(const Model<T>& model, const State<T>& state, const Grid<T>& grid) {
   if (!grid.current || grid.count != state.count || grid.has_change != keeps_change(model)) {
     throw nb::value_error("the grid does not hold this state: call sort() first");
   }
-  if (state.modes.components() != 3 * more_modes(model))
-    throw nb::value_error("the state has another number of velocity modes than the model");
+  require_modes(model, state);
 }
 template <class T>
 void require_snow(const Model<T>& model, const State<T>& state) {
@@ -268,6 +272,7 @@ void bind_passes(nb::module_& m) {
       "totals",
       [](const Model<T>& model, const State<T>& state) {
         require_snow(model, state);
+        require_modes(model, state);
         return totals(model, state);
       },
       free_gil, "Sum mass, momentum and energies in double precision.");

@@ -1,6 +1,7 @@
 """Known answer 8: a body without stress that moves rigidly stays without stress."""
 
 import numpy as np
+import pytest
 from verification.scenes import ELASTIC, ball, march, scene, simulate, wide
 
 
@@ -20,10 +21,11 @@ def test_translation(spline, transfer, precision, eps):
     np.testing.assert_allclose(end["J_P"], 1, atol=bound)
 
 
-def test_rotation(spline, precision, eps):
+@pytest.mark.parametrize("transfer", ["apic", "polypic", "asflip"])
+def test_rotation(spline, precision, eps, transfer):
     """A body that is made to turn, v = omega cross x and C = W before each step, has F_E = (I + dt W)^n.
 
-    APIC carries an affine field exactly, so v_i = omega cross x_i at all nodes, those of the surface
+    Affine transfers carry an affine field, so v_i = omega cross x_i at all nodes, those of the surface
     included, and every particle sees grad v = W. Each step strains F^T F by (I + dt W)^T (I + dt W) - I =
     dt^2 W^T W, in all at most n dt^2 omega^2 to first order. Rounding: W to 40 eps |v| / dx a step, with
     |v| < 2 m/s. The snow is soft (1 nPa), or it would push back: left alone, a turning body without stress
@@ -32,7 +34,7 @@ def test_rotation(spline, precision, eps):
     n, dt, omega = 50, 1e-3, np.array([3.0, -4.0, 5.0])
     W = np.array([[0, -omega[2], omega[1]], [omega[2], 0, -omega[0]], [-omega[1], omega[0], 0]])
     soft = ELASTIC | {"E0": 1e-9}
-    sim = simulate(scene([ball()], dt=dt, spline=spline, precision=precision, snow=soft))
+    sim = simulate(scene([ball()], dt=dt, spline=spline, transfer=transfer, precision=precision, snow=soft))
     for _ in range(n):
         sim.state.v[:] = np.cross(omega, np.asarray(sim.state.x, float)).astype(precision)
         sim.state.C[:] = W.astype(precision)

@@ -5,7 +5,7 @@ import pytest
 from reference import contact, snow, splines, step
 from reference.snow import Snow
 
-COMBINATIONS = [(s, t) for s in ("quadratic", "cubic") for t in ("flip", "apic")]
+COMBINATIONS = [(s, t) for s in ("quadratic", "cubic") for t in ("pic", "flip", "apic", "polypic", "asflip")]
 ELASTIC = Snow(theta_c=0.9, theta_s=9.0)
 
 
@@ -74,7 +74,10 @@ def test_oedometer_table():
 
 @pytest.mark.parametrize(("spline", "transfer"), COMBINATIONS)
 def test_momentum(spline, transfer):
-    """Internal forces move no momentum; with C, and tau symmetric, no angular momentum (to rounding)."""
+    """Internal forces move no momentum; with C, and tau symmetric, no angular momentum (to rounding).
+
+    asflip's share of FLIP does move angular momentum: it brings back v_p, but not its C.
+    """
     p, method = ball(spline, transfer)
     rng = np.random.default_rng(2)
     p.v = rng.standard_normal(p.v.shape)
@@ -83,14 +86,14 @@ def test_momentum(spline, transfer):
     for _ in range(5):
         step.step(p, method, 1e-4)
     np.testing.assert_allclose(step.momentum(p), before, atol=1e-12)
-    if transfer == "apic":
+    if transfer in ("apic", "polypic"):
         np.testing.assert_allclose(step.angular_momentum(p, method), L, atol=1e-12)
 
 
 @pytest.mark.parametrize(("spline", "transfer"), COMBINATIONS)
 def test_free_fall(spline, transfer):
     """v = -g n dt and z = z0 - g dt^2 n (n + 1) / 2."""
-    g, dt, n = 9.81, 1e-3, 20
+    g, dt, n = 9.81, 1e-3, 5
     p, method = ball(spline, transfer, gravity=(0, 0, -g))
     x0 = p.x.copy()
     for k in range(n):

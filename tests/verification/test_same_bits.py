@@ -36,9 +36,20 @@ def same(a, b):
     assert a.steps == b.steps
 
 
-def test_threads(precision, spline, transfer):
+def test_threads(spline, transfer):
     """One, two and three threads: every bit of every column after 200 steps, and of the sums over them."""
-    compare_threads(busy(precision, spline, transfer, dt=2e-4), STEPS)
+    compare_threads(busy("float32", spline, transfer, dt=2e-4), STEPS)
+
+
+@pytest.mark.parametrize("transfer", ["apic", "flip"])
+def test_threads_in_double(transfer):
+    """The same in float64."""
+    compare_threads(busy("float64", "quadratic", transfer, dt=2e-4), STEPS)
+
+
+def test_threads_with_all_modes(spline):
+    """The same with all 27 velocity modes."""
+    compare_threads(busy("float32", spline, "polypic", polypic_modes=27, dt=2e-4), STEPS // 4)
 
 
 def test_threads_choose_the_same_steps(precision):
@@ -69,12 +80,21 @@ def test_twice(precision):
 
 
 @pytest.mark.parametrize(("dt", "initial_volume"), [("auto", "grid"), (2e-4, "sampled")])
-def test_resume(precision, spline, transfer, dt, initial_volume):
+def test_resume_in_both_precisions(precision, spline, dt, initial_volume):
+    """The default transfer, with steps chosen and fixed, and volumes from the grid and without."""
+    compare_resumed(busy(precision, spline, "apic", dt=dt, initial_volume=initial_volume))
+
+
+def test_resume(spline, transfer):
+    """All transfers, with all that their particles carry."""
+    compare_resumed(busy("float32", spline, transfer, dt=2e-4, polypic_modes=27))
+
+
+def compare_resumed(description):
     """arrays() at any frame, then restore(): the run goes on with the same bits, whatever the threads.
 
     A frame is a call of advance(): 23 steps long, so that no sort falls on its end by design.
     """
-    description = busy(precision, spline, transfer, dt=dt, initial_volume=initial_volume)
     frame = 23 * 2e-4
     straight = neve.Simulation(description, threads=2)
     saved = [straight.arrays()]
