@@ -171,6 +171,14 @@ WORKS: Mapping[str, str] = {
   year      = {1985},
   doi       = {10.1145/325334.325247}
 }""",
+    "worley1996": """@inproceedings{worley1996,
+  author    = {Worley, Steven},
+  title     = {A cellular texture basis function},
+  booktitle = {Proceedings of SIGGRAPH '96},
+  pages     = {291--294},
+  year      = {1996},
+  doi       = {10.1145/237170.237267}
+}""",
 }
 
 # Method -> works that describe it. A method's name is the word that chooses it in a scene, or its table.
@@ -190,7 +198,8 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "polypic": ("fu2017", "jiang2015", "hu2018"),
     "asflip": ("fei2021", "jiang2015", "hu2018", "brackbill1986"),
     "poisson": ("bridson2007",),
-    "variation": ("perlin1985",),
+    "fractal": ("perlin1985",),
+    "clods": ("worley1996",),
 }
 
 
@@ -204,8 +213,7 @@ def methods(scene: Scene) -> list[str]:
     if scene.numerics.sampling == "poisson":
         names.append("poisson")
     noises = [scene.completed(source).variation for source in scene.sources]
-    if any(n and (n.stiffness or n.strength or n.density) for n in noises):
-        names.append("variation")
+    names += [n.pattern for n in noises if n and (n.stiffness or n.strength or n.density)]
     return list(dict.fromkeys(names))
 
 

@@ -16,6 +16,9 @@ DEVIATION = 0.4
 CHUNK = 8192
 """Points worked on at once, so that scratch stays in the processor's cache."""
 
+NEIGHBOURS = 8
+"""Random points nearest to a place among which the walls of its Voronoi cell are looked for."""
+
 _PRIMES = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 
 
@@ -43,6 +46,42 @@ def fractal(x: Array, feature_size: float, octaves: int, seed: int) -> Array:
         total += 0.5**octave * _gradient_noise(x * (2.0**octave / feature_size) + offset, key)
     deviation = _octave_deviation() * np.sqrt(np.sum(0.25 ** np.arange(octaves)))
     return np.asarray(np.clip(total * (DEVIATION / deviation), -1.0, 1.0))
+
+
+def clods(x: Array, size: Array, feature_size: float, seam: float, octaves: int, seed: int) -> Array:
+    """Return at points `x` the noise of snow pressed together from clods: 0 inside them, -1 in their seams.
+
+    The clods are the Voronoi cells of random points (a Poisson process), on average one in feature_size^3.
+    With d the distance to the nearest wall of the point's own cell and t = min(2 d / seam, 1), it is
+    n = 3 t^2 - 2 t^3 - 1. Octave o has cells and seams 2^-o as large and 2^-o as deep; the deepest counts.
+    The value at a point does not depend on the other points.
+
+    Args:
+        x: points [m], (n, 3), in a centred box of edges `size` [m] (3,)
+        feature_size: mean size of a clod, the cube root of its mean volume [m]
+        seam: width of the seams [m]
+        octaves: number of octaves [1]; with more than one, clods have seams of their own
+        seed: any whole number
+
+    Returns: (n,) [1]
+
+    Source: cells of random points as a texture are Worley 1996; the seams are ours.
+    """
+    from scipy.spatial import cKDTree
+
+    total = np.zeros(len(x))
+    for octave in range(octaves):
+        cell = feature_size * 0.5**octave
+        rng = np.random.default_rng([seed % 2**64, octave, 0xC10D])
+        room = size + 6.0 * cell  # three cells beyond the snow on every side
+        count = max(NEIGHBOURS, int(rng.poisson(np.prod(room / cell))))
+        points = (rng.random((count, 3)) - 0.5) * room
+        far, near = cKDTree(points).query(x, k=NEIGHBOURS)
+        apart = np.linalg.norm(points[near[:, 1:]] - points[near[:, :1]], axis=2)
+        wall = np.min((far[:, 1:] ** 2 - far[:, :1] ** 2) / (2.0 * apart), axis=1)
+        t = np.minimum(2.0 * wall / (seam * 0.5**octave), 1.0)
+        total = np.minimum(total, -(0.5**octave) * (1.0 - t * t * (3.0 - 2.0 * t)))
+    return total
 
 
 def _gradient_noise(p: Array, key: Bits) -> Array:

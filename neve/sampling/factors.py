@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.noise import fractal
+from neve.noise import clods, fractal
 from neve.sampling.regions import Region
 from neve.scene.scene import SnowSource
+from neve.scene.sources import Variation
 
 Array = NDArray[np.float64]
 
@@ -16,16 +17,17 @@ def factors(source: SnowSource, space: Region, local: Array, seed: int, index: i
     """Return factors [1] (n,) of particles at `local` [m] (n, 3), in the own axes of source number `index`.
 
     There is one on `stiffness` (Young's modulus), one on `strength` (theta_c and theta_s, cohesion, p0) and
-    one on `density`. The noise n is one field in [-1, 1], fixed to the source; a factor is exp(amplitude n).
-    The median of n is nought, so that of stiffness and strength is 1; density is divided by its mean, so that
-    noise leaves the source its mass. The factors of the profile are multiplied onto that as they stand.
+    one on `density`. The noise n is one field, fixed to the source; a factor is exp(amplitude n). Fractal
+    noise lies in [-1, 1] with median 0, so that of stiffness and strength is 1; clods have n = 0 inside and
+    down to -1 in their seams. Density is divided by its mean, so that noise leaves the source its mass. The
+    factors of the profile are multiplied onto that as they stand.
     """
     made = {name: np.ones(len(local)) for name in ("stiffness", "strength", "density")}
     noise = source.variation
     amplitudes = {name: getattr(noise, name) for name in made} if noise else {}
     if noise and any(amplitudes.values()):
         mixed = int(np.random.SeedSequence([seed, index, noise.seed]).generate_state(1, np.uint64)[0])
-        field = fractal(local, noise.feature_size, noise.octaves, mixed)
+        field = _field(noise, space, local, mixed)
         made |= {name: np.asarray(np.exp(a * field)) for name, a in amplitudes.items() if a}
         made["density"] /= made["density"].mean()
     profile = source.profile
@@ -38,3 +40,9 @@ def factors(source: SnowSource, space: Region, local: Array, seed: int, index: i
             if values := getattr(profile, name):
                 made[name] = made[name] * np.interp(place, profile.at, values)
     return made
+
+
+def _field(noise: Variation, space: Region, local: Array, seed: int) -> Array:
+    if noise.pattern == "clods":
+        return clods(local, space.size, noise.feature_size, noise.seam, noise.octaves, seed)
+    return fractal(local, noise.feature_size, noise.octaves, seed)

@@ -31,8 +31,15 @@ ROTATION = "Rotation vector (axis times angle) from the source's own axes to the
 
 
 class Variation(Part):
-    """Vary snow from place to place by factors exp(amplitude * noise), all of one field of fractal noise."""
+    """Vary snow from place to place by factors exp(amplitude * noise), all of one field of noise."""
 
+    pattern: Literal["fractal", "clods"] = entry(
+        "fractal",
+        '"fractal": smooth stiff and soft spots, noise from -1 to 1; "clods": lumps of random size pressed '
+        "together, 0 inside and down to -1 in the weak seams between them, along which snow then breaks.",
+        "",
+        "clods: cells of Worley 1996; the seams are ours",
+    )
     stiffness: Real = entry(
         0.0,
         "Amplitude of Young's modulus: its factor lies between about exp(-amplitude) and exp(amplitude), "
@@ -56,7 +63,10 @@ class Variation(Part):
         le=2,
     )
     feature_size: Length = entry(
-        0.2, "Size of the largest stiff and soft spots; a good value is 3 to 8 numerics.dx.", "m"
+        0.2, "Size of the largest stiff and soft spots or of a clod; a good value is 3 to 8 numerics.dx.", "m"
+    )
+    seam: Length = entry(
+        0.04, "Width of the seams between clods; a good value is numerics.dx; used by clods only.", "m"
     )
     octaves: Whole = entry(
         3, "Layers of noise, each half as large and half as strong as the one before.", "1", ge=1, le=8
@@ -112,7 +122,8 @@ class SnowSource(Part):
     @property
     def strongest(self) -> float:
         """Return the largest factor on the thresholds of plastic flow that this source may have [1]."""
-        amplitude = self.variation.strength if self.variation else 0.0
+        noise = self.variation
+        amplitude = noise.strength if noise and noise.pattern == "fractal" else 0.0
         return math.exp(amplitude) * max(self.profile.strength if self.profile else (), default=1.0)
 
 
