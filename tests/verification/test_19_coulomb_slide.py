@@ -47,11 +47,12 @@ def test_slides(mu_c, transfer):
     All of the plane's impulse passes through the contact law, on nodes and on particles, and each takes
     mu_c of its normal impulse along the slope while the snow slides; so the ratio is exact, and what the
     tolerance holds is the normal impulse: over the window it is m g cos theta T plus what bounces, m v_n <=
-    m g cos theta x 1 % T.
+    m g cos theta x 1 % T. PolyPIC and ASFLIP keep more of the bounce; twice the time halves its part.
     """
     theta = np.radians(30)
     expected = G * (np.sin(theta) - mu_c * np.cos(theta))
-    assert slide(30, mu_c, 400.0, transfer) == pytest.approx(expected, abs=0.01 * G * np.sin(theta))
+    steps = 1000 if transfer in ("polypic", "asflip") else 500
+    assert slide(30, mu_c, 400.0, transfer, steps) == pytest.approx(expected, abs=0.01 * G * np.sin(theta))
 
 
 def test_sticks(transfer):

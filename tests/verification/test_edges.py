@@ -17,7 +17,7 @@ def lone_particle(core, spline, transfer, position):
     """Make a model, a state of one particle at `position` [cells] and a sorted grid."""
     model = core.Model(DX, spline, transfer, 0.95, np.zeros(3))
     model.add_snow("stomakhin2013", "snow", parameters(DEFAULT))
-    state, grid = core.State(1), core.Grid()
+    state, grid = core.State(1, model.more_modes), core.Grid()
     state.x[:] = np.asarray(position) * DX
     state.v[:] = (1.0, -2.0, 3.0)
     state.m[:] = 400 * DX**3 / 8
