@@ -5,7 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from neve.validate import bar, discs, oedometer, real_snow, refinement, settlement, slide
+from neve.validate import (
+    bar,
+    cam_clay,
+    collapse,
+    cut,
+    discs,
+    oedometer,
+    real_snow,
+    refinement,
+    repose,
+    settlement,
+    slide,
+)
 from neve.validate.result import Result
 
 
@@ -28,6 +40,10 @@ CASES = {
         Case("settlement", "A column settles", "15", settlement.case),
         Case("slide", "A block slides", "19, 21", slide.case),
         Case("discs", "Two elastic discs collide", "18", discs.case),
+        Case("collapse", "A column of grains collapses", "22", collapse.case),
+        Case("repose", "Slope of a heap", "23", repose.case),
+        Case("cut", "A vertical cut", "24", cut.case),
+        Case("cam_clay", "Yield and crushing of cohesive snow", "25", cam_clay.case),
         Case("real_snow", "Against real snow", "13.1", real_snow.case),
     )
 }

@@ -46,8 +46,8 @@ def slide(
     degrees: float,
     mu_c: float,
     dx: float = 0.05,
-    seconds: float = 0.8,
-    frames: int = 40,
+    seconds: float = 0.6,
+    frames: int = 30,
     rho0: float = 400.0,
     threads: int = 1,
     **numerics: Any,
@@ -77,7 +77,7 @@ def slide(
         )
         for friction in (100.0, mu_c)
     )
-    relax(held, 0.25, 2e-3)
+    relax(held, 0.2, 2e-3)
     sim = Simulation.restore(free.scene, held.arrays(), threads)
     begun = sim.time
     rows = []
