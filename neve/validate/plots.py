@@ -82,7 +82,7 @@ def draw(plot: Plot) -> Any:
     if plot.equal:
         axes.set_aspect("equal", adjustable="datalim")
     if any(curve.label for curve in plot.curves):
-        axes.legend()
+        figure.legend(loc="outside lower center", ncols=4, markerscale=1.4)
     return figure
 
 

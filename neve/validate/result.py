@@ -43,10 +43,10 @@ class Check:
         if not math.isfinite(self.measured):
             return False
         if self.rule == "at most":
-            return self.measured <= self.exact
+            return bool(self.measured <= self.exact)
         if self.rule == "at least":
-            return self.measured >= self.exact
-        return abs(self.measured - self.exact) <= self.tolerance
+            return bool(self.measured >= self.exact)
+        return bool(abs(self.measured - self.exact) <= self.tolerance)
 
 
 def near(quantity: str, measured: float, exact: float, relative: float, reason: str, unit: str = "") -> Check:

@@ -75,17 +75,17 @@ def facts(result: Result) -> dict[str, Any]:
         "checks": [
             {
                 "quantity": plain(check.quantity),
-                "measured": check.measured,
-                "exact": check.exact,
-                "tolerance": check.tolerance,
+                "measured": float(check.measured),
+                "exact": float(check.exact),
+                "tolerance": float(check.tolerance),
                 "rule": check.rule,
                 "unit": check.unit,
                 "pass": check.ok,
             }
             for check in result.checks
         ],
-        "particles": result.particles,
-        "steps": result.steps,
+        "particles": int(result.particles),
+        "steps": int(result.steps),
     }
 
 

@@ -19,7 +19,10 @@ def result(measured=1.01):
         what="A straight line.",
         equations=("<i>y</i> = <i>x</i>",),
         source="Euclid.",
-        checks=(near("slope", measured, 1.0, 0.02, "two percent"), at_most("loss", 0.1, 0.2, "a bound")),
+        checks=(
+            Check("slope", np.float64(measured), 1.0, 0.02, "two percent"),
+            at_most("loss", 0.1, 0.2, "a bound"),
+        ),
         plots=(
             Plot("Line", "x [m]", "y [m]", (band("exact", x, x, 0.02), Curve("measured", x, measured * x))),
         ),
