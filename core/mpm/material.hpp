@@ -32,6 +32,13 @@ Mat3<R> quiet(const Mat3<R>& F, M mask) {
   return select(mask, F, identity<R>());
 }
 
+// Whether a pack is of one snow, the usual case: told from the rows alone, without a look into the table.
+inline bool one_snow(const std::uint16_t* material, int count) {
+  unsigned differ = 0;
+  for (int l = 1; l < count; ++l) differ |= static_cast<unsigned>(material[l] ^ material[0]);
+  return differ == 0;
+}
+
 // The lanes of a pack that follow `law`, and one of their rows of the material table.
 template <class T>
 struct Followers {
@@ -57,9 +64,7 @@ auto parameters_of(const Model<T>& model, const State<T>& state, std::size_t p, 
   const R stiffness = load<R>(state.stiffness.column(0) + p, count);
   const R strength = load<R>(state.strength.column(0) + p, count);
   auto q = Law::parameters(one, stiffness, strength);
-  bool uniform = true;
-  for (int l = 1; l < count; ++l) uniform = uniform && material[l] == material[0];
-  if (!uniform) {
+  if (!one_snow(material, count)) {
     using P = decltype(q);
     constexpr int entries = sizeof(P) / sizeof(R);
     R table[entries];
@@ -86,7 +91,9 @@ Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int coun
   const auto* material = state.material.data() + p;
   const LawName first = model.snows[material[0]].law;
   bool one_law = true;
-  for (int l = 1; l < count; ++l) one_law = one_law && model.snows[material[l]].law == first;
+  if (!one_snow(material, count)) {
+    for (int l = 1; l < count; ++l) one_law = one_law && model.snows[material[l]].law == first;
+  }
   if (one_law) {
     return with_law(first, [&](auto law) -> Out {
       const Mat3<R> quieted = count < width<R> ? quiet(F_E, first_lanes<R>(count)) : F_E;
