@@ -57,7 +57,10 @@ def test_table_rows_reach_their_particles():
     mine = arrays["material"] == 1
     assert mine.any()
     assert not mine.all()
-    only = {name: value[mine] if np.ndim(value) else value for name, value in arrays.items()}
+    only = {
+        name: value[mine] if len(np.atleast_1d(value)) == len(mine) else value
+        for name, value in arrays.items()
+    }
     only["material"] = np.zeros_like(only["material"])
     single = march(neve.Simulation.restore(drop(other), only, threads=1), 100)
     a, b = of_source(march(pair, 100), 1), of_source(single, 1)
