@@ -1,6 +1,6 @@
-"""The command line: list, run, fragments, bench, validate, info, cite.
+"""The command line: list, run, fragments, bench, validate, stress, info, cite.
 
-Exit code 0 is success, 1 is a validation that fails, 2 is bad input or a run that could not go on (one
+Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on (one
 sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that needs it,
 so that `neve --help` is instant.
 """
@@ -225,6 +225,25 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
     from neve.validate.run import validate as run_cases
 
     return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
+
+
+@cli.command()
+@click.option(
+    "--scenes", metavar="N", default="200", callback=_whole, help="How many scenes; 200 by default."
+)
+@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of the campaign; 0 by default.")
+@click.option("--only", type=click.IntRange(0), help="Run only the scene of this number.")
+@click.option("--threads", metavar="N", callback=_threads, help="Number of threads; one by default.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def stress(scenes: int, seed: int, only: int | None, threads: int | None, as_json: bool) -> None:
+    """Try to break the step with random scenes: any law, parameters over their ranges, impacts, presses.
+
+    Exit code 1 if a scene does not hold.
+    """
+    from neve.stress import run as campaign
+
+    if not campaign(seed, scenes, only, threads or 1, as_json):
+        raise SystemExit(1)
 
 
 @cli.command()

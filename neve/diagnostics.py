@@ -20,8 +20,8 @@ class Diagnostics:
 
     mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic (of the particles' velocities), affine (of the
     velocity field that each particle carries around itself, with transfers that have one), elastic, potential
-    (-m g . x); numbers of particles and of allocated blocks. `given` is the kinetic energy [J] that contacts
-    with colliders have given to the snow so far, negative where they took some.
+    (-m g . x); numbers of particles and of allocated blocks. `work` [J] is what
+    colliders have done on the snow so far: impulse times the velocity of the collider's surface.
     """
 
     mass: float
@@ -30,7 +30,7 @@ class Diagnostics:
     affine: float
     elastic: float
     potential: float
-    given: float
+    work: float
     particles: int
     blocks: int
 
@@ -51,7 +51,7 @@ def diagnose(model: Model, state: State, grid: Grid, exchanged: NDArray[np.float
         affine=t.affine,
         elastic=t.elastic,
         potential=t.potential,
-        given=float(exchanged[:, 6].sum()),
+        work=float(exchanged[:, 6].sum()),
         particles=int(state.count),
         blocks=int(grid.blocks),
     )

@@ -9,6 +9,7 @@ import numpy as np
 from neve import _core
 from neve.colliders.motion import Pose, pose
 from neve.scene.scene import Box, Collider, Cylinder, Numerics, Snow, Sphere, World
+from neve.scene.snow import used
 
 PRECISIONS = {"float32": _core.f32, "float64": _core.f64}
 
@@ -58,7 +59,9 @@ class Model:
         Stiffness grows by exp(xi de) when snow is pressed by de. The step's work is that of the stress before
         it, so a step with xi de above 2 could store more energy than went in (docs/theory.md, time step).
         """
-        hardening = max((snow.xi for snow in self.snows), default=0.0)
+        hardening = max(
+            (snow.xi for snow in self.snows if "xi" in used(snow.law, snow.plasticity)), default=0.0
+        )
         return min(self.numerics.strain_max, 1.0 / max(hardening, 1e-9))
 
     @property

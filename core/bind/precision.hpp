@@ -177,14 +177,14 @@ void bind_grid(nb::module_& m) {
             for (const Exchange& e : grid.exchanged) {
               for (double value : e.impulse) *out++ = value;
               for (double value : e.moment) *out++ = value;
-              *out++ = e.energy;
+              *out++ = e.work;
             }
             grid.exchanged.assign(solids, Exchange{});
             return a;
           },
           "What snow and each of the solids exchanged since the last call, (solids, 7): impulse of the snow "
           "on the "
-          "solid [N s], its moment about the solid's centre [N m s], energy given to the snow [J].")
+          "solid [N s], its moment about the solid's centre [N m s], work of the solid on the snow [J].")
       .def("nodes", &nodes<T>,
            "(ijk (n, 3), mass (n,), momentum after p2g or velocity after grid_update (n, 3)).");
 }

@@ -127,9 +127,9 @@ inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3
     const Surface<R> s = surface(solid, x);
     const auto inside = (s.phi <= splat<R>(skin)) & (m > R{});
     if (any(inside)) {
-      const Vec3<R> before = v;
-      v = select(inside, after_contact(v, s.normal, solid.velocity_at(x), solid.mode, solid.mu_c), v);
-      if (ledger) book(ledger->of(solid.index), inside, m, x - spread<R>(solid.centre), before, v);
+      const Vec3<R> before = v, v_co = solid.velocity_at(x);
+      v = select(inside, after_contact(v, s.normal, v_co, solid.mode, solid.mu_c), v);
+      if (ledger) book(ledger->of(solid.index), inside, m, x - spread<R>(solid.centre), v_co, before, v);
     }
   }
   return v;

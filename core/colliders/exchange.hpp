@@ -10,11 +10,11 @@ namespace neve {
 struct Exchange {
   double impulse[3] = {0, 0, 0};  // of the snow on the solid [N s]
   double moment[3] = {0, 0, 0};   // of that impulse about the solid's centre [N m s]
-  double energy = 0;              // kinetic energy that the contact gave to the snow [J]; negative: took
+  double work = 0;  // of the solid on the snow [J]: impulse on the snow times the solid's velocity
 
   void add(const Exchange& o) {
     for (int k = 0; k < 3; ++k) impulse[k] += o.impulse[k], moment[k] += o.moment[k];
-    energy += o.energy;
+    work += o.work;
   }
 };
 
@@ -36,24 +36,26 @@ class Ledger {
   std::vector<std::pair<int, Exchange>> entries_;
 };
 
-// Book the change of velocity of masses m at x, in double, lane after lane: sums do not depend on the threads.
+// Book the change of velocity of masses m, `arm` from the solid's centre, on a surface that moves with v_co; in double,
+// lane after lane, so that sums do not depend on the threads.
+//
+// The work is impulse times v_co, not the change of kinetic energy: a wall at rest does none, though it stops, in every
+// step, what the snow's own stress has just set in motion.
 template <class R, class M>
-inline void book(Exchange& sum, const M& mask, R m, const Vec3<R>& arm, const Vec3<R>& before,
-                 const Vec3<R>& after) {
+inline void book(Exchange& sum, const M& mask, R m, const Vec3<R>& arm, const Vec3<R>& v_co,
+                 const Vec3<R>& before, const Vec3<R>& after) {
   for (int l = 0; l < width<R>; ++l) {
     if (!mask[l]) continue;
-    double dp[3], a[3], energy = 0;
+    double dp[3];
     for (int k = 0; k < 3; ++k) {
-      const double v = before[k][l], w = after[k][l];
-      dp[k] = double(m[l]) * (w - v);
-      a[k] = arm[k][l];
-      energy += 0.5 * dp[k] * (w + v);
-    }
-    for (int k = 0; k < 3; ++k) {
+      dp[k] = double(m[l]) * (double(after[k][l]) - double(before[k][l]));
       sum.impulse[k] -= dp[k];
-      sum.moment[k] -= a[(k + 1) % 3] * dp[(k + 2) % 3] - a[(k + 2) % 3] * dp[(k + 1) % 3];
+      sum.work += dp[k] * double(v_co[k][l]);
     }
-    sum.energy += energy;
+    for (int k = 0; k < 3; ++k) {
+      const double b = arm[(k + 1) % 3][l], c = arm[(k + 2) % 3][l];
+      sum.moment[k] -= b * dp[(k + 2) % 3] - c * dp[(k + 1) % 3];
+    }
   }
 }
 

@@ -26,7 +26,7 @@ COLUMNS = (
     "elastic",
     "potential",
     "affine",  # kinetic energy of the velocity field that each particle carries around itself
-    "given",  # kinetic energy that colliders gave to the snow since the start, negative: took
+    "work",  # of the colliders on the snow since the start
     "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
     "particles",
     "blocks",  # grid blocks of 4x4x4 nodes in use

@@ -94,7 +94,7 @@ class FrameOutput:
 
 
 class EnergyWatch:
-    """Notice when snow gains energy from nowhere: more than contacts gave it and gravity can."""
+    """Notice when snow gains energy from nowhere: more than colliders and gravity gave it."""
 
     SHARE = 0.01
     """Growth from frame to frame, as a share of the kinetic and elastic energy, from which on it is told."""
@@ -108,11 +108,11 @@ class EnergyWatch:
         """Return how much energy [J] nothing accounts for since the last call; log it the first time."""
         before, self._before = (
             self._before,
-            Balance(now.kinetic, now.affine, now.elastic, now.potential, now.given),
+            Balance(now.kinetic, now.affine, now.elastic, now.potential, now.work),
         )
         if before is None:
             return None
-        excess = (self._before.total - before.total) - (self._before.given - before.given)
+        excess = (self._before.total - before.total) - (self._before.work - before.work)
         lively = max(before.lively, self._before.lively)
         if excess > self.SHARE * lively and not self._told:
             self._told = True
@@ -133,7 +133,7 @@ class Balance(NamedTuple):
     affine: float
     elastic: float
     potential: float
-    given: float
+    work: float
 
     @classmethod
     def of_row(cls, row: Mapping[str, str]) -> Balance:
@@ -187,7 +187,7 @@ class LogOutput:
                 "elastic": float(totals.elastic),
                 "potential": float(totals.potential),
                 "affine": float(totals.affine),
-                "given": float(totals.given),
+                "work": float(totals.work),
                 "excess": excess,
                 "particles": int(totals.particles),
                 "blocks": int(totals.blocks),

@@ -101,7 +101,7 @@ class Simulation:
             kinetic=0.5 * (m * (v**2).sum(1)).sum(),
             elastic=0.0,
             affine=0.0,
-            given=0.0,
+            work=0.0,
             potential=9.81 * (m * s.x[:, 2]).sum(),
             particles=s.count,
             blocks=self.blocks,

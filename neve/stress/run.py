@@ -1,0 +1,52 @@
+"""The command `neve stress`: run the campaign and tell its outcomes as they come."""
+
+from __future__ import annotations
+
+import json
+import logging
+import sys
+import warnings
+from dataclasses import asdict
+
+from neve.scene.errors import SceneWarning
+from neve.stress.campaign import MOST_GAIN, Outcome, endure
+
+
+def run(
+    seed: int = 0,
+    scenes: int = 200,
+    only: int | None = None,
+    threads: int | None = None,
+    as_json: bool = False,
+) -> bool:
+    """Run the scenes 0 to `scenes` - 1 of the campaign `seed`, or `only` one; return whether all held."""
+    logging.getLogger("neve").setLevel(logging.ERROR)
+    warnings.simplefilter("ignore", SceneWarning)
+    outcomes = []
+    for number in range(scenes) if only is None else [only]:
+        outcomes.append(endure(seed, number, threads))
+        if not as_json:
+            print(told(outcomes[-1]), flush=True)
+    bad = [outcome for outcome in outcomes if outcome.fault]
+    if as_json:
+        json.dump([asdict(outcome) for outcome in outcomes], sys.stdout, indent=2)
+        print()
+    else:
+        steps = sum(outcome.steps for outcome in outcomes)
+        gain = max(outcome.gain for outcome in outcomes)
+        print(
+            f"{len(outcomes) - len(bad)} of {len(outcomes)} scenes held, {steps:,} steps, "
+            f"{sum(outcome.refusals for outcome in outcomes):,} of them shortened; largest growth of energy "
+            f"{100 * gain:.2g} % (allowed {100 * MOST_GAIN:g} %)"
+        )
+        for outcome in bad:
+            print(f"scene {outcome.number} did not hold: neve stress --seed {seed} --only {outcome.number}")
+    return not bad
+
+
+def told(outcome: Outcome) -> str:
+    """Put an outcome into a line."""
+    return (
+        f"{outcome.number:4} {outcome.situation:10} {outcome.particles:6,} particles "
+        f"{outcome.steps:6,} steps {outcome.seconds:5.1f} s  {outcome.description}{': ' + outcome.fault if outcome.fault else ''}"
+    )
