@@ -1,8 +1,8 @@
 """The command line: list, run, fragments, bench, validate, stress, info, cite.
 
-Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on (one
-sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that needs it,
-so that `neve --help` is instant.
+Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
+(one sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that
+needs it, so that `neve --help` is instant.
 """
 
 from __future__ import annotations

@@ -112,7 +112,7 @@ def _snow(rng: Random) -> dict[str, Any]:
         most = _ROOM * min(MOST_HARDENING / xi, 0.9)
         snow |= {"xi": xi, "theta_c": most * _log(rng, 1e-3, 1.0), "theta_s": most * _log(rng, 1e-3, 1.0)}
     soft = max(0.05, 1.0 - _HARDENING / snow["xi"])
-    return snow | {"J_P_min": float(rng.uniform(soft, 0.95)), "J_P_max": _log(rng, 1.01, 1e4)}
+    return snow | {"J_P_min": float(rng.uniform(soft, max(0.97, soft))), "J_P_max": _log(rng, 1.01, 1e4)}
 
 
 def _wave_speed(snow: dict[str, Any]) -> float:
