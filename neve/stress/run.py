@@ -48,5 +48,6 @@ def told(outcome: Outcome) -> str:
     """Put an outcome into a line."""
     return (
         f"{outcome.number:4} {outcome.situation:10} {outcome.particles:6,} particles "
-        f"{outcome.steps:6,} steps {outcome.seconds:5.1f} s  {outcome.description}{': ' + outcome.fault if outcome.fault else ''}"
+        f"{outcome.steps:6,} steps {outcome.seconds:5.1f} s  {outcome.description}"
+        f"{': ' + outcome.fault if outcome.fault else ''}"
     )
