@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import warnings
 from collections.abc import Mapping
@@ -73,6 +74,7 @@ class Simulation:
         """Number of substeps so far."""
         self.stats = Stats()
         """What the last advance() did."""
+        self._warned = False
         for sentence in advice(scene):
             warnings.warn(sentence, SceneWarning, stacklevel=2)
         self._use_threads()
@@ -113,6 +115,7 @@ class Simulation:
         while done < seconds:
             choice = largest(model, report)
             require_progress(model, report, choice.dt, seconds, self.steps)
+            self._warn_of_long_step(choice.dt, report)
             dt = fitted(choice.dt, seconds - done)
             if model.colliders_move:
                 model.place_colliders(start + done)
@@ -127,6 +130,22 @@ class Simulation:
             require_finite(model, state, report, self.steps, self.time, dt)
         self.stats.exchanged = self._grid.take_exchanged(len(model.colliders))
         self.exchanged += self.stats.exchanged
+
+    def _warn_of_long_step(self, dt: float, report: Report) -> None:
+        """Log, once, that the scene's fixed dt [s] has become longer than waves and speeds allow."""
+        numerics = self.scene.numerics
+        if self._warned or numerics.dt == "auto" or dt * report.fastest <= numerics.dx:
+            return
+        self._warned = True
+        logging.getLogger("neve").warning(
+            "from step %d on numerics.dt = %.3g s is beyond the limit of %.3g s (waves of %.3g m/s): "
+            'use at most %.3g s, or "auto"',
+            self.steps + 1,
+            dt,
+            numerics.dx / report.fastest,
+            report.wave,
+            numerics.cfl * numerics.dx / report.fastest,
+        )
 
     def _begin(self) -> Report:
         """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
@@ -168,6 +187,7 @@ class Simulation:
         """Make the simulation that `arrays()` was taken from; it goes on with the same bits."""
         self = cls.__new__(cls)
         self.scene, self.threads, self.stats = scene, checked_threads(threads), Stats()
+        self._warned = False
         self.time, self.steps = float(arrays["time"]), int(arrays["steps"])
         self._use_threads()
         self.model = make_model(scene)

@@ -118,3 +118,17 @@ def test_smaller_steps_converge(transfer):
         ends.append(np.array(sim.state.x)[order])
     ratio = np.linalg.norm(ends[0] - ends[2]) / np.linalg.norm(ends[1] - ends[2])
     assert 2 < ratio < 4
+
+
+def test_a_fixed_step_beyond_the_limit_is_told(caplog):
+    """dt = 4e-3 s against dx / c = 2.5e-3 s: one warning with the limit and a better value; 1e-4 s has none."""
+    with caplog.at_level("WARNING", logger="neve"):
+        simulation(dt=1e-4).advance(1e-3)
+        assert not caplog.records
+        sim = simulation(dt=4e-3)
+        sim.advance(4e-3)
+        sim.advance(4e-3)
+    (record,) = caplog.records
+    text = record.getMessage()
+    assert f"beyond the limit of {0.05 / C_P:.3g} s" in text
+    assert f"use at most {0.4 * 0.05 / C_P:.3g} s" in text
