@@ -1,0 +1,156 @@
+"""Break snow into chunks and measure them: the runs, the plot and the pictures of docs/chunks.md.
+
+    python examples/chunks.py run [CASE]... [--out DIR] [--threads N]    # one to ten minutes each
+    python examples/chunks.py show [--out DIR] [--images DIR]           # pictures, plot (matplotlib), table
+
+A case is a preset, a snow and a resolution, such as collide_chunks, collide_fine, collide_fractal, wall_soft.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from PIL import Image
+
+from neve.fragments import LEAST, Limits, find, summary
+from neve.look.preview import Preview
+from neve.run.fragments import spacing
+from neve.scene.load import load
+from neve.simulation import Simulation
+
+COARSE = 0.08  # numerics.dx of the coarsest runs [m]
+PRESETS = {"collide": ("snowballs_collide", 2, 0.6), "wall": ("snowball_wall", 1, 0.6)}
+"""Case -> preset, number of sources, and the moment after the impact at which fragments are counted [s]."""
+WALL_DX = 0.066
+SOFT = 'snow={kind="wet"}'
+"""Uniform soft snow."""
+FINER = {"chunks": 1.0, "fine": 1.4, "finest": 2.0}
+CUTS = np.arange(-4.0, 0.1, 0.5)
+"""Edges of the half decades of mass, as log10 of the share of the whole."""
+
+
+class Case(NamedTuple):
+    """One run: a preset, changes to it, its moment of measuring [s], the coarse dx over its own."""
+
+    preset: str
+    changes: list[str]
+    moment: float
+    finer: float
+
+
+def case(name: str) -> Case:
+    """Return the case of a name: `PRESET_KIND`."""
+    short, kind = name.split("_")
+    preset, sources, moment = PRESETS[short]
+    finer = FINER.get(kind, 1.0)
+    changes = [f"numerics.dx={(COARSE if short == 'collide' else WALL_DX) / finer:.5g}"]
+    for i in range(sources):
+        variation = f"sources.{i}.variation"
+        if kind in ("uniform", "soft"):
+            changes += [f"{variation}.strength=0"]
+        if kind == "fractal":  # smooth noise, as strong at its strongest as the clods may legally be
+            changes += [
+                f'{variation}.pattern="fractal"',
+                f"{variation}.strength=2.9",
+                f"{variation}.octaves=2",
+            ]
+    if kind == "soft":
+        changes += [SOFT]
+    if kind == "fractal":
+        changes += ["snow.p0=1.3e4"]
+    return Case(preset, changes, moment, finer)
+
+
+NAMES = [f"{short}_{kind}" for short in PRESETS for kind in (*FINER, "uniform", "soft", "fractal")]
+
+
+def measure(name: str, out: Path, threads: int | None) -> None:
+    """Simulate a case up to its moment; leave its numbers and its picture in `out`.
+
+    The least fragment has the mass of LEAST particles of the coarsest run at every resolution.
+    """
+    wish = case(name)
+    scene = load(wish.preset, wish.changes)
+    sim = Simulation(scene, threads=threads)
+    sim.advance(wish.moment)
+    s = sim.state
+    limits = Limits(least=round(LEAST * wish.finer**3))
+    found = find(s.x, s.v, s.J_P, s.m, s.V0, spacing(scene.numerics), limits)
+    told = {
+        **summary(found),
+        "dx": scene.numerics.dx,
+        "count": int(s.count),
+        "steps": sim.steps,
+        "mass": (found.mass / found.mass.sum()).tolist(),
+    }
+    (out / f"{name}.json").write_text(json.dumps(told) + "\n")
+    painter = Preview(scene, 960, 640, threads or 0)
+    image = painter.draw(np.array(s.x), sim.bodies(), J_P=np.array(s.J_P))
+    Image.fromarray(image).save(out / f"{name}.png")
+    print(name, {key: value for key, value in told.items() if key != "mass"}, flush=True)
+
+
+def show(out: Path, images: Path) -> None:
+    """Draw the plot, write the pictures as JPEG, print the table in Markdown."""
+    told = {name: json.loads(path.read_text()) for name in NAMES if (path := out / f"{name}.json").exists()}
+    for name in told:
+        with Image.open(out / f"{name}.png") as image:
+            small = image.resize((720, 480), Image.Resampling.LANCZOS)
+            small.save(images / f"chunks_{name}.jpg", quality=82, optimize=True)
+    plot(told, images / "chunks.png")
+    print("| case | dx [m] | particles | fragments | decades | largest | largest five | powder |")
+    print("|---|---|---|---|---|---|---|---|")
+    for name, t in told.items():
+        shares = " | ".join(f"{t[key]:.1%}" for key in ("largest", "five", "powder"))
+        size = f"{t['dx']:.3g} | {t['count']:,}"
+        print(f"| `{name}` | {size} | {t['fragments']} | {t['decades']:.1f} | {shares} |")
+
+
+def plot(told: dict[str, Any], path: Path) -> None:
+    """Plot how many fragments are heavier than a share of the snow, one panel a preset."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, panels = plt.subplots(1, len(PRESETS), figsize=(10, 4), sharey=True, layout="constrained")
+    for panel, short in zip(panels, PRESETS, strict=True):
+        for name, t in told.items():
+            preset, kind = name.split("_")
+            if preset != short or not t["fragments"]:
+                continue
+            mass = np.array(t["mass"][1:])
+            style = "-" if kind in FINER else "--"
+            label = f"{kind}: dx {t['dx']:.3g} m" if kind in FINER else kind
+            panel.step(mass, np.arange(1, len(mass) + 1), style, where="pre", label=label)
+        panel.set(xscale="log", yscale="log", xlabel="share m of the whole mass", title=PRESETS[short][0])
+        panel.set_xlim(2e-4, 1.2)
+        panel.grid(alpha=0.3)
+        panel.legend(fontsize=8)
+    panels[0].set_ylabel("fragments of mass m or more")
+    figure.savefig(path, dpi=110)
+
+
+def main() -> None:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("what", choices=["run", "show"])
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=", ".join(NAMES))
+    parser.add_argument("--out", type=Path, default=Path("runs/chunks"))
+    parser.add_argument("--images", type=Path, default=Path("docs/images"))
+    parser.add_argument("--threads", type=int)
+    wish = parser.parse_args()
+    wish.out.mkdir(parents=True, exist_ok=True)
+    if wish.what == "show":
+        show(wish.out, wish.images)
+        return
+    for name in wish.cases or NAMES:
+        measure(name, wish.out, wish.threads)
+
+
+if __name__ == "__main__":
+    main()
