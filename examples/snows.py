@@ -1,6 +1,6 @@
 """Throw the same snowball in every kind of snow and put the pictures on one sheet: docs/images/snows.jpg.
 
-python examples/snows.py [--out FILE] [--kinds powder icy] [--dx 0.03] [--threads N]
+python examples/snows.py [--out FILE] [--kinds powder icy] [--dx 0.036] [--threads N]
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from neve.scene.snows import SNOWS
 from neve.simulation import Simulation
 
 MOMENTS = (0.17, 0.6)  # soon after the impact, and at rest or nearly so [s]
-CELL = (320, 250)  # of one picture [px]
+CELL = (256, 200)  # of one picture [px]
 COLUMNS = 4
 
 
@@ -59,7 +59,7 @@ def pictures(kind: str, dx: float, threads: int | None) -> list[Image.Image]:
 
 def sheet(kinds: list[str], dx: float, threads: int | None) -> Image.Image:
     """Return all kinds on one sheet, each moment below the one before."""
-    font = ImageFont.truetype(str(resources.files("neve") / "assets/FredokaOne-Regular.ttf"), 21)
+    font = ImageFont.truetype(str(resources.files("neve") / "assets/FredokaOne-Regular.ttf"), 17)
     rows = -(-len(kinds) // COLUMNS)
     width, height = CELL
     page = Image.new("RGB", (COLUMNS * width, rows * len(MOMENTS) * height), (238, 242, 248))
@@ -79,10 +79,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("docs/images/snows.jpg"))
     parser.add_argument("--kinds", nargs="*", default=list(SNOWS), choices=list(SNOWS))
-    parser.add_argument("--dx", type=float, default=0.03)
+    parser.add_argument("--dx", type=float, default=0.036)
     parser.add_argument("--threads", type=int)
     wish = parser.parse_args()
-    sheet(wish.kinds, wish.dx, wish.threads).save(wish.out, quality=82, optimize=True)
+    sheet(wish.kinds, wish.dx, wish.threads).save(wish.out, quality=78, optimize=True)
 
 
 if __name__ == "__main__":
