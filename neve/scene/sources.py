@@ -43,7 +43,7 @@ class Variation(Part):
     stiffness: Real = entry(
         0.0,
         "Amplitude of Young's modulus: its factor lies between about exp(-amplitude) and exp(amplitude), "
-        "with median 1. 0 is none; 0.5 to 1 lets snow break into chunks of different size.",
+        "with median 1 (clods: down to exp(-amplitude) in the seams). 0 is none.",
         "1",
         ge=0,
         le=4,
