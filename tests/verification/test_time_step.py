@@ -121,7 +121,7 @@ def test_smaller_steps_converge(transfer):
 
 
 def test_a_fixed_step_beyond_the_limit_is_told(caplog):
-    """dt = 4e-3 s against dx / c = 2.5e-3 s: one warning with the limit and a better value; 1e-4 s has none."""
+    """dt = 4e-3 s against dx / c = 2.5e-3 s: one warning, with a better value; 1e-4 s has none."""
     with caplog.at_level("WARNING", logger="neve"):
         simulation(dt=1e-4).advance(1e-3)
         assert not caplog.records
