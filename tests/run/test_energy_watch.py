@@ -1,0 +1,60 @@
+"""Growth of energy that nothing accounts for: booked in each row of the log, told once."""
+
+import logging
+from types import SimpleNamespace
+
+import pytest
+
+from neve.progress import Silence, told_by
+from neve.run.outputs import Balance, EnergyWatch
+
+
+def moment(kinetic=100.0, affine=0.0, elastic=10.0, potential=50.0, work=0.0):
+    return SimpleNamespace(kinetic=kinetic, affine=affine, elastic=elastic, potential=potential, work=work)
+
+
+def test_excess_is_what_nothing_accounts_for(caplog):
+    """Falling, work of a collider and dissipation are no excess; the rest is, to the joule."""
+    watch = EnergyWatch(None)
+    with caplog.at_level("WARNING", logger="neve"):
+        assert watch.excess(moment(), 0) is None
+        assert watch.excess(moment(kinetic=130.0, potential=20.0), 1) == 0.0
+        assert watch.excess(moment(kinetic=150.0, potential=20.0, work=20.0), 2) == 0.0
+        assert watch.excess(moment(kinetic=140.0, potential=20.0, work=20.0), 3) == -10.0
+        assert watch.excess(moment(kinetic=141.0, potential=20.0, work=20.0), 4) == 1.0
+    assert not caplog.records  # 1 J of 151 J is below 1 %
+
+
+def test_growth_is_told_once(caplog):
+    """5 J more of 115 J that move: told with frame, amount and remedy; the next time it is only booked."""
+    watch = EnergyWatch(None)
+    with caplog.at_level("WARNING", logger="neve"):
+        watch.excess(moment(), 6)
+        assert watch.excess(moment(elastic=15.0), 7) == 5.0
+        assert watch.excess(moment(elastic=25.0), 8) == 10.0
+    (record,) = caplog.records
+    for part in ("frame 7", "5 J", "numerics.cfl"):
+        assert part in record.getMessage()
+
+
+def test_a_resumed_run_goes_on_with_the_last_row():
+    """The watch starts from the log's own numbers, so that the log of a resumed run is the same."""
+    row = {name: repr(value) for name, value in vars(moment(kinetic=90.0)).items()}
+    assert EnergyWatch(row).excess(moment(kinetic=92.5), 9) == 2.5
+    assert Balance.of_row(row).total == 150.0
+
+
+def test_sentences_go_to_the_progress():
+    """Inside the block the progress says what is logged under "neve"; afterwards logging is as it was."""
+    said = []
+    progress = Silence()
+    progress.say = said.append
+    logger = logging.getLogger("neve.some.module")
+    with told_by(progress):
+        logger.warning("snow is %s", "warm")
+    assert said == ["warning: snow is warm"]
+    assert logging.getLogger("neve").propagate
+    assert not logging.getLogger("neve").handlers
+    with pytest.raises(OSError, match="disk"), told_by(progress):
+        raise OSError("disk")
+    assert not logging.getLogger("neve").handlers
