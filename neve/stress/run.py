@@ -33,11 +33,11 @@ def run(
         print()
     else:
         steps = sum(outcome.steps for outcome in outcomes)
-        gain = max(outcome.gain for outcome in outcomes)
+        gain = max((outcome.gain for outcome in outcomes if outcome.gain is not None), default=0.0)
         print(
             f"{len(outcomes) - len(bad)} of {len(outcomes)} scenes held, {steps:,} steps, "
             f"{sum(outcome.refusals for outcome in outcomes):,} of them shortened; largest growth of energy "
-            f"{100 * gain:.2g} % (allowed {100 * MOST_GAIN:g} %)"
+            f"{100 * gain:.2g} % (allowed {100 * MOST_GAIN:g} %; asflip, which has no bound, apart)"
         )
         for outcome in bad:
             print(f"scene {outcome.number} did not hold: neve stress --seed {seed} --only {outcome.number}")

@@ -16,7 +16,7 @@ def test_scene_holds(number):
     outcome = endure(0, number, threads=1)
     assert outcome.fault == ""
     assert outcome.steps > 0
-    assert outcome.gain <= MOST_GAIN
+    assert outcome.gain is None or outcome.gain <= MOST_GAIN
 
 
 def test_campaign_is_seeded_and_wide():
