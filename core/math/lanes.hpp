@@ -359,6 +359,12 @@ template <class T>
 inline Row<T> last_of_quads(Row<T> a) {
   return __builtin_shufflevector(a, a, 3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15);
 }
+// Turn a row by one half and by a quarter: with two maxima every quad holds the maximum over the four nodes.
+template <class T>
+inline Row<T> max_of_nodes(Row<T> a) {
+  a = max(a, __builtin_shufflevector(a, a, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7));
+  return max(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3));
+}
 // Sum the four nodes of each of four rows: the result holds the sums of a, b, c, d as four quads.
 template <class T>
 inline Row<T> sum_nodes(Row<T> a, Row<T> b, Row<T> c, Row<T> d) {

@@ -11,26 +11,40 @@ namespace neve {
 
 namespace detail {
 
-// What a pack of particles reports of its speeds. `sum` gathers all its numbers: it is finite only if they all are.
-template <class T>
-Report report_of(const State<T>& state, std::size_t p, int count, const Vec3<Lanes<T>>& v, Lanes<T> modulus,
-                 const Mat3<Lanes<T>>& grad_v, Lanes<T> sum) {
-  using R = Lanes<T>;
-  const auto here = first_lanes<R>(count);
-  const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
-  const R mass = select(m > T(0), m, splat<R>(1));
-  const R wave = select(here, sqrt(modulus * V0 / mass), R{});
-  const R speed = select(here, sqrt(dot(v, v)), R{});
-  const R rate = dot(grad_v.c0, grad_v.c0) + dot(grad_v.c1, grad_v.c1) + dot(grad_v.c2, grad_v.c2);
-  sum = select(here, sum + modulus, R{});
-  Report r;
-  r.wave = static_cast<double>(max_lane(wave));
-  r.speed = static_cast<double>(max_lane(speed));
-  r.fastest = static_cast<double>(max_lane(wave + speed));
-  r.strain_rate = std::sqrt(static_cast<double>(max_lane(select(here, rate, R{}))));
-  r.finite = !any(sum - sum != R{});
-  return r;
-}
+// What packs of particles report, kept lane by lane until the end of a home.
+template <class R>
+struct Extremes {
+  using T = scalar_t<R>;
+  R wave{}, speed{}, fastest{}, rate2{}, leap2{}, squeeze = splat<R>(1);
+  bool finite = true;
+
+  // `sum` gathers all numbers of a particle: it is finite only if they all are.
+  void add(const State<T>& state, std::size_t p, int count, const Vec3<R>& v, R modulus,
+           const Mat3<R>& grad_v, R sum) {
+    const auto here = first_lanes<R>(count);
+    const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
+    const R c = select(here, sqrt(modulus * V0 / select(m > T(0), m, splat<R>(1))), R{});
+    const R s = select(here, sqrt(dot(v, v)), R{});
+    const R rate = dot(grad_v.c0, grad_v.c0) + dot(grad_v.c1, grad_v.c1) + dot(grad_v.c2, grad_v.c2);
+    const R all = select(here, sum + modulus, R{});
+    wave = max(c, wave);
+    speed = max(s, speed);
+    fastest = max(c + s, fastest);
+    rate2 = max(select(here, rate, R{}), rate2);
+    finite = finite && !any(all - all != R{});
+  }
+  Report report() const {
+    Report r;
+    r.wave = static_cast<double>(max_lane(wave));
+    r.speed = static_cast<double>(max_lane(speed));
+    r.fastest = static_cast<double>(max_lane(fastest));
+    r.strain_rate = std::sqrt(static_cast<double>(max_lane(rate2)));
+    r.leap = std::sqrt(static_cast<double>(max_lane(leap2)));
+    r.squeeze = -static_cast<double>(max_lane(-squeeze));
+    r.finite = finite;
+    return r;
+  }
+};
 
 template <class R>
 R sum_of(const Vec3<R>& a) {
@@ -67,16 +81,18 @@ class HomeGather {
   }
 
   Report run() {
-    Report report;
     for (std::uint32_t done = 0; done < home_.count; done += L) {
       const int count = std::min<int>(L, static_cast<int>(home_.count - done));
-      report.merge(batch(home_.begin + done, count));
+      batch(home_.begin + done, count);
     }
-    return report;
+    Report r = extremes_.report();
+    r.drifted = drifted_;
+    r.culprit = culprit_;
+    return r;
   }
 
  private:
-  Report batch(std::size_t p, int count) {
+  void batch(std::size_t p, int count) {
     Vec3<R> x = load_vector<R>(state_.x, p, count);
     stencils_.template fill<typename X::From>(frame_, x);
     gather(count);
@@ -110,8 +126,8 @@ class HomeGather {
     const Vec3<R> way = path * dt_;
     x = x + way;
 
-    const Report report = check(p, count, x, v, grad_v, way, mapped);
-    if (!ledger_) return report;
+    check(p, count, x, v, grad_v, way, mapped);
+    if (!ledger_) return;
     store_vector(state_.x, p, x, count);
     store_vector(state_.v, p, v, count);
     store_matrix(state_.F_E, p, mapped.F_E, count);
@@ -119,7 +135,6 @@ class HomeGather {
     store_symmetric(state_.tau, p, mapped.stress.tau, count);
     X::keep(state_, p, count, grad_v);
     if constexpr (X::modes > 4) keep_modes(p, count);
-    return report;
   }
 
   void gather(int count) {
@@ -149,30 +164,29 @@ class HomeGather {
     }
   }
 
-  Report check(std::size_t p, int count, const Vec3<R>& x, const Vec3<R>& v, const Mat3<R>& grad_v,
-               const Vec3<R>& way, const Mapped<R>& mapped) const {
+  void check(std::size_t p, int count, const Vec3<R>& x, const Vec3<R>& v, const Mat3<R>& grad_v,
+             const Vec3<R>& way, const Mapped<R>& mapped) {
     const auto here = first_lanes<R>(count);
-    const R sum = sum_of(x) + sum_of(v) + sum_of(mapped.F_E) + mapped.J_P;
-    Report r = report_of(state_, p, count, v, mapped.stress.modulus, grad_v, sum);
-    const R leap = select(here, sqrt(dot(way, way)) * frame_.inv_dx, R{});
+    const R sum = sum_of(x) + sum_of(v) + sum_of(mapped.F_E) + mapped.J_P + mapped.stress.modulus;
+    extremes_.add(state_, p, count, v, mapped.stress.modulus, grad_v, sum);
+    const R leap2 = select(here, dot(way, way) * (frame_.inv_dx * frame_.inv_dx), R{});
     const R squeeze = select(here, determinant(identity<R>() + scaled(grad_v, dt_)), splat<R>(1));
-    r.leap = static_cast<double>(max_lane(leap));
-    r.squeeze = -static_cast<double>(max_lane(-squeeze));
-    if (r.refused()) r.culprit = culprit(p, count, leap, squeeze, sum + mapped.stress.modulus);
+    extremes_.leap2 = max(leap2, extremes_.leap2);
+    extremes_.squeeze = min(squeeze, extremes_.squeeze);
+    const auto good =
+        (sum - sum == R{}) & (leap2 <= T(most_leap * most_leap)) & (squeeze >= T(least_squeeze));
+    const R bad = select(here, select(good, R{}, splat<R>(1)), R{});
+    if (any(bad > R{})) find_culprit(p, count, bad);
     for (int a = 0; a < 3; ++a) {
       const R u = frame_.local(x[a], a);
-      r.drifted = r.drifted || any(here & ((u < T(0)) | (u >= T(S::reach))));
+      drifted_ = drifted_ || any(here & ((u < T(0)) | (u >= T(S::reach))));
     }
-    return r;
   }
 
-  std::uint32_t culprit(std::size_t p, int count, R leap, R squeeze, R sum) const {
-    std::uint32_t lowest = Report::nobody;
+  void find_culprit(std::size_t p, int count, R bad) {
     for (int l = 0; l < count; ++l) {
-      const bool good = std::isfinite(sum[l]) && leap[l] <= T(most_leap) && squeeze[l] >= T(least_squeeze);
-      if (!good) lowest = std::min(lowest, state_.id[p + static_cast<std::size_t>(l)]);
+      if (bad[l] > T(0)) culprit_ = std::min(culprit_, state_.id[p + static_cast<std::size_t>(l)]);
     }
-    return lowest;
   }
 
   const Model<T>& model_;
@@ -186,6 +200,9 @@ class HomeGather {
   Gather<T, S> from_, from_change_;
   std::vector<Solid<T>> solids_;
   Stencils<T, S, X::From::count> stencils_;
+  Extremes<R> extremes_;
+  bool drifted_ = false;
+  std::uint32_t culprit_ = Report::nobody;
   alignas(64) T sums_[X::modes + X::has_change][4 * L];  // of each mode; then of the change
 };
 

@@ -102,23 +102,21 @@ struct BlockUpdate {
   // Bounds over the nodes of at least mass `least`, and over all of them whether they are finite.
   BlockBounds<T> bounds_of(const T* node, const T* change, T least) const {
     const Row<T> far = splat<Row<T>>(std::numeric_limits<T>::max());
-    Row<T> low = far, high = -far, most{}, odd{};
+    Row<T> least_v = far, most_v = -far, most{}, odd{};
     for (int r = 0; r < 16; ++r) {
       const Row<T> v = load<Row<T>>(node + 16 * r);
       const auto heavy = last_of_quads<T>(v) >= least;
-      low = min(low, select(heavy, v, far));
-      high = max(high, select(heavy, v, -far));
+      least_v = min(least_v, select(heavy, v, far));
+      most_v = max(most_v, select(heavy, v, -far));
       odd += v - v;
       if (has_change) most = max(most, select(heavy, abs(load<Row<T>>(change + 16 * r)), Row<T>{}));
     }
-    BlockBounds<T> out{{low[0], low[1], low[2]}, {high[0], high[1], high[2]}, T(0), !any(odd != Row<T>{})};
-    for (int k = 0; k < 16; ++k) {
-      const int axis = k % 4;
-      if (axis == 3) continue;
-      out.low[axis] = std::min(out.low[axis], low[k]);
-      out.high[axis] = std::max(out.high[axis], high[k]);
-      out.change = std::max(out.change, most[k]);
-    }
+    const Row<T> low = -max_of_nodes<T>(-least_v), high = max_of_nodes<T>(most_v);
+    most = max_of_nodes<T>(most);
+    const BlockBounds<T> out{{low[0], low[1], low[2]},
+                             {high[0], high[1], high[2]},
+                             std::max(most[0], std::max(most[1], most[2])),
+                             !any(odd != Row<T>{})};
     return out;
   }
 

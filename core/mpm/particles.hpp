@@ -22,7 +22,9 @@ Report refresh(const Model<T>& model, State<T>& state) {
     const Vec3<R> x = load_vector<R>(state.x, p, count), v = load_vector<R>(state.v, p, count);
     const Mat3<R> C = load_matrix<R>(state.C, p, count);
     const R sum = detail::sum_of(x) + detail::sum_of(v) + detail::sum_of(F) + detail::sum_of(C) + J_P;
-    return detail::report_of(state, p, count, v, now.modulus, C, sum);
+    detail::Extremes<R> extremes;
+    extremes.add(state, p, count, v, now.modulus, C, sum);
+    return extremes.report();
   });
 }
 

@@ -68,8 +68,8 @@ class Numerics(Part):
     transfer: Literal["pic", "flip", "apic", "polypic", "asflip"] = entry(
         "apic",
         'How velocities go to the grid and back: "apic" and "polypic" keep angular momentum, "polypic" finer '
-        'motions too; "flip" blends FLIP and PIC; "asflip" adds APIC to that and lets snow come apart; "pic" '
-        "damps all but translations.",
+        'motions too; "flip" blends FLIP and PIC; "asflip" adds APIC to that and lets snow come apart, '
+        'but its energy has no bound; "pic" damps all but translations.',
         "",
         "flip: Stomakhin et al. 2013, apic: Jiang et al. 2015, asflip: Fei et al. 2021 (as quoted in public "
         "codes); polypic: Fu et al. 2017 names the idea, the details are ours; pic: Harlow 1964",

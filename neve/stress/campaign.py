@@ -34,8 +34,8 @@ PATIENCE = 60.0
 class Outcome:
     """What became of one scene.
 
-    fault: what went wrong, "" if nothing did; gain: largest growth of energy over all that was put in [1], None for
-    a transfer whose energy has no bound; refusals: steps that were refused and tried again.
+    fault: what went wrong, "" if nothing did; gain: largest growth of energy over all that was put in [1],
+    None for a transfer whose energy has no bound; refusals: steps that were refused and tried again.
     """
 
     number: int
