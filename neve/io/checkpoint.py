@@ -18,6 +18,17 @@ _PREFIX = "state."
 _ANEW = "start anew with --force"
 
 
+class Arrays(dict[str, Any]):
+    """Arrays of a checkpoint by name; one that is asked for and not there is told as a RunError."""
+
+    def __init__(self, path: Path, values: Mapping[str, Any]) -> None:
+        super().__init__(values)
+        self._path = path
+
+    def __missing__(self, name: str) -> Any:
+        raise _lacks(self._path, name)
+
+
 @dataclass(frozen=True)
 class Checkpoint:
     """The state of a run at the end of a frame."""
@@ -41,7 +52,8 @@ def write_checkpoint(path: Path, frame: int, scene: str, neve: str, arrays: Mapp
 def read_checkpoint(path: Path) -> Checkpoint:
     """Read a checkpoint back, every array with its bits.
 
-    Errors: RunError if the file is missing, damaged, or of another format version.
+    Errors: RunError if the file is missing, damaged, or of another format version; and later, when an array is
+    asked for that the file lacks: what a state consists of is known to who restores it.
     """
     try:
         raw = read_npz(path)
@@ -64,7 +76,13 @@ def read_checkpoint(path: Path) -> Checkpoint:
             frame=int(raw["frame"]),
             scene=str(raw["scene"]),
             neve=str(raw["neve"]),
-            arrays={name: value.item() if value.ndim == 0 else value for name, value in arrays.items()},
+            arrays=Arrays(
+                path, {name: value.item() if value.ndim == 0 else value for name, value in arrays.items()}
+            ),
         )
     except (KeyError, ValueError, TypeError) as error:
-        raise RunError(f"{path} lacks parts of its state and cannot be resumed; {_ANEW}.") from error
+        raise _lacks(path, str(error.args[0]) if isinstance(error, KeyError) else "a number") from error
+
+
+def _lacks(path: Path, what: str) -> RunError:
+    return RunError(f"{path} lacks parts of its state ({what}) and cannot be resumed; {_ANEW}.")

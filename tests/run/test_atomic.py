@@ -208,9 +208,9 @@ def test_log_reads_back_numbers_exactly(tmp_path):
 
 
 def test_log_of_another_version_is_one_sentence(tmp_path):
-    """A table with other columns is not gone on with."""
+    """A table with other columns is not gone on with, and whoever moves it away is told what that costs."""
     path = tmp_path / "log.csv"
     path.write_text("frame,time\n0,0\n")
-    with pytest.raises(RunError, match=r"log\.csv is no log of this version of Neve"):
+    with pytest.raises(RunError, match=r"no log of this version of Neve, .* does not take them over"):
         Log(path, keep_through=3)
     assert path.read_text() == "frame,time\n0,0\n"

@@ -13,7 +13,9 @@ import pytest
 from PIL import Image
 
 import neve
-from neve.run import pictures
+from neve.io.errors import RunError
+from neve.io.npz import read_npz, write_npz
+from neve.run import pictures, run_scene
 
 SNOWBALL = """
 [numerics]
@@ -129,3 +131,18 @@ def test_ctrl_c_in_a_terminal(snowball, tmp_path):
     neve.Simulation(scene, threads=1).run(straight, frames=done + 1, quiet=True)
     assert frames(out) == frames(straight)
     assert b"ftyp" in (out / "preview.mp4").read_bytes()[:16]
+
+
+def test_checkpoint_that_lacks_an_array(small_picture, snowball, tmp_path):
+    """Whatever part of the state is gone, the resume is refused in one sentence that names it."""
+    out = tmp_path / "ball"
+    scene = neve.load(snowball, ["run.film=false"])
+    neve.Simulation(scene, threads=1).run(out, frames=1, quiet=True)
+    whole = read_npz(out / "checkpoint")
+    names = [name for name in whole if name.startswith("state.")]
+    assert {"state.exchanged", "state.time", "state.strength", "state.m", "state.modes"} <= set(names)
+    for name in names:
+        with open(out / "checkpoint", "wb") as file:
+            write_npz(file, {key: value for key, value in whole.items() if key != name})
+        with pytest.raises(RunError, match=rf"lacks parts of its state \({name.removeprefix('state.')}\)"):
+            run_scene(scene, out, threads=1, resume=True, quiet=True)
