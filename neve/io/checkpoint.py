@@ -52,8 +52,8 @@ def write_checkpoint(path: Path, frame: int, scene: str, neve: str, arrays: Mapp
 def read_checkpoint(path: Path) -> Checkpoint:
     """Read a checkpoint back, every array with its bits.
 
-    Errors: RunError if the file is missing, damaged, or of another format version; and later, when an array is
-    asked for that the file lacks: what a state consists of is known to who restores it.
+    Errors: RunError if the file is missing, damaged, or of another format version; and later, when an array
+    is asked for that the file lacks: what a state consists of is known to who restores it.
     """
     try:
         raw = read_npz(path)

@@ -1,4 +1,4 @@
-"""Find what is legal in a scene but unlikely to be meant: too few cells, too large a fixed step."""
+"""Find what is legal in a scene but unlikely to be meant: too few cells, a long step, idle keys."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from neve.scene.fields import norm, rounded_down, rounded_up
 from neve.scene.scene import Scene
 from neve.scene.snow import Snow
 from neve.scene.sources import SnowBox, SnowCylinder, SnowLayer, SnowSource, SnowSphere, SnowText
+from neve.scene.unused import unused
 
 SOURCE_CELLS = 3
 """Cells across the thinnest part of a source, below which its inside is all surface."""
@@ -17,6 +18,8 @@ COLLIDER_CELLS = 2
 """Cells across a body, below which snow on both sides shares nodes."""
 FEATURE_CELLS = 2
 """Cells across a feature of noise, below which the grid smooths it away."""
+SEAM_CELLS = 1
+"""Cells across a seam between clods, below which snow is torn wider than it is weak."""
 
 
 def advice(scene: Scene) -> list[str]:
@@ -24,11 +27,15 @@ def advice(scene: Scene) -> list[str]:
     found = []
     for i, source in enumerate(scene.sources):
         name, whole = f"sources.{i}", scene.completed(source)
-        found += [*_thin_source(scene, source, name), *_fine_noise(scene, whole, name)]
+        found += [
+            *_thin_source(scene, source, name),
+            *_fine_noise(scene, whole, name),
+            *_thin_seam(scene, whole, name),
+        ]
     found += _long_step(scene)
     for i, collider in enumerate(scene.colliders):
         found += _thin_collider(scene, collider, f"colliders.{i}")
-    return found
+    return [*found, *unused(scene)]
 
 
 def fastest(scene: Scene, source: SnowSource) -> float:
@@ -72,6 +79,18 @@ def _fine_noise(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
             f"{name}.variation.feature_size = {noise.feature_size:g} is less than two cells of numerics.dx = "
             f"{dx:g}, too fine to act: use at least {rounded_up(FEATURE_CELLS * dx)}, or numerics.dx = "
             f"{rounded_down(noise.feature_size / FEATURE_CELLS)} or smaller"
+        )
+
+
+def _thin_seam(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+    dx, noise = scene.numerics.dx, source.variation
+    if not noise or noise.pattern != "clods" or not (noise.stiffness or noise.strength or noise.density):
+        return
+    if noise.seam < SEAM_CELLS * dx * (1 - 1e-9):
+        yield (
+            f"{name}.variation.seam = {noise.seam:g} is below a cell of numerics.dx = {dx:g}, so that the "
+            f"grid decides where clods part: use at least {rounded_up(SEAM_CELLS * dx)}, or numerics.dx = "
+            f"{rounded_down(noise.seam / SEAM_CELLS)} or smaller"
         )
 
 

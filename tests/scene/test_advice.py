@@ -15,6 +15,7 @@ from neve.scene.errors import SceneWarning
 from neve.scene.load import load, presets, scene_from
 
 BALL = {"shape": "sphere", "radius": 0.2}
+CLODS = {"pattern": "clods", "strength": 1.0, "feature_size": 0.2}
 PLATE = {"shape": "box", "size": [1.0, 1.0, 0.05]}
 
 # Tables -> what the sentence says, and the tables with the better value that it names.
@@ -48,6 +49,16 @@ DOUBTFUL: list[tuple[dict[str, Any], str, dict[str, Any]]] = [
         {"sources": [BALL | {"variation": {"strength": 0.2, "feature_size": 0.09}}]},
         r"sources\.0\.variation\.feature_size = 0\.09 .* at least 0\.1, or numerics\.dx = 0\.045 or",
         {"sources": [BALL | {"variation": {"strength": 0.2, "feature_size": 0.1}}]},
+    ),
+    (
+        {"sources": [BALL | {"variation": CLODS | {"seam": 0.03}}]},
+        r"sources\.0\.variation\.seam = 0\.03 is below a cell .* at least 0\.05, or numerics\.dx = 0\.03 or",
+        {"sources": [BALL | {"variation": CLODS | {"seam": 0.05}}]},
+    ),
+    (
+        {"sources": [BALL | {"variation": CLODS | {"seam": 0.03}}]},
+        r"sources\.0\.variation\.seam = 0\.03",
+        {"numerics": {"dx": 0.03}},
     ),
     (
         {"sources": [BALL], "snow": {"kind": "crust"}, "numerics": {"dx": 0.12}},
@@ -88,12 +99,16 @@ def test_presets_are_beyond_doubt(name: str) -> None:
 
 
 def test_limits_are_legal() -> None:
-    """Exactly three cells of snow, two of a body, two of a feature and no noise at all are silent."""
+    """Exactly three cells of snow, two of a body or a feature, one of a seam and no noise are silent."""
     edge: dict[str, Any] = {
         "numerics": {"dx": 0.1},
         "sources": [
             {"shape": "box", "size": [0.3, 1, 1], "variation": {"density": 0.1, "feature_size": 0.2}},
-            {"shape": "box", "variation": {"feature_size": 1e-3}},
+            {"shape": "box", "variation": {}},
+            {
+                "shape": "box",
+                "variation": {"pattern": "clods", "strength": 1.0, "seam": 0.1, "feature_size": 0.2},
+            },
         ],
         "colliders": [PLATE | {"size": [1, 1, 0.2]}],
     }

@@ -1,0 +1,107 @@
+"""Keys without effect are told, with what would make them count; at their defaults they are silent."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+
+import pytest
+
+from neve.scene.advice import advice
+from neve.scene.load import load, presets, scene_from, to_toml
+from neve.scene.unused import unused
+
+BOX = {"shape": "box"}
+
+
+def box(**tables: Any) -> dict[str, Any]:
+    """Return the tables of a scene of one box."""
+    return {"sources": [BOX | tables]}
+
+
+def numerics(**values: Any) -> dict[str, Any]:
+    """Return the tables of a scene of one box with `values` in [numerics]."""
+    return {"sources": [BOX], "numerics": values}
+
+
+# A scene with a key without effect -> what is told -> two scenes that follow the advice.
+IDLE: list[tuple[dict[str, Any], str, dict[str, Any], dict[str, Any]]] = [
+    (
+        numerics(polypic_modes=27),
+        r'numerics\.polypic_modes = 27 has no effect with transfer = "apic": set numerics\.transfer = '
+        r'"polypic", or leave polypic_modes at its default, 8',
+        numerics(polypic_modes=27, transfer="polypic"),
+        numerics(polypic_modes=8),
+    ),
+    (
+        numerics(flip_damping=5.0),
+        r'numerics\.flip_damping = 5\.0 .* "apic": set numerics\.transfer = "flip" or "asflip", or .* "off"',
+        numerics(flip_damping=5.0, transfer="flip"),
+        numerics(flip_damping="off"),
+    ),
+    (
+        numerics(flip_alpha=0.5, transfer="pic"),
+        r'numerics\.flip_alpha = 0\.5 .* "pic": set numerics\.transfer = "flip" or "asflip", or .* 0\.95',
+        numerics(flip_alpha=0.5, transfer="asflip"),
+        numerics(flip_alpha=0.95, transfer="pic"),
+    ),
+    (
+        numerics(flip_alpha=0.5, flip_damping=3.0, transfer="flip"),
+        r'flip_alpha = 0\.5 has no effect with flip_damping = 3, .*: set numerics\.flip_damping = "off", or',
+        numerics(flip_alpha=0.5, flip_damping="off", transfer="flip"),
+        numerics(flip_alpha=0.95, flip_damping=3.0, transfer="flip"),
+    ),
+    (
+        box(variation={"stiffness": 1.0, "seam": 0.2}),
+        r'sources\.0\.variation\.seam = 0\.2 .* pattern = "fractal": set .*\.pattern = "clods", or .* 0\.04',
+        box(variation={"stiffness": 1.0, "seam": 0.2, "pattern": "clods"}),
+        box(variation={"stiffness": 1.0, "seam": 0.04}),
+    ),
+    (
+        box(variation={"feature_size": 0.3}),
+        r"sources\.0\.variation holds no amplitude, so that its feature_size has no effect: set its",
+        box(variation={"feature_size": 0.3, "density": 0.1}),
+        box(),
+    ),
+    (
+        box(variation={"pattern": "clods", "seam": 0.3, "seed": 2}),
+        r"its pattern, seam and seed have no effect",
+        box(variation={"pattern": "clods", "seam": 0.3, "seed": 2, "strength": 1.0}),
+        box(variation={}),
+    ),
+    (
+        box(profile={"at": [0.0, 0.1]}),
+        r"sources\.0\.profile holds no factors, so that its at has no effect: set its stiffness, strength or",
+        box(profile={"at": [0.0, 0.1], "strength": [2.0, 1.0]}),
+        box(),
+    ),
+]
+
+
+@pytest.mark.parametrize(("tables", "told", "used", "plain"), IDLE)
+def test_a_key_without_effect_is_told(
+    tables: dict[str, Any], told: str, used: dict[str, Any], plain: dict[str, Any]
+) -> None:
+    """One sentence, and both ways out that it names lead to silence."""
+    [sentence] = advice(scene_from(tables))
+    assert re.search(told, sentence)
+    assert not re.search(r"\n|[.!] [A-Z]|\.$", sentence)
+    assert advice(scene_from(used)) == []
+    assert advice(scene_from(plain)) == []
+
+
+@pytest.mark.parametrize("name", presets())
+def test_complete_files_are_silent(name: str) -> None:
+    """A complete scene.toml spells every key out; that is no reason to warn, nor is another transfer."""
+    complete = tomllib.loads(to_toml(load(name)))
+    for transfer in ("pic", "flip", "apic", "polypic", "asflip"):
+        assert list(unused(scene_from(complete, [f"numerics.transfer={transfer}"]))) == []
+
+
+def test_another_transfer_for_a_complete_file() -> None:
+    """What was set for the file's transfer is told when `--set` takes another, and the scene still loads."""
+    complete = tomllib.loads(to_toml(scene_from(numerics(transfer="flip", flip_alpha=0.99))))
+    assert list(unused(scene_from(complete))) == []
+    [sentence] = unused(scene_from(complete, ["numerics.transfer=apic"]))
+    assert sentence.startswith('numerics.flip_alpha = 0.99 has no effect with transfer = "apic"')
