@@ -6,8 +6,9 @@
 // Deviators shrink onto the cone at constant volume. Past the apex, tr eps = e_c = p_t / K, snow comes apart at
 // constant tension p_t, and J_P remembers by how much: the true log-volume is e = ln J_E + ln J_P. It stays in J_P
 // until e is back at e_c; only then grains touch and all of e is elastic again. That is the volume correction, exact
-// in J: without it snow that was torn apart and pushed together again would be larger than before. J_E J_P is
-// conserved to rounding, and a hydrostatic compression is elastic.
+// in J up to J_P_max: without it snow that was torn apart and pushed together again would be larger than before. Snow
+// torn apart beyond J_P_max forgets the rest, and touches again while it is larger by that. Short of the cap J_E J_P
+// is conserved to rounding, and a hydrostatic compression is elastic.
 #pragma once
 
 #include "constitutive/hencky.hpp"

@@ -23,7 +23,7 @@ WORDS = ("kind", "law", "plasticity")
 ALWAYS = ("rho0", "E0", "nu")
 USES: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(ELASTIC_LAWS, (*ALWAYS, "xi", "theta_c", "theta_s", "J_P_min", "J_P_max")),
-    "drucker_prager": (*ALWAYS, "friction_angle", "cohesion"),
+    "drucker_prager": (*ALWAYS, "friction_angle", "cohesion", "J_P_max"),
     "cam_clay": (*ALWAYS, "xi", "M", "beta", "p0", "J_P_min", "J_P_max"),
 }
 """Law -> the constants that it uses, when it is plastic."""
@@ -122,7 +122,8 @@ class Snow(Part):
     J_P_max: Real = _constant(
         "J_P_max",
         20.0,
-        "Upper bound of J_P: grains that fly apart do not remember how far.",
+        "Upper bound of J_P: grains that fly apart do not remember how far; with drucker_prager, snow torn "
+        "apart further bears load again before all that room is closed.",
         "1",
         BOUNDS,
         gt=1,
