@@ -106,7 +106,7 @@ def list_scenes(snow: bool, as_json: bool) -> None:
 @click.option("--threads", metavar="N", callback=_threads, help="Number of threads; all by default.")
 @click.option("--resume", is_flag=True, help="Go on in the run from its checkpoint.")
 @click.option("--force", is_flag=True, help="Replace the run that lies in the folder.")
-@click.option("--quiet", is_flag=True, help="Show nothing but errors.")
+@click.option("--quiet", is_flag=True, help="Hide the progress; warnings and errors are still told.")
 def run(
     scene: str,
     out: str | None,
@@ -133,7 +133,7 @@ def run(
     from neve.scene.advice import advice
     from neve.scene.errors import SceneWarning
 
-    for sentence in () if quiet else advice(wish):
+    for sentence in advice(wish):
         _complain(f"warning: {sentence}.")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)  # told above, in the style of the command line

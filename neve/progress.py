@@ -1,4 +1,4 @@
-"""Tell the user how a run goes: a bar on a terminal, plain lines elsewhere, silence if so wished."""
+"""Tell the user how a run goes: a bar on a terminal, plain lines elsewhere, warnings alone if so wished."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def duration(seconds: float) -> str:
 
 
 class Silence:
-    """Show nothing; errors reach the user on their own way."""
+    """Show nothing; errors reach the user on their own way, and warnings through `told_by`."""
 
     def __enter__(self) -> Self:
         return self
@@ -180,9 +180,23 @@ class Bar:
         self._bar.console.print(sentence, highlight=False, markup=False)
 
 
+class Warnings(Silence):
+    """Show no progress; sentences go out as lines in the style of the command line's own."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self._stream = stream or sys.stderr
+
+    def say(self, sentence: str) -> None:
+        """Write the sentence on a line of its own."""
+        print(f"neve: {sentence}", file=self._stream, flush=True)
+
+
 @contextlib.contextmanager
 def told_by(progress: Progress) -> Iterator[None]:
-    """Show what is logged under "neve" in the block as sentences of `progress`, not of Python's logging."""
+    """Show warnings logged under "neve" in the block as sentences of `progress`, not of Python's logging.
+
+    A run that shows no progress still warns: give it `Warnings`.
+    """
     logger = logging.getLogger("neve")
     handler = _Teller(progress)
     before = logger.propagate

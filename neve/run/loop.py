@@ -7,6 +7,7 @@ schedule says so. Frames, log, checkpoint and film are outputs; more can be give
 from __future__ import annotations
 
 import contextlib
+import logging
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -17,7 +18,7 @@ from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import version
-from neve.progress import Progress, follow, told_by
+from neve.progress import Progress, Warnings, follow, told_by
 from neve.run.fragments import FragmentOutput
 from neve.run.interrupt import Interrupt
 from neve.run.outputs import CheckpointOutput, Clock, FrameOutput, LogOutput, Moment, Output
@@ -46,7 +47,7 @@ def run(
     frames: number of the last frame; by default `run.duration` times `run.fps` of the scene
     resume: go on from the run's checkpoint; of `sim` only its scene and threads count then
     force: replace the run that lies in `out`
-    quiet: show no progress
+    quiet: show no progress, only warnings
     observers: further outputs
 
     Frame 0 is the state at the start. The same scene gives the same frames, bit for bit, whether the run was
@@ -127,12 +128,15 @@ def _run(
             outputs += [LogOutput(folder, done), *observers]
             outputs.append(CheckpointOutput(folder, toml, version(), done))
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
+            stack.enter_context(told_by(Warnings() if quiet else progress))
             if checkpoint is not None and checkpoint.neve != version():
-                progress.say(
-                    f"{folder.path}: the run was begun with Neve {checkpoint.neve} and goes on with"
-                    f" {version()}, so its bits may differ from those of a run in one go"
+                logging.getLogger("neve").warning(
+                    "%s: the run was begun with Neve %s and goes on with %s, so its bits may differ from"
+                    " those of a run in one go",
+                    folder.path,
+                    checkpoint.neve,
+                    version(),
                 )
-            stack.enter_context(told_by(progress))
             interrupt = stack.enter_context(Interrupt(quiet))
             reached = _loop(sim, done, last, outputs, progress, interrupt)
             if reached < last:

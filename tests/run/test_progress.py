@@ -1,10 +1,11 @@
 """Progress: a bar on a terminal, plain lines elsewhere, silence if wished; and schedules."""
 
 import io
+import logging
 
 import pytest
 
-from neve.progress import Bar, Lines, Pace, Silence, duration, follow
+from neve.progress import Bar, Lines, Pace, Silence, Warnings, duration, follow, told_by
 from neve.schedule import EveryFrame, EverySeconds, Never
 
 
@@ -29,6 +30,15 @@ def test_the_stream_decides():
     assert isinstance(follow("ball", 0, 9, stream=Terminal()), Bar)
     assert isinstance(follow("ball", 0, 9, stream=io.StringIO()), Lines)
     assert isinstance(follow("ball", 0, 9, quiet=True, stream=Terminal()), Silence)
+
+
+def test_warnings_alone():
+    """Without progress what is logged still goes out, a line each, in the style of the command line."""
+    stream = io.StringIO()
+    with Warnings(stream) as shown, told_by(shown):
+        shown.update(3, 1, 40)
+        logging.getLogger("neve.some.module").warning("snow is %s", "warm")
+    assert stream.getvalue() == "neve: warning: snow is warm\n"
 
 
 def test_lines_come_every_few_seconds():
