@@ -118,8 +118,8 @@ inline auto held(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x
 }
 
 // The velocity of snow at x after every solid that holds x has acted on it, in the order of the scene. A solid holds
-// what is no more than `skin` [m] outside. What masses m (zero: no snow there) exchange with each goes into the ledger, if
-// there is one.
+// what is no more than `skin` [m] outside. What masses m (zero: no snow there) exchange with each goes into the ledger,
+// if there is one.
 template <class R>
 inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v,
                        scalar_t<R> skin, R m, Ledger* ledger) {

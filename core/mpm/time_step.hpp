@@ -41,8 +41,8 @@ struct Report {
   }
 };
 
-// What grid_update found in the nodes, before any particle is moved. Nodes lighter than a tenth of the lightest particle
-// are left out: no particle takes more than that share of its velocity from them.
+// What grid_update found in the nodes, before any particle is moved. Nodes lighter than a tenth of the lightest
+// particle are left out: no particle takes more than that share of its velocity from them.
 struct Ahead {
   double speed = 0;    // largest node speed [m/s]
   double spread = 0;   // largest difference of velocities within a home's tile [m/s]

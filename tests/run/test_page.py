@@ -1,0 +1,56 @@
+"""docs/run_folder.md names what a run folder holds: every file, column and array, in their order."""
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from neve import fragments
+from neve.io import log
+from neve.io.frames import Frame
+from neve.io.run_folder import RunFolder
+from neve.mpm.time_step import Bound
+from neve.run.loop import _FREE
+
+PAGE = (Path(__file__).parents[2] / "docs/run_folder.md").read_text(encoding="utf-8")
+
+
+def tables():
+    """The tables of the page: for each the cells of its rows, without the head."""
+    found = [block.splitlines()[2:] for block in PAGE.split("\n\n") if block.startswith("| ")]
+    return [[[cell.strip() for cell in row.strip("|").split("|")] for row in rows] for rows in found]
+
+
+def names(table):
+    """The words in code in the first cells of a table."""
+    return [name for first, *_ in table for name in re.findall(r"`([^`]+)`", first)]
+
+
+FILES, LOG, FRAGMENTS, ARRAYS = tables()
+
+
+@pytest.mark.parametrize(
+    ("table", "columns"), [(LOG, log.COLUMNS), (FRAGMENTS, fragments.COLUMNS), (ARRAYS, Frame._fields)]
+)
+def test_all_columns_stand_in_the_page(table, columns):
+    """Each column and array has its place, and a meaning in the last cell of its row."""
+    assert tuple(names(table)) == tuple(columns)
+    assert all(row[-1] for row in table)
+
+
+def test_all_files_stand_in_the_page():
+    """Each file that RunFolder knows is named, and none else; parts of a film with the film."""
+    folder = RunFolder("run")
+    known = {path.name for path in vars(folder).values()} - {"run", folder.film_parts.name}
+    assert set(names(FILES)) == known
+    assert f"`{folder.film_parts.name}`" in PAGE
+
+
+def test_words_of_the_page():
+    """What may bound a step, and what a resume may change, are the words of the code."""
+    [row] = [row for row in LOG if row[0] == "`bound`"]
+    assert set(get_args(Bound)) == set(re.findall(r"`(\w+)`", row[-1]))
+    for key in _FREE:
+        assert f"`{key}`" in PAGE
+    assert f"{fragments.MOST} largest fragments" in PAGE
