@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from neve.scene.complaint import shown
 from neve.scene.scene import Numerics, Scene
-from neve.scene.sources import Profile, Variation
+from neve.scene.sources import Profile, SnowSource, Variation
 
 FACTORS = ("stiffness", "strength", "density")
 """What a variation or a profile may change."""
@@ -26,6 +26,11 @@ def unused(scene: Scene) -> Iterator[str]:
             yield from _of_variation(source.variation, f"sources.{i}.variation")
         if source.profile:
             yield from _of_profile(source.profile, f"sources.{i}.profile")
+        yield from _of_strength(scene, source, f"sources.{i}")
+    for i, collider in enumerate(scene.colliders):
+        if collider.mode == "sticky":
+            modes = f'colliders.{i}.mode = "separate" or "slip"'
+            yield from _set_in_vain(collider, f"colliders.{i}", "mu_c", 'mode = "sticky"', modes)
 
 
 def _of_transfer(numerics: Numerics) -> Iterator[str]:
@@ -54,6 +59,20 @@ def _of_profile(profile: Profile, name: str) -> Iterator[str]:
         yield from _idle(profile, name, "factors")
 
 
+def _of_strength(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+    """Yield the sentences about factors on thresholds that the snow of `source` does not have."""
+    snow = scene.snow_of(source)
+    if snow.plasticity == "none":
+        why, what_counts = 'plasticity = "none"', 'plasticity = "snow"'
+    elif snow.law == "drucker_prager" and snow.cohesion == 0:
+        why, what_counts = "cohesion = 0", "a cohesion"
+    else:
+        return
+    for part in ("variation", "profile"):
+        if table := getattr(source, part):
+            yield from _set_in_vain(table, f"{name}.{part}", "strength", why, what_counts)
+
+
 def _idle(part: Variation | Profile, name: str, what: str) -> Iterator[str]:
     """Yield the sentence about a table that changes nothing, unless it is empty: that is how to say so."""
     changed = [key for key, field in type(part).model_fields.items() if getattr(part, key) != field.default]
@@ -70,7 +89,8 @@ def _set_in_vain(part: BaseModel, name: str, key: str, why: str, what_counts: st
     """Yield the sentence about `key` of the table `name`, unless it stands at its default."""
     value, default = getattr(part, key), type(part).model_fields[key].default
     if value != default:
+        given, usual = (shown(list(v) if isinstance(v, tuple) else v) for v in (value, default))
         yield (
-            f"{name}.{key} = {shown(value)} has no effect with {why}: set {what_counts}, or leave {key} at "
-            f"its default, {shown(default)}"
+            f"{name}.{key} = {given} has no effect with {why}: set {what_counts}, or leave {key} at its "
+            f"default, {usual}"
         )

@@ -76,6 +76,24 @@ IDLE: list[tuple[dict[str, Any], str, dict[str, Any], dict[str, Any]]] = [
         box(profile={"at": [0.0, 0.1], "strength": [2.0, 1.0]}),
         box(),
     ),
+    (
+        box(variation={"strength": 0.5}, snow={"plasticity": "none"}),
+        r'sources\.0\.variation\.strength = 0\.5 .* plasticity = "none": set plasticity = "snow", or .* 0\.0',
+        box(variation={"strength": 0.5}, snow={"plasticity": "snow"}),
+        box(snow={"plasticity": "none"}),
+    ),
+    (
+        box(profile={"at": [0.0, 0.1], "strength": [2.0, 1.0]}, snow={"kind": "powder"}),
+        r"sources\.0\.profile\.strength = \[2\.0, 1\.0\] .* with cohesion = 0: set a cohesion, or .* \[\]",
+        box(profile={"at": [0.0, 0.1], "strength": [2.0, 1.0]}, snow={"kind": "powder", "cohesion": 9.0}),
+        box(snow={"kind": "powder"}),
+    ),
+    (
+        {"sources": [BOX], "colliders": [{"shape": "plane", "mode": "sticky", "mu_c": 0.2}]},
+        r'colliders\.0\.mu_c = 0\.2 .* "sticky": set colliders\.0\.mode = "separate" or "slip", or .* 0\.5',
+        {"sources": [BOX], "colliders": [{"shape": "plane", "mode": "slip", "mu_c": 0.2}]},
+        {"sources": [BOX], "colliders": [{"shape": "plane", "mode": "sticky", "mu_c": 0.5}]},
+    ),
 ]
 
 
