@@ -13,6 +13,7 @@ class Report:
     speed: float
     fastest: float
     strain_rate: float
+    press_rate: float
     leap: float
     squeeze: float
     finite: bool

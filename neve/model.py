@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -40,6 +42,8 @@ class Model:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
         for collider in self.colliders:
             self.native.add_solid(collider.shape, _half_extents(collider), collider.mode, collider.mu_c)
+        self.strongest = 1.0
+        """Largest factor on the thresholds of any particle."""
         self.place_colliders(0.0)
 
     def poses(self, time: float) -> list[Pose]:
@@ -52,22 +56,38 @@ class Model:
             self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
 
     @property
-    def strain_limit(self) -> float:
-        """Largest dt |grad v| of an automatic step: numerics.strain_max, and with hardening snow at most 1 /
-        xi.
+    def press_limit(self) -> float:
+        """Return how far a step may press snow, -dt tr grad v [1], before hardening stores more than its
+        work.
 
-        Stiffness grows by exp(xi de) when snow is pressed by de. The step's work is that of the stress before
-        it, so a step with xi de above 2 could store more energy than went in (docs/theory.md, time step).
+        Pressed by de on each axis, snow at its yield strain theta does the work w de, w = 3 (2 mu + 3 lam)
+        theta, and hardens by exp(x), x = 3 xi de, which adds w (theta / 2) (exp(x) - 1) to its energy:
+        affordable while (exp(x) - 1) / x <= 2 / (3 xi theta). On fewer axes it is cheaper (docs/theory.md).
         """
-        hardening = max(
-            (snow.xi for snow in self.snows if "xi" in used(snow.law, snow.plasticity)), default=0.0
-        )
-        return min(self.numerics.strain_max, 1.0 / max(hardening, 1e-9))
+        limits = [
+            affordable(snow.xi * snow.theta_c * self.strongest) / snow.xi
+            for snow in self.snows
+            if "theta_c" in used(snow.law, snow.plasticity) and snow.xi * snow.theta_c > 0
+        ]
+        return min(limits, default=math.inf)
 
     @property
     def colliders_move(self) -> bool:
         """Whether any collider changes its place in time."""
         return any(c.keyframes or any(c.velocity) or any(c.spin) for c in self.colliders)
+
+
+@lru_cache
+def affordable(xi_theta: float) -> float:
+    """Return the largest x with (exp(x) - 1) / x <= 2 / (3 xi theta), by bisection; 0 if there is none."""
+    low, high = 0.0, 20.0
+    for _ in range(60):
+        x = 0.5 * (low + high)
+        if math.expm1(x) / x <= 2.0 / (3.0 * xi_theta):
+            low = x
+        else:
+            high = x
+    return low
 
 
 def _constants(snow: Snow) -> dict[str, float]:

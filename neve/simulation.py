@@ -150,6 +150,7 @@ class Simulation:
     def _begin(self) -> Report:
         """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
         model, state = self.model, self._state
+        model.strongest = float(np.max(state.strength, initial=0.0))
         started = perf_counter()
         report = model.core.refresh(model.native, state)
         require_finite(model, state, report, self.steps, self.time, 0.0)

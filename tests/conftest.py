@@ -46,6 +46,12 @@ def transfer(request):
     return request.param
 
 
+@pytest.fixture(params=["apic", "flip", "polypic", "asflip"])
+def lively_transfer(request):
+    """A transfer that does not damp: all but PIC, whose waves fade within cells."""
+    return request.param
+
+
 @pytest.fixture(params=list(LAWS))
 def law(request):
     """A snow of the oracle for each constitutive law and variant."""

@@ -60,6 +60,7 @@ NB_MODULE(_core, m) {
       .def_ro("speed", &neve::Report::speed, "Largest particle speed [m/s].")
       .def_ro("fastest", &neve::Report::fastest, "Largest sum of both on one particle [m/s].")
       .def_ro("strain_rate", &neve::Report::strain_rate, "Largest |grad v| [1/s].")
+      .def_ro("press_rate", &neve::Report::press_rate, "Largest -tr grad v [1/s].")
       .def_ro("leap", &neve::Report::leap, "Longest way in the step [cells].")
       .def_ro("squeeze", &neve::Report::squeeze, "Smallest det(I + dt grad v).")
       .def_ro("finite", &neve::Report::finite)

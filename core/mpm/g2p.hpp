@@ -15,7 +15,7 @@ namespace detail {
 template <class R>
 struct Extremes {
   using T = scalar_t<R>;
-  R wave{}, speed{}, fastest{}, rate2{}, leap2{}, squeeze = splat<R>(1);
+  R wave{}, speed{}, fastest{}, rate2{}, press{}, leap2{}, squeeze = splat<R>(1);
   bool finite = true;
 
   // `sum` gathers all numbers of a particle: it is finite only if they all are.
@@ -31,6 +31,7 @@ struct Extremes {
     speed = max(s, speed);
     fastest = max(c + s, fastest);
     rate2 = max(select(here, rate, R{}), rate2);
+    press = max(select(here, R(-grad_v.c0.x - grad_v.c1.y - grad_v.c2.z), R{}), press);
     finite = finite && !any(all - all != R{});
   }
   Report report() const {
@@ -39,6 +40,7 @@ struct Extremes {
     r.speed = static_cast<double>(max_lane(speed));
     r.fastest = static_cast<double>(max_lane(fastest));
     r.strain_rate = std::sqrt(static_cast<double>(max_lane(rate2)));
+    r.press_rate = static_cast<double>(max_lane(press));
     r.leap = std::sqrt(static_cast<double>(max_lane(leap2)));
     r.squeeze = -static_cast<double>(max_lane(-squeeze));
     r.finite = finite;

@@ -83,7 +83,7 @@ struct BlockUpdate {
     T* change = has_change ? grid.node_change(b) : node;
     for (int r = 0; r < 16; ++r) row(node + 16 * r, change + 16 * r);
     if (!model.solids.empty()) meet_solids(grid, b, node, change);
-    grid.bounds[static_cast<std::size_t>(b)] = bounds_of(node, change, grid.lightest * T(0.1));
+    grid.bounds[static_cast<std::size_t>(b)] = bounds_of(node, change, grid.lightest * T(1e-3));
   }
 
  private:

@@ -20,6 +20,7 @@ struct Report {
   double speed = 0;                // largest particle speed |v| [m/s]
   double fastest = 0;              // largest c + |v| [m/s]
   double strain_rate = 0;          // largest |grad v| (Frobenius) [1/s]
+  double press_rate = 0;           // largest -tr grad v [1/s]
   double leap = 0;                 // longest way of a particle in this step [cells]
   double squeeze = 1;              // smallest det(I + dt grad v) [1]
   bool finite = true;              // every particle has finite x, v, F_E, J_P and stress
@@ -33,6 +34,7 @@ struct Report {
     speed = std::max(speed, o.speed);
     fastest = std::max(fastest, o.fastest);
     strain_rate = std::max(strain_rate, o.strain_rate);
+    press_rate = std::max(press_rate, o.press_rate);
     leap = std::max(leap, o.leap);
     squeeze = std::min(squeeze, o.squeeze);
     finite = finite && o.finite;
@@ -41,8 +43,8 @@ struct Report {
   }
 };
 
-// What grid_update found in the nodes, before any particle is moved. Nodes lighter than a tenth of the lightest
-// particle are left out: no particle takes more than that share of its velocity from them.
+// What grid_update found in the nodes, before any particle is moved. Nodes lighter than a thousandth of the lightest
+// particle are left out: 27 or 64 of them together have a small part in a particle's velocity.
 struct Ahead {
   double speed = 0;    // largest node speed [m/s]
   double spread = 0;   // largest difference of velocities within a home's tile [m/s]

@@ -53,7 +53,7 @@ def no_step(
         what = "would have no finite value"
     elif report.leap > _core.most_leap:
         what = f"would leap {report.leap:.3g} cells"
-    elif report.squeeze >= _core.least_squeeze:
+    elif report.squeeze >= _core.least_squeeze:  # by the limits of neve.mpm.caution
         what = f"would be strained by {report.strain_rate * dt:.2g}"
     else:
         what = f"would be pressed to {max(report.squeeze, 0.0):.2g} of its volume"

@@ -1,15 +1,20 @@
 """Take a step only if it is safe: look at it first, refuse it, and try it again with a shorter dt.
 
 A step is refused if a value would not be finite, if a particle would move by more than a cell, if
-det(I + dt grad v) would fall below 0.05, on the way to turning the particle inside out, or if dt |grad v|
-would exceed four times what the automatic step allows. Nothing has been moved by then: the particles are as
-they were, so that a refused step needs no copy of the state to go back to.
+det(I + dt grad v) would fall below 0.05, on the way to turning the particle inside out, if dt |grad v| would
+exceed four times numerics.strain_max, or if snow would be pressed so far that its hardening stores more
+energy than the step's work (`Model.press_limit`). Nothing has been moved by then: the particles are as they
+were, so that a refused step needs no copy of the state to go back to.
 
 Most steps need no closer look. After the grid update the velocities of the nodes around a particle differ by
-`spread` at most, and |grad v| <= sqrt(3) spread / dx for both splines: row a of grad v is D^-1 sum_i w_ip
-v_ia (x_i - x_p), and with v_ia measured from the middle of its range, |v_ia| <= spread_a / 2, its length is
-at most sqrt(3) spread_a / dx, since sum_i w_ip |x_i - x_p|_b <= sqrt(D). Only when that bound comes near a
-limit is g2p run once without moving anything.
+`spread` at most, and |grad v| <= sqrt(3) spread / dx. For affine transfers row a of grad v is
+D^-1 sum_i w_ip v_ia (x_i - x_p); with v_ia measured from the middle of its range, |v_ia| <= spread_a / 2,
+an entry is at most spread_a / dx, since sum_i w_ip |x_i - x_p|_b <= sqrt(D). For gradients of weights an
+entry is at most (spread_a / 2) sum |w'| <= spread_a / dx. `spread` leaves out nodes lighter than a thousandth of
+the lightest particle, so it is an estimate; the particles' own rates of the last step, which lone particles
+keep, are looked at besides. Only when an estimate comes near a limit is g2p run once without moving
+anything. How far snow will be pressed is judged by the last step alone: the first step of an impact may
+overshoot that limit.
 """
 
 from __future__ import annotations
@@ -53,8 +58,8 @@ def careful_step(
 ) -> Taken:
     """Advance the state by dt [s], or by less if that is what it takes.
 
-    A refused step is tried again with the largest stable step of the last report, if dt was longer than that,
-    then with half of that, a quarter, ...
+    A refused step is tried again with the largest stable step of the last report, if dt was longer than
+    that, then with half of that, a quarter, ...
 
     before: the report of the last step; seconds: wall time of each stage, added to; steps, time: where the
     run stands, for the sentence.
@@ -62,11 +67,10 @@ def careful_step(
     Errors: Blowup after MOST_TRIES refusals.
     """
 
-    most_strain = 4.0 * model.strain_limit
     stable = longest_stable(model, before).dt
     for refusals in range(MOST_TRIES):
-        bold = partial(is_bold, before=before, dt=dt, dx=model.numerics.dx, most_strain=most_strain)
-        refuses = partial(is_too_much, dt=dt, most_strain=most_strain)
+        bold = partial(is_bold, before=before, dt=dt, model=model)
+        refuses = partial(is_too_much, dt=dt, model=model)
         report, done = step(model, state, grid, dt, seconds, bold, refuses)
         if done:
             return Taken(report, dt, refusals)
@@ -74,17 +78,29 @@ def careful_step(
     raise no_step(model, state, report, MOST_TRIES, steps, time, 2.0 * dt)
 
 
-def is_bold(ahead: Ahead, before: Report, dt: float, dx: float, most_strain: float) -> bool:
-    """Tell whether a step of dt [s] on a grid of dx [m] might have to be refused.
+def is_bold(ahead: Ahead, before: Report, dt: float, model: Model) -> bool:
+    """Tell whether a step of dt [s] might have to be refused.
 
     A particle moves with a mean of node velocities, or, in transfers that blend FLIP in, with its own
     velocity and a mean of the nodes' changes.
     """
-    strain = math.sqrt(3.0) * ahead.spread * dt / dx
-    leap = max(ahead.speed, before.speed + ahead.change) * dt / dx
-    return not (ahead.finite and strain <= min(_SAFE_STRAIN, 0.9 * most_strain) and leap <= _SAFE_LEAP)
+    per_cell = dt / model.numerics.dx
+    strain = max(math.sqrt(3.0) * ahead.spread * per_cell, before.strain_rate * dt)
+    press = before.press_rate * dt
+    leap = max(ahead.speed, before.speed + ahead.change) * per_cell
+    calm = (
+        strain <= min(_SAFE_STRAIN, 0.9 * _most_strain(model))
+        and press <= 0.9 * model.press_limit
+        and leap <= _SAFE_LEAP
+    )
+    return not (ahead.finite and calm)
 
 
-def is_too_much(report: Report, dt: float, most_strain: float) -> bool:
+def is_too_much(report: Report, dt: float, model: Model) -> bool:
     """Tell whether a step of dt [s] that was tried has to be refused."""
-    return report.refused or report.strain_rate * dt > most_strain
+    strained = report.strain_rate * dt > _most_strain(model)
+    return report.refused or strained or report.press_rate * dt > model.press_limit
+
+
+def _most_strain(model: Model) -> float:
+    return 4.0 * model.numerics.strain_max

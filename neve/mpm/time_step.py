@@ -27,21 +27,24 @@ def largest(model: Model, report: Report) -> Choice:
 
 
 def longest_stable(model: Model, report: Report) -> Choice:
-    """Return the longest stable step: dt = min(cfl dx / max_p(c_p + |v_p|), strain limit / max_p |grad v|_p,
-    dt_max).
+    """Return the longest stable step, the least of
+
+        cfl dx / max_p(c_p + |v_p|),  strain_max / max_p |grad v|_p,  L / (2 max_p -tr grad v_p),  dt_max
 
     c = sqrt(modulus V0 / m) with the largest acoustic modulus of the law in the present, hardened state, per
-    particle (Sun, Shinar and Schroeder 2020 give the idea; each law's header the formula); |grad v|
-    (Frobenius) is that of the last step, and the limit is `Model.strain_limit`. The bound is "wave" or
-    "speed", whichever is larger, "strain", or "dt_max".
+    particle (Sun, Shinar and Schroeder 2020 give the idea; each law's header the formula); grad v is that of
+    the last step, |.| Frobenius, and L is `Model.press_limit`. The bound is "wave" or "speed", whichever is
+    larger, "strain" (either), or "dt_max".
     """
     numerics = model.numerics
     best = Choice(numerics.dt_max, "dt_max")
     if report.fastest * best.dt > numerics.cfl * numerics.dx:
         bound: Bound = "wave" if report.wave >= report.speed else "speed"
         best = Choice(numerics.cfl * numerics.dx / report.fastest, bound)
-    if report.strain_rate * best.dt > model.strain_limit:
-        best = Choice(model.strain_limit / report.strain_rate, "strain")
+    if report.strain_rate * best.dt > numerics.strain_max:
+        best = Choice(numerics.strain_max / report.strain_rate, "strain")
+    if report.press_rate * best.dt > 0.5 * model.press_limit:
+        best = Choice(0.5 * model.press_limit / report.press_rate, "strain")
     return best
 
 

@@ -94,12 +94,16 @@ class Numerics(Part):
         "auto", 'Time step, or "auto" to take the largest that is stable.', "s"
     )
     cfl: Real = entry(
-        0.4, "Share of a cell that a wave or a particle may cross in one automatic step.", "1", gt=0, le=1
+        0.4,
+        "Share of a cell that a wave or a particle may cross in one automatic step; above 0.6 snow can gain "
+        "energy.",
+        "1",
+        gt=0,
+        le=0.6,
     )
     strain_max: Real = entry(
         0.25,
-        "Largest change of the deformation, dt |grad v|, in one automatic step; with hardening snow 1 / xi "
-        "if that is less.",
+        "Largest change of the deformation, dt |grad v|, in one automatic step.",
         "1",
         gt=0,
         le=1,

@@ -15,27 +15,30 @@ from neve.scene.scene import Scene
 from neve.simulation import Simulation
 from neve.stress.draw import draw
 
-PARTS = 6
+PARTS = 30
 """So often in its duration a scene is looked at."""
 
 MOST_GAIN = 0.05
-"""Growth of energy that is allowed, as a share of all that was put in."""
+"""Growth of energy that is allowed, as a share of all that was put in since the start."""
+
+MOST_SURGE = 0.25
+"""Growth of energy between two looks that is allowed, as a share of what moves and is strained then."""
 
 UNBOUNDED = ("asflip",)
 """Transfers whose energy has no bound: ASFLIP gives a particle back what the grid did not take over of its
-velocity, while its affine velocity already holds a part of that. Where grains pass through each other it
-gains."""
+velocity, while its affine velocity already holds a part of that. Where grains pass through each other it gains."""
 
-PATIENCE = 60.0
-"""Wall time [s] after which a scene is stopped and counts as stuck."""
+MOST_STEPS = 20_000
+"""Steps after which a scene counts as stuck."""
 
 
 @dataclass(frozen=True)
 class Outcome:
     """What became of one scene.
 
-    fault: what went wrong, "" if nothing did; gain: largest growth of energy over all that was put in [1],
-    None for a transfer whose energy has no bound; refusals: steps that were refused and tried again.
+    fault: what went wrong, "" if nothing did; gain: largest growth of energy over all that was put in [1];
+    surge: largest growth between two looks over what moved and was strained then [1]; both are judged
+    unless the transfer is one of UNBOUNDED; refusals: steps that were refused and tried again.
     """
 
     number: int
@@ -44,7 +47,8 @@ class Outcome:
     particles: int
     steps: int
     refusals: int
-    gain: float | None
+    gain: float
+    surge: float
     seconds: float
     fault: str
 
@@ -61,7 +65,7 @@ def endure(seed: int, number: int, threads: int | None = None) -> Outcome:
     started = time.perf_counter()
     trial = _Trial(scene)
     try:
-        fault = trial.run(threads, started)
+        fault = trial.run(threads)
     except Blowup as stop:
         fault = f"gave up: {stop}"
     except Exception as error:  # a crash is what the campaign looks for
@@ -77,7 +81,8 @@ def endure(seed: int, number: int, threads: int | None = None) -> Outcome:
         particles=trial.particles,
         steps=trial.steps,
         refusals=trial.refusals,
-        gain=None if numerics.transfer in UNBOUNDED else trial.gain,
+        gain=trial.budget.gain,
+        surge=trial.budget.surge,
         seconds=time.perf_counter() - started,
         fault=fault,
     )
@@ -87,15 +92,15 @@ class _Trial:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.particles = self.steps = self.refusals = 0
-        self.gain = 0.0
+        self.budget = Budget()
 
-    def run(self, threads: int | None, started: float) -> str:
+    def run(self, threads: int | None) -> str:
         sim = Simulation(self.scene, threads=threads)
         self.particles = sim.state.count
         if self.scene.about.endswith("coincident"):
             _stack(sim)
-        mass, start = _mass_by_id(sim), sim.diagnostics()
-        budget = Budget(start)
+        mass = _mass_by_id(sim)
+        self.budget.look(sim.diagnostics())
         for _ in range(PARTS):
             sim.advance(self.scene.run.duration / PARTS)
             self.steps = sim.steps
@@ -103,36 +108,57 @@ class _Trial:
             fault = _fault(sim, mass)
             if fault:
                 return fault
-            self.gain = max(self.gain, budget.gain(sim.diagnostics()))
-            if self.gain > MOST_GAIN and self.scene.numerics.transfer not in UNBOUNDED:
-                return f"energy grew by {100 * self.gain:.3g} % of what was put in"
-            if time.perf_counter() - started > PATIENCE:
-                return f"stuck: {sim.steps} steps in {PATIENCE:g} s"
+            self.budget.look(sim.diagnostics())
+            if self.scene.numerics.transfer not in UNBOUNDED and self.budget.fault():
+                return self.budget.fault()
+            if sim.steps > MOST_STEPS:
+                return f"stuck: more than {MOST_STEPS:,} steps"
         return ""
 
 
 class Budget:
-    """The energy that was put into the snow of a run, and what cannot be accounted for."""
+    """The energy that was put into the snow of a run, and what cannot be accounted for.
 
-    def __init__(self, start: Diagnostics) -> None:
-        self._start = start
-        self._put_in = start.kinetic + start.affine + start.elastic
+    Put in are the energy at the start, the work of colliders, and what the snow fell. `gain` compares
+    with all of it, and so does not see energy that comes from nowhere after as much was dissipated;
+    `surge` compares two looks, and so does not see what comes between them while as much is dissipated.
+    """
 
-    def gain(self, now: Diagnostics) -> float:
-        """Return the growth of energy that neither colliders nor gravity gave, as a share of all that was put
-        in.
+    def __init__(self) -> None:
+        self.gain = self.surge = 0.0
+        self._start: Diagnostics | None = None
+        self._put_in = 0.0
 
-        Put in are the energy at the start, the work of colliders, and what the snow fell. A growth below the
-        rounding of the potential, which is a small difference of large sums, counts as none.
-        """
-        start = self._start
-        fallen = start.potential - now.potential
-        self._put_in = max(
-            self._put_in, start.kinetic + start.affine + start.elastic + max(now.work, 0.0) + max(fallen, 0.0)
-        )
-        rounding = 1e-6 * (abs(start.potential) + abs(now.potential))
-        growth = now.energy - start.energy - now.work - rounding
-        return max(growth, 0.0) / max(self._put_in, 1e-300)
+    def look(self, now: Diagnostics) -> None:
+        """Take in the energies of a moment."""
+        if self._start is None:
+            self._start = self._before = now
+            self._put_in = _lively(now)
+            return
+        start, before, self._before = self._start, self._before, now
+        fallen = max(start.potential - now.potential, 0.0)
+        self._put_in = max(self._put_in, _lively(start) + max(now.work, 0.0) + fallen)
+        self.gain = max(self.gain, _growth(start, now) / max(self._put_in, 1e-300))
+        alive = max(_lively(before), _lively(now))
+        self.surge = max(self.surge, _growth(before, now) / max(alive, 1e-300))
+
+    def fault(self) -> str:
+        """Return what is wrong with the energy, "" if nothing is."""
+        if self.gain > MOST_GAIN:
+            return f"energy grew by {100 * self.gain:.3g} % of what was put in"
+        if self.surge > MOST_SURGE:
+            return f"energy surged by {100 * self.surge:.3g} % between two looks"
+        return ""
+
+
+def _lively(d: Diagnostics) -> float:
+    return d.kinetic + d.affine + d.elastic
+
+
+def _growth(before: Diagnostics, now: Diagnostics) -> float:
+    """Return the growth of energy [J] that colliders did not give, beyond the rounding of float32's potential."""
+    rounding = 1e-6 * (abs(before.potential) + abs(now.potential))
+    return max(now.energy - before.energy - (now.work - before.work) - rounding, 0.0)
 
 
 def _stack(sim: Simulation) -> None:

@@ -45,16 +45,31 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
     if rng.random() < 0.3:  # a second snow beside the first, of any law
         sources[-1]["snow"] = other = _snow(rng)
         c = max(c, _wave_speed(other))
-    variation = {
+    variation: dict[str, Any] = {
         "stiffness": float(rng.uniform(0, 2)),
         "strength": float(rng.uniform(0, MOST_STRENGTH)),
         "density": float(rng.uniform(0, 1)),
-        "feature_size": 3 * dx,
+        "feature_size": float(rng.uniform(1, 4) * dx),
+        "pattern": str(rng.choice(["fractal", "clods"])),
+        "seed": int(rng.integers(1000)),
     }
+    if variation["pattern"] == "clods":
+        variation["seam"] = float(rng.uniform(0.1, 0.5)) * variation["feature_size"]
     if rng.random() < 0.4:
         sources[0]["variation"] = variation
+    if rng.random() < 0.2:
+        sources[0]["profile"] = {
+            "by": str(rng.choice(["depth", "height"])),
+            "at": [0.0, dx, 2 * dx],
+            "stiffness": [_log(rng, 0.1, 10), 1.0, _log(rng, 0.1, 10)],
+            "density": [_log(rng, 0.3, 3), 1.0, 1.0],
+        }
+        c *= math.sqrt(30)
     numerics = _numerics(rng, dx)
-    duration = STEPS * numerics["cfl"] * dx / (c + fast)
+    step = numerics["cfl"] * dx / (c + fast)
+    if rng.random() < 0.1:
+        numerics["dt"] = float(np.clip(step * rng.uniform(0.1, 1), 1e-12, 1))
+    duration = STEPS * step
     pull = rng.standard_normal(3) * _log(rng, 1e-3, 1.0) * dx / duration**2  # about a cell or so of fall
     tables = {
         "about": f"stress {seed}/{number}: {name}",
@@ -75,10 +90,11 @@ def _numerics(rng: Random, dx: float) -> dict[str, Any]:
         "spline": str(rng.choice(["quadratic", "cubic"])),
         "transfer": transfer,
         "precision": str(rng.choice(["float32", "float64"])),
-        "particles_per_cell": int(rng.choice([1, 4, 8, 27])),
+        "particles_per_cell": int(rng.choice([1, 4, 8, 27, 64])),
         "sampling": str(rng.choice(["jittered", "poisson", "regular"])),
         "cfl": float(rng.uniform(0.1, 0.6)),
         "dt_max": 1.0,
+        "strain_max": float(rng.uniform(0.05, 1.0)),
         "seed": int(rng.integers(1000)),
         "initial_volume": str(rng.choice(["sampled", "grid"])),
     }
@@ -86,6 +102,8 @@ def _numerics(rng: Random, dx: float) -> dict[str, Any]:
         table["polypic_modes"] = int(rng.choice([1, 4, 8, 27]))
     if transfer in ("flip", "asflip"):
         table["flip_alpha"] = float(rng.choice([0.0, 0.5, 0.95, 0.99, 1.0]))
+        if rng.random() < 0.3:
+            table["flip_damping"] = _log(rng, 1e-2, 1e6)
     return table
 
 
@@ -97,7 +115,7 @@ def _snow(rng: Random) -> dict[str, Any]:
     snow["rho0"] = _log(rng, 1.0, 2000.0)
     bulk = E0 / (3.0 * (1.0 - 2.0 * nu))
     if law == "drucker_prager":
-        snow["friction_angle"] = float(rng.uniform(5.0, 75.0))
+        snow["friction_angle"] = float(rng.uniform(1.0, 80.0))
         if rng.random() < 0.5:
             most = MOST_YIELD * bulk * math.tan(math.radians(snow["friction_angle"]))
             snow["cohesion"] = min(_log(rng, 1e-6, _ROOM) * most, 1e9)

@@ -9,7 +9,7 @@ import warnings
 from dataclasses import asdict
 
 from neve.scene.errors import SceneWarning
-from neve.stress.campaign import MOST_GAIN, Outcome, endure
+from neve.stress.campaign import MOST_GAIN, MOST_SURGE, Outcome, endure
 
 
 def run(
@@ -33,11 +33,14 @@ def run(
         print()
     else:
         steps = sum(outcome.steps for outcome in outcomes)
-        gain = max((outcome.gain for outcome in outcomes if outcome.gain is not None), default=0.0)
+        judged = [outcome for outcome in outcomes if not outcome.description.count("asflip")]
+        gain = max((outcome.gain for outcome in judged), default=0.0)
+        surge = max((outcome.surge for outcome in judged), default=0.0)
         print(
             f"{len(outcomes) - len(bad)} of {len(outcomes)} scenes held, {steps:,} steps, "
             f"{sum(outcome.refusals for outcome in outcomes):,} of them shortened; largest growth of energy "
-            f"{100 * gain:.2g} % (allowed {100 * MOST_GAIN:g} %; asflip, which has no bound, apart)"
+            f"{100 * gain:.2g} % of what was put in (allowed {100 * MOST_GAIN:g} %), "
+            f"{100 * surge:.2g} % of what moved between two looks (allowed {100 * MOST_SURGE:g} %)"
         )
         for outcome in bad:
             print(f"scene {outcome.number} did not hold: neve stress --seed {seed} --only {outcome.number}")

@@ -24,7 +24,7 @@ def spread(sim, axis):
 
 
 @pytest.mark.parametrize(("wave", "speed"), [("pressure", 19.72), ("shear", 12.08)])
-def test_wave_speed(wave, speed, spline, transfer):
+def test_wave_speed(wave, speed, spline, lively_transfer):
     """A plane Gaussian of velocity splits in two that part at +-c, over five cells each way.
 
     c_p = sqrt(M_c / rho) = 19.72 m/s and c_s = sqrt(mu / rho) = 12.08 m/s. News from the free sides comes
@@ -37,7 +37,7 @@ def test_wave_speed(wave, speed, spline, transfer):
     c = np.sqrt((law.M_c if wave == "pressure" else law.mu0) / law.rho0)
     assert c == pytest.approx(speed, abs=0.01)
     axis, size = (2, (0.8, 0.8, 1.3)) if wave == "pressure" else (0, (1.1, 0.5, 1.3))
-    numerics = {"dx": DX, "dt": DT, "spline": spline, "transfer": transfer, "flip_alpha": 1.0}
+    numerics = {"dx": DX, "dt": DT, "spline": spline, "transfer": lively_transfer, "flip_alpha": 1.0}
     sim = simulate(scene([box(size=size)], precision="float32", initial_volume="sampled", **numerics))
     z = np.asarray(sim.state.x, float)[:, 2]
     pulse = AMPLITUDE * np.exp(-(z**2) / (2 * WIDTH**2))

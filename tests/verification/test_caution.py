@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from verification.scenes import ball, columns, scene, simulate
+from verification.scenes import ball, box, columns, scene, simulate
 
+import neve
 from neve.mpm import caution
 from neve.mpm.blowup import Blowup
 from neve.mpm.solver import step
@@ -55,27 +56,49 @@ def test_a_trial_is_the_step(precision, spline, transfer):
         np.testing.assert_array_equal(value, columns(plain)[name], err_msg=name)
 
 
-def test_the_bound_on_the_strain_holds(precision, spline, transfer):
-    """|grad v| of a particle is at most sqrt(3) spread / dx (neve/mpm/caution.py says why): rough velocities.
+def few(transfer, spline, seed):
+    """One to twelve particles within two cells, at random places, with random velocities, C and stress."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.choice([1, 2, 3, 12]))
+    description = scene(
+        [box(size=(0.1, 0.1, 0.1))], transfer=transfer, spline=spline, initial_volume="sampled",
+        sampling="regular", snow={"plasticity": "none"},
+    )  # fmt: skip
+    arrays = simulate(description).arrays()
+    of_run = ("time", "steps", "exchanged")
+    rows = {name: value if name in of_run else value[:count] for name, value in arrays.items()}
+    rows["x"] = rng.uniform(-0.05, 0.05, (count, 3))
+    rows["v"] = 10.0 ** rng.uniform(-1, 2) * rng.standard_normal((count, 3))
+    if transfer not in ("pic", "flip"):
+        rows["C"] = 10.0 ** rng.uniform(0, 4) * rng.standard_normal((count, 3, 3))
+    rows["F_E"] = np.eye(3) + 0.1 * rng.standard_normal((count, 3, 3))
+    return neve.Simulation.restore(description, rows, threads=1)
 
-    The nodes that the bound leaves out are lighter than a tenth of a particle; that they can be is measured
-    here: velocities are random, so a light node's velocity is that of the particles next to it.
+
+def test_no_bad_step_goes_unseen(spline, transfer):
+    """What has to be refused was called bold before: 150 handfuls of particles, steps of 1e-6 to 1e-2 s.
+
+    Lone particles, pairs and specks with C of their own are where light nodes carry most of the velocity,
+    which the estimate from the nodes leaves out. Both kinds of step must occur, or the test says nothing.
     """
-    sim = squeezed(transfer, precision=precision, spline=spline)
-    seen = []
+    seen = {True: 0, False: 0}
+    for seed in range(150):
+        sim = few(transfer, spline, seed)
+        dt = float(10.0 ** np.random.default_rng(1000 + seed).uniform(-6, -2))
+        before = sim.model.core.refresh(sim.model.native, sim.state)
+        bold = []
 
-    def look(ahead):
-        seen.append(ahead)
-        return True
+        def look(ahead, before=before, dt=dt, sim=sim, bold=bold):
+            bold.append(caution.is_bold(ahead, before, dt, sim.model))
+            return True
 
-    for seed in range(5):
-        v = np.random.default_rng(seed).standard_normal(sim.state.v.shape)
-        sim.state.v[:] = v.astype(sim.state.v.dtype)
-        sim.state.C[:] = 0
-        report, _ = try_step(sim, 1e-7, bold=look)
-        bound = np.sqrt(3) * seen[-1].spread / 0.05
-        assert 0.05 * bound < report.strain_rate <= bound
-        assert report.leap * 0.05 / 1e-7 <= max(seen[-1].speed, report.speed + seen[-1].change) * 1.0001
+        def refuses(report, dt=dt, sim=sim):
+            return caution.is_too_much(report, dt, sim.model)
+
+        _, done = try_step(sim, dt, look, refuses)
+        assert done or bold[0], seed
+        seen[done] += 1
+    assert min(seen.values()) > 20
 
 
 def test_a_rash_step_is_shortened(precision, transfer):

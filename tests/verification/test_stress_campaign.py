@@ -5,7 +5,7 @@ import pytest
 from verification.scenes import ball, scene, simulate
 
 from neve.stress import draw, endure
-from neve.stress.campaign import MOST_GAIN, Budget, _fault, _mass_by_id
+from neve.stress.campaign import Budget, _fault, _mass_by_id
 from neve.stress.draw import SITUATIONS
 
 
@@ -16,7 +16,6 @@ def test_scene_holds(number):
     outcome = endure(0, number, threads=1)
     assert outcome.fault == ""
     assert outcome.steps > 0
-    assert outcome.gain is None or outcome.gain <= MOST_GAIN
 
 
 def test_campaign_is_seeded_and_wide():
@@ -35,15 +34,31 @@ def test_campaign_is_seeded_and_wide():
 
 
 def test_faults_are_seen():
-    """The campaign's judge is no yes-man: NaN, a lost or doubled particle, mass and energy are told."""
+    """The campaign's judge is no yes-man: NaN, a lost or doubled particle and another mass are told."""
     sim = simulate(scene([ball()]))
-    mass, start = _mass_by_id(sim), sim.diagnostics()
+    mass = _mass_by_id(sim)
     assert _fault(sim, mass) == ""
-    sim.state.v[5] = (1.0, 0, 0)
-    assert Budget(start).gain(sim.diagnostics()) > MOST_GAIN
     sim.state.m[3] *= 1.5
     assert "mass" in _fault(sim, mass)
     sim.state.id[4] = sim.state.id[5]
     assert "lost" in _fault(sim, mass)
     sim.state.J_P[0] = np.nan
     assert "J_P" in _fault(sim, mass)
+
+
+def test_energy_from_nowhere_is_seen():
+    """Energy at the start against all that was put in, and energy after dissipation against what still moves."""
+    sim = simulate(scene([ball(velocity=(0, 0, -3))], [{"shape": "plane", "point": (0, 0, -0.16)}]))
+    budget = Budget()
+    budget.look(sim.diagnostics())
+    sim.state.v[:] *= 1.03  # 6 % more than was put in, but only 6 % of what moves
+    budget.look(sim.diagnostics())
+    assert "put in" in budget.fault()
+    budget = Budget()
+    budget.look(sim.diagnostics())
+    sim.advance(0.05)  # the ball is crushed and keeps a part of its energy
+    budget.look(sim.diagnostics())
+    assert budget.fault() == ""
+    sim.state.v[:] *= 1.2
+    budget.look(sim.diagnostics())
+    assert "between two looks" in budget.fault()
