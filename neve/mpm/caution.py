@@ -10,10 +10,10 @@ Most steps need no closer look. After the grid update the velocities of the node
 `spread` at most, and |grad v| <= sqrt(3) spread / dx. For affine transfers row a of grad v is
 D^-1 sum_i w_ip v_ia (x_i - x_p); with v_ia measured from the middle of its range, |v_ia| <= spread_a / 2,
 an entry is at most spread_a / dx, since sum_i w_ip |x_i - x_p|_b <= sqrt(D). For gradients of weights an
-entry is at most (spread_a / 2) sum |w'| <= spread_a / dx. `spread` leaves out nodes lighter than a thousandth of
-the lightest particle, so it is an estimate; the particles' own rates of the last step, which lone particles
-keep, are looked at besides. Only when an estimate comes near a limit is g2p run once without moving
-anything. How far snow will be pressed is judged by the last step alone: the first step of an impact may
+entry is at most (spread_a / 2) sum |w'| <= spread_a / dx. `spread` leaves out nodes lighter than a
+thousandth of the lightest particle, so it is an estimate; the particles' own rates of the last step, which
+lone particles keep, are looked at besides. Only when an estimate comes near a limit is g2p run once without
+moving anything. How far snow will be pressed is judged by the last step alone: the first step of an impact may
 overshoot that limit.
 """
 

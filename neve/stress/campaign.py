@@ -26,7 +26,8 @@ MOST_SURGE = 0.25
 
 UNBOUNDED = ("asflip",)
 """Transfers whose energy has no bound: ASFLIP gives a particle back what the grid did not take over of its
-velocity, while its affine velocity already holds a part of that. Where grains pass through each other it gains."""
+velocity, while its affine velocity already holds a part of that. Where lumps
+collide at several wave speeds it gains."""
 
 MOST_STEPS = 20_000
 """Steps after which a scene counts as stuck."""
@@ -156,7 +157,7 @@ def _lively(d: Diagnostics) -> float:
 
 
 def _growth(before: Diagnostics, now: Diagnostics) -> float:
-    """Return the growth of energy [J] that colliders did not give, beyond the rounding of float32's potential."""
+    """Return the growth of energy [J] without work, beyond the rounding of a float32 potential."""
     rounding = 1e-6 * (abs(before.potential) + abs(now.potential))
     return max(now.energy - before.energy - (now.work - before.work) - rounding, 0.0)
 

@@ -47,7 +47,7 @@ def test_faults_are_seen():
 
 
 def test_energy_from_nowhere_is_seen():
-    """Energy at the start against all that was put in, and energy after dissipation against what still moves."""
+    """At the start against all that was put in, and after dissipation against what still moves."""
     sim = simulate(scene([ball(velocity=(0, 0, -3))], [{"shape": "plane", "point": (0, 0, -0.16)}]))
     budget = Budget()
     budget.look(sim.diagnostics())
