@@ -136,7 +136,7 @@ class HomeGather {
     store(state_.J_P.column(0) + p, mapped.J_P, count);
     store_symmetric(state_.tau, p, mapped.stress.tau, count);
     X::keep(state_, p, count, grad_v);
-    if constexpr (X::modes > 4) keep_modes(p, count);
+    if constexpr (X::modes > 4) keep_modes(p, count, x - way, x);
   }
 
   void gather(int count) {
@@ -157,13 +157,32 @@ class HomeGather {
     }
   }
 
-  void keep_modes(std::size_t p, int count) {
+  // The further modes from their sums. On its way the particle takes its square modes to where they weigh more or less:
+  // where more, they are scaled down, so that moving never adds to their energy.
+  void keep_modes(std::size_t p, int count, const Vec3<R>& from, const Vec3<R>& to) {
+    R kept[3];
+    if constexpr (X::squares) {
+      for (int a = 0; a < 3; ++a) {
+        const R before = square_norm_at(from[a], a), after = square_norm_at(to[a], a);
+        kept[a] = select(after > before, sqrt(before / select(after > R{}, after, splat<R>(1))), splat<R>(1));
+      }
+    }
     for (int n = 4; n < X::modes; ++n) {
       Vec3<R> c;
       R unused;
       load_quads(sums_[n], c.x, c.y, c.z, unused);
-      store_vector(state_.modes, p, c * T(X::template scale<S>(n)), count, 3 * (n - 4));
+      c = c * T(X::template scale<S>(n));
+      if constexpr (X::squares) {
+        for (int a = 0; a < 3; ++a) {
+          if (X::order[static_cast<std::size_t>(n)].degree[a] == 2) c = c * kept[a];
+        }
+      }
+      store_vector(state_.modes, p, c, count, 3 * (n - 4));
     }
+  }
+  R square_norm_at(R x, int axis) const {
+    const R u = frame_.local(x, axis);
+    return square_norm<S>(R(u - floor(u)));
   }
 
   void check(std::size_t p, int count, const Vec3<R>& x, const Vec3<R>& v, const Mat3<R>& grad_v,

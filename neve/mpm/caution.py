@@ -13,8 +13,8 @@ an entry is at most spread_a / dx, since sum_i w_ip |x_i - x_p|_b <= sqrt(D). Fo
 entry is at most (spread_a / 2) sum |w'| <= spread_a / dx. `spread` leaves out nodes lighter than a
 thousandth of the lightest particle, so it is an estimate; the particles' own rates of the last step, which
 lone particles keep, are looked at besides. Only when an estimate comes near a limit is g2p run once without
-moving anything. How far snow will be pressed is judged by the last step alone: the first step of an impact may
-overshoot that limit.
+moving anything. How far snow will be pressed is judged by the last step alone: the first step of an impact
+may overshoot that limit.
 """
 
 from __future__ import annotations

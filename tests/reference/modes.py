@@ -44,6 +44,27 @@ def norms(w, s):
     return np.einsum("pk,pkr->pr", w, s**2)
 
 
+def square_norm(value, offset, nodes, x):
+    """sum w s^2 of the square mode of one axis, made orthogonal to 1 and z, at x [cells] (n,)."""
+    x = np.asarray(x, dtype=np.longdouble)
+    z = np.floor(x - offset)[..., None] + np.arange(nodes) - x[..., None]
+    w = value(z)
+    s = z**2
+    for other in (np.ones_like(z), z):
+        s = s - other * ((w * other * s).sum(-1) / (w * other**2).sum(-1))[..., None]
+    return (w * s**2).sum(-1)
+
+
+def moved(c, before, after):
+    """Scale the coefficients c (n, count - 4, 3) of particles that move from norms `before` to `after`.
+
+    Where a square mode would weigh more than before, it is scaled so that it weighs the same.
+    """
+    kept = np.sqrt(np.minimum(before / np.maximum(after, 1e-30), 1.0)).astype(float)
+    squares = np.array(exponents(27))[4 : 4 + c.shape[1]] == 2
+    return c * np.where(squares[None], kept[:, None, :], 1.0).prod(-1)[..., None]
+
+
 def coefficients(w, s, v):
     """c_r = <s_r, v> / <s_r, s_r> (n, count, 3) of the velocities v (n, K, 3) at the nodes [m/s]."""
     c = np.einsum("pk,pkr,pka->pra", w.astype(s.dtype), s, v.astype(s.dtype))

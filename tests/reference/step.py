@@ -102,8 +102,17 @@ def step(p, method, dt, bodies=(), first=False):
     separates &= J_trial >= np.exp(-0.001)
     path = update_velocities(p, method, nodes, at, w, s, grad_v, dt, separates)  # 8
     p.v, path = (contact.respond(v, p.x, bodies, SKIN * method.dx) for v in (p.v, path))  # 9
-    p.x = p.x + dt * path  # 10
+    before, p.x = p.x, p.x + dt * path  # 10
+    if method.transfer == "polypic" and method.count == 27:
+        p.more = modes.moved(p.more, *(square_norms(method, x) for x in (before, p.x)))
     return nodes
+
+
+def square_norms(method, x):
+    """Return the norms of the square modes at positions x [m], axis by axis (n, 3)."""
+    spline = method.spline
+    place = (splines.OFFSET[spline], splines.NODES[spline], x / method.dx)
+    return modes.square_norm(lambda r: splines.value(spline, r), *place)
 
 
 def scatter(nodes, at, values):

@@ -57,7 +57,7 @@ def test_polynomials_pass_without_loss(core, precision, eps, spline, count, top,
     values |= given(polynomial(top, degree), values["x"], spline, count)
     lab = lab_of(core, precision, spline, count, values)
     before = lab.columns()
-    lab.step(1e-12)
+    lab.step(1e-15)
     after, (_, w, z) = lab.columns(), around(before["x"], spline)
     felt = np.sqrt(modes.norms(w, modes.basis(w, z, count))).astype(float)[:, :, None]
     largest = np.abs(polynomial(top, degree)(DX * around(values["x"], spline)[0])).max()

@@ -16,6 +16,7 @@ namespace neve {
 template <int Q>
 struct Polypic : Apic {
   static constexpr int modes = Q * Q * Q;
+  static constexpr bool squares = Q > 2;
   static constexpr auto& order = modes_of<Q>;
   using To = std::conditional_t<Q == 2, AffineWeights, QuadraticWeights>;
   using From = std::conditional_t<Q == 2, AffineWeights, QuadraticDuals>;

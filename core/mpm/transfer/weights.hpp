@@ -43,6 +43,16 @@ inline void second_mode(R f, const R* w, R* phi) {
   }
 }
 
+// <phi_2, phi_2> = sum w phi_2^2 where the fraction is f: nothing on the border of a cell of the quadratic spline.
+template <class S, class R>
+inline R square_norm(R f) {
+  R w[4], dw[4], phi[4], norm = splat<R>(0);
+  S::weights(f, w, dw);
+  second_mode<S>(f, w, phi);
+  for (int k = 0; k < S::nodes; ++k) norm = norm + w[k] * phi[k] * phi[k];
+  return norm;
+}
+
 // w, w z, w phi_2: what a mode brings to the nodes.
 struct QuadraticWeights {
   static constexpr int count = 3;
