@@ -21,7 +21,7 @@ PARTS = 30
 MOST_GAIN = 0.05
 """Growth of energy that is allowed, as a share of all that was put in since the start."""
 
-MOST_SURGE = 0.1
+MOST_SURGE = 0.25
 """Growth of energy between two looks that is allowed, as a share of what moves and is strained then."""
 
 UNBOUNDED = ("asflip",)
