@@ -59,12 +59,12 @@ def _li(about: str, M: float, beta: float, xi: float, p0: float, rho0: float = 2
 
 SNOWS: Mapping[str, NamedSnow] = {
     "reference": NamedSnow(
-        "the table of the paper: dense snow that breaks into chunks",
+        "the table of the paper, which says of it that it is dense and breaks into chunks",
         "Stomakhin et al. 2013, table 2 (as quoted in public codes)",
         "quoted",
     ),
     "powder": NamedSnow(
-        "dry and loose: no cohesion, runs out into a low heap",
+        "dry and loose: no cohesion; its heaps rest near 30 degrees or below, not at 48",
         "our choice; friction: fluffy snow rests at 48 to 53 degrees (Soviet observations, archived)",
         "chosen",
         "drucker_prager",
