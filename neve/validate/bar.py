@@ -78,7 +78,6 @@ def vibrate(
     periods: float = 2.0,
     slender: int = 0,
     law: str = "stomakhin2013",
-    threads: int = 1,
     **numerics: Any,
 ) -> Vibration:
     """Let a bar of `cells` cells from its fixed to its free end vibrate in its first mode.
@@ -105,7 +104,6 @@ def vibrate(
         snow=elastic(law=law, E0=E0, nu=NU, rho0=RHO),
         dx=h,
         dt=float(dt),
-        threads=threads,
         **numerics,
     )
     return _march(sim, omega, dt, round(periods * steps_per_period))
@@ -150,11 +148,11 @@ def pic_decay(v: Vibration, moment: float = 0.25) -> float:
     return float(np.exp(-(k**2) * moment * h**2 * v.period / v.dt))
 
 
-def case(threads: int = 1, cells: int = 20, periods: float = 3.0) -> Result:
+def case(cells: int = 20, periods: float = 3.0) -> Result:
     """Measure the period and the energy of the bar, with every transfer."""
-    runs = {name: vibrate(cells, periods, threads=threads, **how) for name, how in transfers().items()}
-    cubic = vibrate(cells, periods, threads=threads, spline="cubic")
-    thin = vibrate(cells, 1.6, slender=4, threads=threads)
+    runs = {name: vibrate(cells, periods, **how) for name, how in transfers().items()}
+    cubic = vibrate(cells, periods, spline="cubic")
+    thin = vibrate(cells, 1.6, slender=4)
     return Result(
         what=f"An elastic bar of {cells} cells, fixed at one end, free at the other, vibrates in its "
         f"first mode. "

@@ -80,10 +80,10 @@ def confined(snow: Snow, s: Array, steps: int = 40000) -> tuple[Array, Array, Ar
     return -(p_s + 2 * q_s / 3) / s, -(p_s - q_s / 3) / s, path
 
 
-def case(threads: int = 1) -> Result:
+def case() -> Result:
     """Measure the yield surface and the compression of two snows."""
     snows = {kind: Snow.model_validate({"kind": kind}) for kind in KINDS}
-    runs = {kind: compress(snow={"kind": kind}, last=LEAST - 0.03, threads=threads) for kind in KINDS}
+    runs = {kind: compress(snow={"kind": kind}, last=LEAST - 0.03) for kind in KINDS}
     return Result(
         what="Random trial stresses go through the return map of cohesive snow, and must end on the ellipse "
         "of Cam-Clay. Then the same snow is compressed in a rigid ring through the whole step, and its "

@@ -31,7 +31,7 @@ class Deposit:
     steps: int
 
 
-def collapse(aspect: float, cells: int = 16, threads: int = 1) -> Deposit:
+def collapse(aspect: float, cells: int = 16) -> Deposit:
     """Let go a column `aspect` times as high as wide, behind a smooth wall, on a rough ground."""
     h, height = WIDTH / cells, aspect * WIDTH
     sim = simulation(
@@ -42,7 +42,6 @@ def collapse(aspect: float, cells: int = 16, threads: int = 1) -> Deposit:
         dx=h,
         precision="float32",
         sampling="jittered",
-        threads=threads,
     )
     sim.advance(4.5 * float(np.sqrt(height / G)) + 0.2)
     x, top = surface(sim, h)
@@ -58,9 +57,9 @@ def answer(aspect: float) -> float:
     return float(1.2 * aspect if aspect < 2.3 else 1.9 * aspect ** (2 / 3))
 
 
-def case(threads: int = 1, aspects: tuple[float, ...] = ASPECTS, cells: int = 16) -> Result:
+def case(aspects: tuple[float, ...] = ASPECTS, cells: int = 16) -> Result:
     """Measure the run-out of columns of several aspects."""
-    runs = [collapse(aspect, cells, threads) for aspect in aspects]
+    runs = [collapse(aspect, cells) for aspect in aspects]
     reason = "20 %, the scatter between laboratories, beds and grains"
     checks = [
         near(f"run-out over width, height {r.aspect:g} widths", r.runout, answer(r.aspect), 0.2, reason)

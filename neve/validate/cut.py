@@ -35,7 +35,7 @@ class Cut:
     steps: int
 
 
-def cut(share: float, cells: int = 16, seconds: float = 0.5, threads: int = 1) -> Cut:
+def cut(share: float, cells: int = 16, seconds: float = 0.5) -> Cut:
     """Let a cut stand whose height is `share` of the critical one.
 
     It comes to rest as elastic snow first; then it may yield.
@@ -50,7 +50,6 @@ def cut(share: float, cells: int = 16, seconds: float = 0.5, threads: int = 1) -
             snow=common | snow,
             gravity=(0.0, 0.0, -G),
             dx=h,
-            threads=threads,
         )
         for snow in (
             {"law": "hencky", "plasticity": "none"},
@@ -58,7 +57,7 @@ def cut(share: float, cells: int = 16, seconds: float = 0.5, threads: int = 1) -
         )
     )
     relax(held, 0.5, 4e-3)
-    sim = Simulation.restore(free.scene, held.arrays(), threads)
+    sim = Simulation.restore(free.scene, held.arrays(), 1)
     start = column(sim, "x")
     crest = (start[:, 0] > 1.9 * HEIGHT) & (start[:, 2] > 0.9 * HEIGHT)
     rows = []
@@ -75,9 +74,9 @@ STANDS, FALLS = 0.01, 0.1
 """Settlement of the crest over the height of a cut that stands, and of one that falls [1]."""
 
 
-def case(threads: int = 1, shares: tuple[float, ...] = SHARES, cells: int = 12) -> Result:
+def case(shares: tuple[float, ...] = SHARES, cells: int = 12) -> Result:
     """Let cuts stand or fall on both sides of the critical height."""
-    runs = {share: cut(share, cells, threads=threads) for share in shares}
+    runs = {share: cut(share, cells) for share in shares}
     checks = []
     for share, r in runs.items():
         name = f"settlement of the crest over the height, {share:g} critical heights"

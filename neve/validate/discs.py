@@ -26,6 +26,10 @@ KINETIC = 2 * 0.5 * RHO * np.pi * RADIUS**2 * 2 * SPEED**2
 """Kinetic energy of both discs per metre of thickness [J/m]: 2.513."""
 
 
+RINGING = 0.1
+"""Share of the energy that may stay in the discs as vibration [1]: recorded 1 % at 10 cells, 6 % at 36."""
+
+
 @dataclass(frozen=True)
 class Collision:
     """Hold a collision over time t [s], per metre of thickness: energies [J/m], momentum [kg/s] (n, 2).
@@ -52,9 +56,7 @@ class Collision:
         return float(self.t[np.argmax(self.kinetic < 0.99 * self.kinetic[0])])
 
 
-def collide(
-    cells: int = 16, seconds: float = 3.6, law: str = "stomakhin2013", threads: int = 1, **numerics: Any
-) -> Collision:
+def collide(cells: int = 16, seconds: float = 3.6, law: str = "stomakhin2013", **numerics: Any) -> Collision:
     """Let the discs fly, a cell thick between two smooth planes (plane strain); `cells` lie on a diameter."""
     h = 2 * RADIUS / cells
     discs = [
@@ -74,7 +76,6 @@ def collide(
         snow=elastic(law=law, E0=E0, nu=NU, rho0=RHO),
         dx=h,
         cfl=0.5,
-        threads=threads,
         **numerics,
     )
     frames, rows = 120, []
@@ -91,9 +92,9 @@ def collide(
     return Collision(t, k, e, np.stack([px, pz], 1), gap, h, int(sim.state.count), sim.steps)
 
 
-def case(threads: int = 1, cells: int = 36, allowed_loss: float = 0.05) -> Result:
+def case(cells: int = 36, allowed_loss: float = 0.05) -> Result:
     """Measure the collision: when it starts, what it keeps."""
-    r = collide(cells, threads=threads)
+    r = collide(cells)
     return Result(
         what=f"Two elastic discs, {cells} cells across and one cell thick between smooth planes, fly at "
         f"each other "
@@ -151,8 +152,8 @@ def _checks(r: Collision, allowed_loss: float) -> tuple[Check, ...]:
         at_least(
             "kinetic energy after the collision",
             r.kinetic[-1] / r.kinetic[0],
-            0.85 - 2 * allowed_loss + 0.1,
-            "the discs go on ringing, which keeps some energy",
+            1 - allowed_loss - RINGING,
+            "what is not lost flies, but for a tenth that may ring in the discs: 1 to 6 % recorded",
         ),
     )
 

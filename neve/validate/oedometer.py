@@ -48,7 +48,6 @@ def compress(
     last: float = 0.6,
     rate: float = 2.0,
     points: int = 80,
-    threads: int = 1,
     snow: dict[str, Any] | None = None,
     **numerics: Any,
 ) -> Compression:
@@ -68,7 +67,6 @@ def compress(
         ],
         snow=snow,
         dx=h,
-        threads=threads,
         **numerics,
     )
     z = column(sim, "x")[:, 2]
@@ -90,9 +88,9 @@ def compress(
 MARKS = (0.99, 0.975, 0.95, 0.9, 0.8, 0.7, 0.62)
 
 
-def case(threads: int = 1, cells: int = 16) -> Result:
+def case(cells: int = 16) -> Result:
     """Measure the stress of default snow down to six tenths of its height."""
-    r = compress(cells, last=0.57, threads=threads)
+    r = compress(cells, last=0.57)
     keep = r.s >= 0.6
     s, axial, sideways = r.s[keep], r.axial[keep], r.sideways[keep]
     exact, exact_side = answer(s)

@@ -52,11 +52,11 @@ def at_density(r: Compression, rho0: float, rho: float) -> float:
     return float(np.interp(rho, rho0 / r.s, -r.axial))
 
 
-def case(threads: int = 1) -> Result:
+def case() -> Result:
     """Measure stiffness, strength and wave speed of default snow, and set them beside real snow's."""
-    r = compress(threads=threads, points=200, last=0.55)
+    r = compress(points=200, last=0.55)
     E = youngs_modulus(r, NU)
-    v = vibrate(threads=threads)
+    v = vibrate()
     speed = 4 * LENGTH / v.measured_period()
     soft, start, end = float(bergfeld(RHO)) / E, at_density(r, RHO, 410.0), at_density(r, RHO, 444.0)
     bar = "3 % of the compression; see the case oedometer"
@@ -89,7 +89,7 @@ def case(threads: int = 1) -> Result:
         ),
         source="[V]: read in the source; [C]: read in public code that quotes it (WEAC, SnowPyt).",
         checks=checks,
-        plots=(_strength_plot(r, threads), _stiffness_plot(E)),
+        plots=(_strength_plot(r), _stiffness_plot(E)),
         verdict=f"At 400 kg/m<sup>3</sup> default snow is {soft:.0f} times softer than real snow, its "
         f"strength is "
         f"{mellor(410.0) / start:.0f} to {mellor(444.0) / end:.0f} times too low (410 to 444 "
@@ -108,7 +108,7 @@ def case(threads: int = 1) -> Result:
     )
 
 
-def _strength_plot(default: Compression, threads: int) -> Plot:
+def _strength_plot(default: Compression) -> Plot:
     rho = np.linspace(100, 640, 60)
     curves = [
         Curve(
@@ -122,7 +122,7 @@ def _strength_plot(default: Compression, threads: int) -> Plot:
     ]
     for kind in KINDS:
         snow = Snow.model_validate({"kind": kind})
-        r = default if kind == "reference" else compress(threads=threads, snow={"kind": kind}, last=0.6)
+        r = default if kind == "reference" else compress(snow={"kind": kind}, last=0.6)
         curves.append(Curve(kind, snow.rho0 / r.s, -r.axial / 1e3))
     return Plot(
         "Pressure that compresses snow", "density [kg/m3]", "pressure [kPa]", tuple(curves), y_scale="log"

@@ -15,9 +15,9 @@ PERIODS = 1.125
 """An eighth past a full period, both displacement and velocity count: errors of phase and of height show."""
 
 
-def errors(how: dict[str, Any], cells: tuple[int, ...] = CELLS, threads: int = 1) -> list[float]:
+def errors(how: dict[str, Any], cells: tuple[int, ...] = CELLS) -> list[float]:
     """Return the error of the displacement at each number of cells, over the exact amplitude [1]."""
-    return [vibrate(n, PERIODS, threads=threads, **how).error for n in cells]
+    return [vibrate(n, PERIODS, **how).error for n in cells]
 
 
 def order(cells: tuple[int, ...], error: list[float]) -> float:
@@ -25,10 +25,10 @@ def order(cells: tuple[int, ...], error: list[float]) -> float:
     return float(np.log(error[0] / error[-1]) / np.log(cells[-1] / cells[0]))
 
 
-def case(threads: int = 1, cells: tuple[int, ...] = CELLS) -> Result:
+def case(cells: tuple[int, ...] = CELLS) -> Result:
     """Measure the order of every transfer, and of the cubic spline."""
     ways: dict[str, dict[str, Any]] = {**transfers(), "apic, cubic": {"spline": "cubic"}}
-    found = {name: errors(how, cells, threads) for name, how in ways.items()}
+    found = {name: errors(how, cells) for name, how in ways.items()}
     second = "2 in theory (lumped mass, splines, leapfrog); 1.5 is the mark set for Neve"
     first = "its damping in a given time is k<sup>2</sup> h<sup>2</sup> / 4 a step, and steps shrink with h"
     checks = [

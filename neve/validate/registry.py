@@ -28,7 +28,7 @@ class Case:
     name: str
     title: str
     number: str
-    run: Callable[[int], Result]
+    run: Callable[[], Result]
 
 
 CASES = {

@@ -28,7 +28,6 @@ def simulation(
     *,
     snow: Table | None = None,
     gravity: tuple[float, float, float] = ZERO,
-    threads: int = 1,
     **numerics: Any,
 ) -> Simulation:
     """Return the simulation of tables as they stand in a scene file.
@@ -44,7 +43,7 @@ def simulation(
     }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)  # one cell thick on purpose: the walls make it a plane
-        return Simulation(scene_from(tables, where="validation"), threads=threads)
+        return Simulation(scene_from(tables, where="validation"), threads=1)
 
 
 def elastic(**constants: Any) -> dict[str, Any]:

@@ -60,7 +60,7 @@ def relax(sim: Simulation, seconds: float, dt: float) -> int:
     return stops
 
 
-def settle(cells: int = 64, law: str = "stomakhin2013", threads: int = 1, **numerics: Any) -> Settled:
+def settle(cells: int = 64, law: str = "stomakhin2013", **numerics: Any) -> Settled:
     """Let gravity act on a column of `cells` cells in a smooth duct, and bring it to rest."""
     h = HEIGHT / cells
     dt = float(0.4 * h / np.sqrt(moduli(E0, NU)[2] / RHO))
@@ -71,7 +71,6 @@ def settle(cells: int = 64, law: str = "stomakhin2013", threads: int = 1, **nume
         gravity=(0.0, 0.0, -G),
         dx=h,
         dt=dt,
-        threads=threads,
         **numerics,
     )
     start = column(sim, "x")[:, 2]
@@ -92,9 +91,9 @@ def answer(height: Array) -> tuple[Array, Array]:
     return RHO * G * (HEIGHT - height), RHO * G / M_c * (HEIGHT * height - 0.5 * height**2)
 
 
-def case(threads: int = 1, cells: int = 48) -> Result:
+def case(cells: int = 48) -> Result:
     """Measure stress and settlement of the column."""
-    r = settle(cells, threads=threads)
+    r = settle(cells)
     return Result(
         what=f"A column of elastic snow, {HEIGHT} m high, {cells} cells, stands in a smooth duct on a smooth "
         "ground. Gravity acts; the motion is stopped whenever its kinetic energy passes a maximum, until "

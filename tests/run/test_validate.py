@@ -35,8 +35,8 @@ def call(capsys, tmp_path, monkeypatch):
     """Call the command line in an empty folder with two cases that cost nothing: one holds, one does not."""
     monkeypatch.chdir(tmp_path)
     few = {
-        "good": Case("good", "A good case", "1", lambda threads: result()),
-        "bad": Case("bad", "A bad case", "2", lambda threads: result(1.03)),
+        "good": Case("good", "A good case", "1", result),
+        "bad": Case("bad", "A bad case", "2", lambda: result(1.03)),
     }
     for module in ("run", "page"):
         monkeypatch.setattr(f"neve.validate.{module}.CASES", few)
