@@ -47,9 +47,9 @@ def test_slides(mu_c, transfer):
     All of the plane's impulse passes through the contact law, on nodes and on particles, and each takes
     mu_c of its normal impulse along the slope while the snow slides; so the ratio is exact, and what the
     tolerance holds is the normal impulse: over the window it is m g cos theta T plus what bounces, m v_n <=
-    m g cos theta x 1 % T. PolyPIC and ASFLIP keep more of the bounce; twice the time halves its part. Of the
-    acceleration itself the tolerance is 1, 1.5 and 3.3 % at mu_c = 0, 0.2 and 0.4; `neve validate slide` takes
-    the bounce out and holds 1 % of it.
+    m g cos theta x 1 % T. PolyPIC and ASFLIP keep more of the bounce; twice the time halves its part.
+    Of the acceleration itself the tolerance is 1, 1.5 and 3.3 % at mu_c = 0, 0.2 and 0.4; `neve validate
+    slide` takes the bounce out and holds 1 % of it.
     """
     theta = np.radians(30)
     expected = G * (np.sin(theta) - mu_c * np.cos(theta))
