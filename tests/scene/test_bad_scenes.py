@@ -38,7 +38,7 @@ BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
     (BOX + "[numerics]\nseed = -1", ("numerics.seed = -1", "at least 0")),
     (BOX + "[numerics]\nseed = 1.5", ("numerics.seed = 1.5", "a whole number")),
     (BOX + "[numerics]\nparticles_per_cell = 0", ("numerics.particles_per_cell = 0", "from 1 to 512")),
-    (BOX + "[numerics]\ncfl = 1.5", ("numerics.cfl = 1.5", "at most 1")),
+    (BOX + "[numerics]\ncfl = 1.5", ("numerics.cfl = 1.5", "at most 0.6")),
     (BOX + "[snow]\nnu = 0.5", ("snow.nu = 0.5", "at least 0 and less than 0.5")),
     (BOX + "[snow]\ntheta_c = 1", ("snow.theta_c = 1", "less than 1")),
     (BOX + "[snow]\ntheta_c = nan", ("snow.theta_c = nan", "a number")),
