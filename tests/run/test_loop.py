@@ -346,7 +346,7 @@ def test_two_processes_do_not_share_a_folder(fake, scene_file, tmp_path):
 
 
 def test_telling_frame():
-    """The picture is taken when half of the lost energy is lost; without any loss in the middle."""
+    """The picture is taken a fifth of the rest after half of the loss; without any loss in the middle."""
 
     def rows(*energies):
         return [
@@ -358,3 +358,4 @@ def test_telling_frame():
     assert telling_frame(rows(10, 10, 10, 10, 10)) == 2
     assert telling_frame(rows(1, 5, 4, 8, 7, 11, 10, 9)) == 4
     assert telling_frame(rows(3)) == 0
+    assert telling_frame(rows(*[10] * 3, *[1] * 17)) == 3 + 16 // 5
