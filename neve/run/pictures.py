@@ -128,8 +128,8 @@ def telling_frame(rows: Sequence[Mapping[str, Any]]) -> int:
     """Return a frame soon after half of the energy that the run loses is lost: what became of the snow.
 
     Energy is kinetic + elastic + potential; only losses from frame to frame count, so that a blade that does
-    work on the snow does not hide them. Snow that bursts loses most of it in the impact itself: a fifth of the
-    remaining frames later the pieces are in flight. Without any loss it is the middle frame of the run.
+    work on the snow does not hide them. Snow that bursts loses most of it in the impact itself: a fifth of
+    the remaining frames later the pieces are in flight. Without any loss it is the middle frame of the run.
     """
     frames = [int(row["frame"]) for row in rows]
     energy = [sum(float(row[name]) for name in ("kinetic", "elastic", "potential")) for row in rows]
