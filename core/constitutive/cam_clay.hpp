@@ -20,7 +20,7 @@
 
 namespace neve {
 
-struct CamClay {
+struct CamClay : HenckyFlow {
   template <class R>
   struct Parameters {
     R mu, lam, start, xi, beta, aspect, k, J_P_min, J_P_max;
@@ -70,12 +70,6 @@ struct CamClay {
   }
 
   template <class R>
-  static Stress<R> stress(const Mat3<R>& F_E, R, const Parameters<R>& q) {
-    const Svd3<R> svd = svd3<false>(F_E);
-    return in_frame(svd.U, HenckyElasticity::respond(svd.strain, q.mu, q.lam));
-  }
-
-  template <class R>
   static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
     using T = scalar_t<R>;
     const Svd3<R> svd = svd3<false>(F_trial);
@@ -93,19 +87,11 @@ struct CamClay {
       const R onto = T(1) / sqrt(max(R(x * x + y * y), splat<R>(T(0.25))));  // what rounding left
       const R volume = -(centre + a * (x * onto));
       eps = select(flows, split.with(volume, R(shrink * onto)), trial);
-      Vec3<R> excess;
-      const R zero = splat<R>(0);
-      for (int k = 0; k < 3; ++k) excess[k] = select(flows, R(svd.strain[k] - expm1(eps[k])), zero);
-      out.F_E = without(F_trial, svd, excess);
+      out.F_E = with_strain(F_trial, svd, eps, flows);
       out.J_P = min(q.J_P_max, R(J_P * select(flows, exp(R(split.volume - volume)), splat<R>(1))));
     }
     out.stress = in_frame(svd.U, HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
     return out;
-  }
-
-  template <class R>
-  static R energy(const Mat3<R>& F_E, R, const Parameters<R>& q) {
-    return HenckyElasticity::energy(svd3<false>(F_E).strain, q.mu, q.lam);
   }
 };
 

@@ -15,7 +15,7 @@
 
 namespace neve {
 
-struct DruckerPrager {
+struct DruckerPrager : HenckyFlow {
   template <class R>
   struct Parameters {
     R mu, lam, apex, cone, J_P_max;  // apex e_c; cone: ||dev eps|| <= cone (e_c - e)
@@ -30,12 +30,6 @@ struct DruckerPrager {
     return {stiffness * T(c.mu), stiffness * T(c.lam),
             strength * T(snow.cohesion / (tangent * c.K)) / stiffness,
             splat<R>(T(M_phi * c.K / (std::sqrt(6.0) * c.mu))), splat<R>(T(snow.J_P_max))};
-  }
-
-  template <class R>
-  static Stress<R> stress(const Mat3<R>& F_E, R, const Parameters<R>& q) {
-    const Svd3<R> svd = svd3<false>(F_E);
-    return in_frame(svd.U, HenckyElasticity::respond(svd.strain, q.mu, q.lam));
   }
 
   template <class R>
@@ -55,19 +49,11 @@ struct DruckerPrager {
     if (any(flows)) {
       const R factor = select(slides, R(limit / split.shear), splat<R>(1));
       eps = select(flows, split.with(min(e, q.apex), factor), trial);
-      const R zero = splat<R>(0);
-      Vec3<R> excess;
-      for (int k = 0; k < 3; ++k) excess[k] = select(flows, R(svd.strain[k] - expm1(eps[k])), zero);
-      out.F_E = without(F_trial, svd, excess);
-      out.J_P = min(q.J_P_max, exp(max(R(e - q.apex), zero)));
+      out.F_E = with_strain(F_trial, svd, eps, flows);
+      out.J_P = min(q.J_P_max, exp(max(R(e - q.apex), splat<R>(0))));
     }
     out.stress = in_frame(svd.U, HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
     return out;
-  }
-
-  template <class R>
-  static R energy(const Mat3<R>& F_E, R, const Parameters<R>& q) {
-    return HenckyElasticity::energy(svd3<false>(F_E).strain, q.mu, q.lam);
   }
 };
 
