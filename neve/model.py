@@ -42,8 +42,7 @@ class Model:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
         for collider in self.colliders:
             self.native.add_solid(collider.shape, _half_extents(collider), collider.mode, collider.mu_c)
-        self.strongest = 1.0
-        """Largest factor on the thresholds of any particle."""
+        self.limit_press(1.0)
         self.place_colliders(0.0)
 
     def poses(self, time: float) -> list[Pose]:
@@ -55,21 +54,20 @@ class Model:
         for i, p in enumerate(self.poses(time)):
             self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
 
-    @property
-    def press_limit(self) -> float:
-        """Return how far a step may press snow, -dt tr grad v [1], before hardening stores more than its
-        work.
+    def limit_press(self, strongest: float) -> None:
+        """Set `press_limit`: how far a step may press snow, -dt tr grad v [1], before hardening stores more
+        than its work. `strongest`: the largest factor on the thresholds of any particle [1].
 
         Pressed by de on each axis, snow at its yield strain theta does the work w de, w = 3 (2 mu + 3 lam)
         theta, and hardens by exp(x), x = 3 xi de, which adds w (theta / 2) (exp(x) - 1) to its energy:
         affordable while (exp(x) - 1) / x <= 2 / (3 xi theta). On fewer axes it is cheaper (docs/theory.md).
         """
         limits = [
-            affordable(snow.xi * snow.theta_c * self.strongest) / snow.xi
+            affordable(snow.xi * snow.theta_c * strongest) / snow.xi
             for snow in self.snows
             if "theta_c" in used(snow.law, snow.plasticity) and snow.xi * snow.theta_c > 0
         ]
-        return min(limits, default=math.inf)
+        self.press_limit = min(limits, default=math.inf)
 
     @property
     def colliders_move(self) -> bool:

@@ -37,8 +37,8 @@ class Stats:
 
     steps taken, their dt [s] and what bound the smallest one, how often a step was refused and tried again
     with half the dt, what each collider exchanged with the snow, (n, 7): impulse of the snow on the collider
-    [N s], its moment about the collider's centre [N m s], kinetic energy that the contact gave to the snow
-    [J]; seconds per stage.
+    [N s], its moment about the collider's centre [N m s], work of the collider on the snow [J];
+    seconds per stage.
     """
 
     steps: int = 0
@@ -150,7 +150,7 @@ class Simulation:
     def _begin(self) -> Report:
         """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
         model, state = self.model, self._state
-        model.strongest = float(np.max(state.strength, initial=0.0))
+        model.limit_press(float(np.max(state.strength, initial=0.0)))
         started = perf_counter()
         report = model.core.refresh(model.native, state)
         require_finite(model, state, report, self.steps, self.time, 0.0)

@@ -67,14 +67,15 @@ def careful_step(
     Errors: Blowup after MOST_TRIES refusals.
     """
 
-    stable = longest_stable(model, before).dt
     for refusals in range(MOST_TRIES):
         bold = partial(is_bold, before=before, dt=dt, model=model)
         refuses = partial(is_too_much, dt=dt, model=model)
         report, done = step(model, state, grid, dt, seconds, bold, refuses)
         if done:
             return Taken(report, dt, refusals)
-        dt = min(0.5 * dt, stable) if refusals == 0 else 0.5 * dt
+        dt *= 0.5
+        if refusals == 0:
+            dt = min(dt, longest_stable(model, before).dt)
     raise no_step(model, state, report, MOST_TRIES, steps, time, 2.0 * dt)
 
 
