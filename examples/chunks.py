@@ -18,7 +18,6 @@ from PIL import Image
 
 from neve.fragments import LEAST, Limits, find, summary
 from neve.look.preview import Preview
-from neve.run.fragments import spacing
 from neve.scene.load import load
 from neve.simulation import Simulation
 
@@ -79,7 +78,7 @@ def measure(name: str, out: Path, threads: int | None) -> None:
     sim.advance(wish.moment)
     s = sim.state
     limits = Limits(least=round(LEAST * wish.finer**3))
-    found = find(s.x, s.v, s.J_P, s.m, s.V0, spacing(scene.numerics), limits)
+    found = find(s.x, s.v, s.J_P, s.m, s.V0, scene.numerics.spacing, limits)
     told = {
         **summary(found),
         "dx": scene.numerics.dx,

@@ -19,7 +19,7 @@ from neve.schedule import EveryFrame, Schedule
 
 if TYPE_CHECKING:
     from neve.run.outputs import Moment
-    from neve.scene.scene import Numerics, Scene
+    from neve.scene.scene import Scene
 
 
 class FragmentOutput:
@@ -32,7 +32,7 @@ class FragmentOutput:
         """Start the table, or go on after the rows of frame `done`."""
         self.schedule: Schedule = EveryFrame()
         self._folder = folder
-        self._spacing = spacing(scene.numerics)
+        self._spacing = scene.numerics.spacing
         kept = 0 if done is None else _kept(folder.fragments, done)
         self._lost = list(range(kept, 0 if done is None else done + 1))
         self._table = Table(folder.fragments, COLUMNS, keep_through=kept - 1 if kept else None)
@@ -85,7 +85,7 @@ def count_run(path: Path | str, limits: Limits | None = None, out: Path | None =
     for number in numbers:
         content = read_frame(folder.frames, number)
         found = of_frame(
-            content, arrays["id"], arrays["m"], arrays["V0"], spacing(scene.numerics), limits or Limits()
+            content, arrays["id"], arrays["m"], arrays["V0"], scene.numerics.spacing, limits or Limits()
         )
         table += rows(found, number, content.time)
     with folder.lock():
@@ -105,11 +105,6 @@ def of_frame(
     order = np.argsort(id)
     mine = order[np.searchsorted(id, content.id, sorter=order)]
     return find(content.x, content.v, content.J_P, m[mine], V0[mine], spacing, limits)
-
-
-def spacing(numerics: Numerics) -> float:
-    """Return the mean distance of particles in snow at rest [m]."""
-    return float(numerics.dx / numerics.particles_per_cell ** (1.0 / 3.0))
 
 
 def _kept(path: Path, done: int) -> int:

@@ -52,7 +52,7 @@ def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
     Errors: SceneError if the source is too small or too large for dx, or its font lacks a letter.
     """
     name = f"sources.{index}"
-    spacing = numerics.dx / numerics.particles_per_cell ** (1.0 / 3.0)
+    spacing = numerics.spacing
     space = region(source, spacing, name)
     if np.prod(np.maximum(space.size / spacing, 1.0)) > MOST:
         raise SceneError(

@@ -72,7 +72,7 @@ def _thin_source(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
 
 def _fine_noise(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
     dx, noise = scene.numerics.dx, source.variation
-    if not noise or not (noise.stiffness or noise.strength or noise.density):
+    if not noise or not noise.acts:
         return
     if noise.feature_size < FEATURE_CELLS * dx * (1 - 1e-9):
         yield (
@@ -84,7 +84,7 @@ def _fine_noise(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
 
 def _thin_seam(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
     dx, noise = scene.numerics.dx, source.variation
-    if not noise or noise.pattern != "clods" or not (noise.stiffness or noise.strength or noise.density):
+    if not noise or noise.pattern != "clods" or not noise.acts:
         return
     if noise.seam < SEAM_CELLS * dx * (1 - 1e-9):
         yield (

@@ -136,6 +136,11 @@ class Numerics(Part):
         "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes); sampled: our choice, measured",
     )
 
+    @property
+    def spacing(self) -> float:
+        """Return the mean distance of particles in snow at rest [m]."""
+        return float(self.dx / self.particles_per_cell ** (1.0 / 3.0))
+
 
 class Camera(Part):
     """Place the camera of the film."""

@@ -73,6 +73,11 @@ class Variation(Part):
     )
     seed: Whole = entry(0, "Seed of this noise, combined with numerics.seed.", "1", ge=0, lt=2**32)
 
+    @property
+    def acts(self) -> bool:
+        """Whether anything varies."""
+        return bool(self.stiffness or self.strength or self.density)
+
 
 class Profile(Part):
     """Vary snow with depth or height: factors at given places, straight lines between, constant beyond."""

@@ -3,7 +3,6 @@
 import numpy as np
 
 from neve.fragments import find, summary
-from neve.run.fragments import spacing
 from neve.scene.load import load
 from neve.simulation import Simulation
 
@@ -17,7 +16,7 @@ def broken(preset, changes, seconds):
     sim = Simulation(scene)
     sim.advance(seconds)
     s = sim.state
-    found = find(s.x, s.v, s.J_P, s.m, s.V0, spacing(scene.numerics))
+    found = find(s.x, s.v, s.J_P, s.m, s.V0, scene.numerics.spacing)
     np.testing.assert_allclose(found.mass.sum(), s.m.sum(dtype=np.float64), rtol=1e-12)
     return summary(found), s.x
 
