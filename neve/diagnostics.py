@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,10 +35,39 @@ class Diagnostics:
     particles: int
     blocks: int
 
+
+class Balance(NamedTuple):
+    """Energies of the snow and work of the colliders [J] at one moment, by the names of the log's columns."""
+
+    kinetic: float
+    affine: float
+    elastic: float
+    potential: float
+    work: float
+
+    @classmethod
+    def of(cls, now: Diagnostics) -> Balance:
+        """Take the balance of a moment."""
+        return cls(now.kinetic, now.affine, now.elastic, now.potential, now.work)
+
+    @classmethod
+    def of_row(cls, row: Mapping[str, str]) -> Balance:
+        """Read the balance from a row of the log."""
+        return cls(*(float(row[name]) for name in cls._fields))
+
     @property
-    def energy(self) -> float:
-        """All of the snow's energy [J]."""
-        return self.kinetic + self.affine + self.elastic + self.potential
+    def lively(self) -> float:
+        """What moves or is strained."""
+        return self.kinetic + self.affine + self.elastic
+
+    @property
+    def total(self) -> float:
+        """All of the snow's own."""
+        return self.lively + self.potential
+
+    def growth(self, before: Balance) -> float:
+        """Return what the snow gained since `before` beyond the colliders' work; a loss is below zero."""
+        return (self.total - before.total) - (self.work - before.work)
 
 
 def diagnose(model: Model, state: State, grid: Grid, exchanged: NDArray[np.float64]) -> Diagnostics:

@@ -7,8 +7,9 @@ import functools
 import logging
 import time
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Protocol
 
+from neve.diagnostics import Balance
 from neve.io.checkpoint import write_checkpoint
 from neve.io.frames import Frame, make_frame, write_frame
 from neve.io.log import STAGES, Log
@@ -106,13 +107,10 @@ class EnergyWatch:
 
     def excess(self, now: Diagnostics, frame: int) -> float | None:
         """Return how much energy [J] nothing accounts for since the last call; log it the first time."""
-        before, self._before = (
-            self._before,
-            Balance(now.kinetic, now.affine, now.elastic, now.potential, now.work),
-        )
+        before, self._before = self._before, Balance.of(now)
         if before is None:
             return None
-        excess = (self._before.total - before.total) - (self._before.work - before.work)
+        excess = self._before.growth(before)
         lively = max(before.lively, self._before.lively)
         if excess > self.SHARE * lively and not self._told:
             self._told = True
@@ -124,31 +122,6 @@ class EnergyWatch:
                 100.0 * excess / lively,
             )
         return excess
-
-
-class Balance(NamedTuple):
-    """Energies of the snow [J] at one moment, by the names of the log's columns."""
-
-    kinetic: float
-    affine: float
-    elastic: float
-    potential: float
-    work: float
-
-    @classmethod
-    def of_row(cls, row: Mapping[str, str]) -> Balance:
-        """Read the balance from a row of the log."""
-        return cls(*(float(row[name]) for name in cls._fields))
-
-    @property
-    def lively(self) -> float:
-        """What moves or is strained."""
-        return self.kinetic + self.affine + self.elastic
-
-    @property
-    def total(self) -> float:
-        """All of the snow's own."""
-        return self.lively + self.potential
 
 
 class LogOutput:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from neve.diagnostics import Diagnostics
+from neve.diagnostics import Balance, Diagnostics
 from neve.mpm.blowup import Blowup
 from neve.scene.scene import Scene
 from neve.simulation import Simulation
@@ -50,14 +49,9 @@ class Outcome:
     refusals: int
     gain: float
     surge: float
+    judged: bool
     seconds: float
     fault: str
-
-
-def campaign(seed: int, scenes: int, threads: int | None = None) -> Iterator[Outcome]:
-    """Run the scenes 0 to `scenes` - 1 of the campaign `seed`."""
-    for number in range(scenes):
-        yield endure(seed, number, threads)
 
 
 def endure(seed: int, number: int, threads: int | None = None) -> Outcome:
@@ -66,7 +60,7 @@ def endure(seed: int, number: int, threads: int | None = None) -> Outcome:
     started = time.perf_counter()
     trial = _Trial(scene)
     try:
-        fault = trial.run(threads)
+        fault = trial.run(threads, stacked=situation == "coincident")
     except Blowup as stop:
         fault = f"gave up: {stop}"
     except Exception as error:  # a crash is what the campaign looks for
@@ -84,6 +78,7 @@ def endure(seed: int, number: int, threads: int | None = None) -> Outcome:
         refusals=trial.refusals,
         gain=trial.budget.gain,
         surge=trial.budget.surge,
+        judged=trial.judged,
         seconds=time.perf_counter() - started,
         fault=fault,
     )
@@ -94,11 +89,12 @@ class _Trial:
         self.scene = scene
         self.particles = self.steps = self.refusals = 0
         self.budget = Budget()
+        self.judged = scene.numerics.transfer not in UNBOUNDED
 
-    def run(self, threads: int | None) -> str:
+    def run(self, threads: int | None, stacked: bool) -> str:
         sim = Simulation(self.scene, threads=threads)
         self.particles = sim.state.count
-        if self.scene.about.endswith("coincident"):
+        if stacked:
             _stack(sim)
         mass = _mass_by_id(sim)
         self.budget.look(sim.diagnostics())
@@ -110,7 +106,7 @@ class _Trial:
             if fault:
                 return fault
             self.budget.look(sim.diagnostics())
-            if self.scene.numerics.transfer not in UNBOUNDED and self.budget.fault():
+            if self.judged and self.budget.fault():
                 return self.budget.fault()
             if sim.steps > MOST_STEPS:
                 return f"stuck: more than {MOST_STEPS:,} steps"
@@ -127,20 +123,21 @@ class Budget:
 
     def __init__(self) -> None:
         self.gain = self.surge = 0.0
-        self._start: Diagnostics | None = None
+        self._start: Balance | None = None
         self._put_in = 0.0
 
-    def look(self, now: Diagnostics) -> None:
+    def look(self, moment: Diagnostics) -> None:
         """Take in the energies of a moment."""
+        now = Balance.of(moment)
         if self._start is None:
             self._start = self._before = now
-            self._put_in = _lively(now)
+            self._put_in = now.lively
             return
         start, before, self._before = self._start, self._before, now
         fallen = max(start.potential - now.potential, 0.0)
-        self._put_in = max(self._put_in, _lively(start) + max(now.work, 0.0) + fallen)
+        self._put_in = max(self._put_in, start.lively + max(now.work, 0.0) + fallen)
         self.gain = max(self.gain, _growth(start, now) / max(self._put_in, 1e-300))
-        alive = max(_lively(before), _lively(now))
+        alive = max(before.lively, now.lively)
         self.surge = max(self.surge, _growth(before, now) / max(alive, 1e-300))
 
     def fault(self) -> str:
@@ -152,14 +149,10 @@ class Budget:
         return ""
 
 
-def _lively(d: Diagnostics) -> float:
-    return d.kinetic + d.affine + d.elastic
-
-
-def _growth(before: Diagnostics, now: Diagnostics) -> float:
+def _growth(before: Balance, now: Balance) -> float:
     """Return the growth of energy [J] without work, beyond the rounding of a float32 potential."""
     rounding = 1e-6 * (abs(before.potential) + abs(now.potential))
-    return max(now.energy - before.energy - (now.work - before.work) - rounding, 0.0)
+    return max(now.growth(before) - rounding, 0.0)
 
 
 def _stack(sim: Simulation) -> None:

@@ -160,12 +160,12 @@ def _lump(
     }
 
 
-def _floor(rng: Random, dx: float, height: float = 0.0) -> dict[str, Any]:
+def _floor(rng: Random) -> dict[str, Any]:
     mode = str(rng.choice(["separate", "slip", "sticky"]))
     tilt = 0.3 * rng.standard_normal(2)
     return {
         "shape": "plane",
-        "point": [0.0, 0.0, height * dx],
+        "point": [0.0, 0.0, 0.0],
         "normal": [float(tilt[0]), float(tilt[1]), 1.0],
         "mode": mode,
         "mu_c": float(rng.uniform(0, 2)),
@@ -173,7 +173,7 @@ def _floor(rng: Random, dx: float, height: float = 0.0) -> dict[str, Any]:
 
 
 def _impact(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    return [_lump(rng, dx, (0, 0, 3.2), (0.3 * fast, 0.0, -fast))], [_floor(rng, dx)]
+    return [_lump(rng, dx, (0, 0, 3.2), (0.3 * fast, 0.0, -fast))], [_floor(rng)]
 
 
 def _collision(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
@@ -184,7 +184,7 @@ def _collision(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]
 def _thin_layer(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     thin = {"shape": "layer", "size": [6 * dx, 6 * dx], "depth": 0.1 * dx, "base": 0.05 * dx}
     ball = _lump(rng, dx, (0, 0, 4.0), (0.0, 0.0, -fast))
-    return [thin, ball], [_floor(rng, dx)]
+    return [thin, ball], [_floor(rng)]
 
 
 def _loners(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
@@ -201,20 +201,19 @@ def _loners(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], 
                 "velocity": [float(a) for a in to],
             }
         )
-    return specks, [_floor(rng, dx)]
+    return specks, [_floor(rng)]
 
 
 def _coincident(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Two lumps in the same place, with particles on top of each other, that fly apart and into a floor."""
     lump = _lump(rng, dx, (0, 0, 3.0), (0.2 * fast, 0.0, -0.5 * fast))
-    return [lump, lump | {"velocity": [-0.2 * fast, 0.0, -0.5 * fast]}], [_floor(rng, dx)]
+    return [lump, lump | {"velocity": [-0.2 * fast, 0.0, -0.5 * fast]}], [_floor(rng)]
 
 
 def _press(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Two plates that close on a lump until less than a cell is left between them."""
     gap, way = 4.0, 3.4
-    close = min(fast, 5e3)
-    time = way * dx / close
+    time = way * dx / fast
     plates = [
         {
             "shape": "box",
@@ -242,7 +241,7 @@ def _stir(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], li
         "mode": str(rng.choice(["separate", "slip", "sticky"])),
     }
     heap = {"shape": "box", "size": [7 * dx, 7 * dx, 2.5 * dx], "center": [0.0, 0.0, 1.3 * dx]}
-    return [heap], [_floor(rng, dx) | {"normal": [0.0, 0.0, 1.0]}, paddle]
+    return [heap], [_floor(rng) | {"normal": [0.0, 0.0, 1.0]}, paddle]
 
 
 SITUATIONS: dict[str, Situation] = {

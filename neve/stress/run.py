@@ -33,7 +33,7 @@ def run(
         print()
     else:
         steps = sum(outcome.steps for outcome in outcomes)
-        judged = [outcome for outcome in outcomes if not outcome.description.count("asflip")]
+        judged = [outcome for outcome in outcomes if outcome.judged]
         gain = max((outcome.gain for outcome in judged), default=0.0)
         surge = max((outcome.surge for outcome in judged), default=0.0)
         print(
