@@ -1,6 +1,5 @@
 """Light and draw particles: the compiled part of `neve.look`."""
 
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,7 @@ class Body:
 
     def __init__(
         self,
-        shape: Literal["plane", "box", "sphere", "cylinder"],
+        shape: str,
         position: Triple,
         rotation: list[float],
         half: Triple,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from neve.colliders.solid import Solid, solid_of
 from neve.model import Model
 from neve.sampling import Samples, fill
 from neve.scene.scene import Numerics, Scene, Snow
@@ -38,7 +39,12 @@ def build(scene: Scene) -> tuple[Model, State]:
 
 def make_model(scene: Scene) -> Model:
     """Return the constants of the scene's run, without sampling any snow."""
-    return Model(scene.world, scene.numerics, material_table(scene), scene.colliders)
+    return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, solids(scene))
+
+
+def solids(scene: Scene) -> tuple[Solid, ...]:
+    """Return everything that snow can meet, in the order of the scene."""
+    return tuple(solid_of(c, f"colliders.{i}") for i, c in enumerate(scene.colliders))
 
 
 def material_table(scene: Scene) -> list[Snow]:

@@ -1,4 +1,4 @@
-"""Model: the constants of one run, and the colliders in their place at an instant."""
+"""Model: the constants of one run, and the solids in their place at an instant."""
 
 from __future__ import annotations
 
@@ -10,25 +10,32 @@ import numpy as np
 
 from neve import _core
 from neve.colliders.motion import Pose, pose
-from neve.scene.scene import Box, Collider, Cylinder, Numerics, Snow, Sphere, World
+from neve.colliders.solid import Solid
+from neve.scene.scene import Collider, Numerics, Snow, World
 from neve.scene.snow import used
 
 PRECISIONS = {"float32": _core.f32, "float64": _core.f64}
 
 
 class Model:
-    """Hold the material table, the colliders, gravity and dx of one run, in the core's precision.
+    """Hold the material table, the solids, gravity and dx of one run, in the core's precision.
 
     `core` is the set of compiled stages (float32 or float64), `native` the core's own model.
     """
 
     def __init__(
-        self, world: World, numerics: Numerics, snows: Sequence[Snow], colliders: Sequence[Collider]
+        self,
+        world: World,
+        numerics: Numerics,
+        snows: Sequence[Snow],
+        colliders: Sequence[Collider],
+        solids: Sequence[Solid],
     ) -> None:
         self.core = PRECISIONS[numerics.precision]
         self.numerics = numerics
         self.snows = tuple(snows)
         self.colliders = tuple(colliders)
+        self.solids = tuple(solids)
         self.native = self.core.Model(
             numerics.dx,
             numerics.spline,
@@ -40,13 +47,13 @@ class Model:
         )
         for snow in self.snows:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
-        for collider in self.colliders:
-            self.native.add_solid(collider.shape, _half_extents(collider), collider.mode, collider.mu_c)
+        for solid in self.solids:
+            self.native.add_solid(solid.shape, solid.half, solid.mode, solid.mu_c)
         self.limit_press(1.0)
         self.place_colliders(0.0)
 
     def poses(self, time: float) -> list[Pose]:
-        """Return the pose of each collider at `time` [s]."""
+        """Return the pose of each solid at `time` [s]."""
         return [pose(collider, time) for collider in self.colliders]
 
     def place_colliders(self, time: float) -> None:
@@ -71,8 +78,8 @@ class Model:
 
     @property
     def colliders_move(self) -> bool:
-        """Whether any collider changes its place in time."""
-        return any(c.keyframes or any(c.velocity) or any(c.spin) for c in self.colliders)
+        """Whether any solid changes its place in time."""
+        return any(solid.moved_by != "rest" for solid in self.solids)
 
 
 @lru_cache
@@ -91,14 +98,3 @@ def affordable(xi_theta: float) -> float:
 def _constants(snow: Snow) -> dict[str, float]:
     """Return every number of `snow` by its name."""
     return {name: value for name, value in snow.model_dump().items() if isinstance(value, float)}
-
-
-def _half_extents(collider: Collider) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    half = np.zeros(3)
-    if isinstance(collider, Box):
-        half[:] = 0.5 * np.asarray(collider.size)
-    elif isinstance(collider, Sphere):
-        half[:] = collider.radius
-    elif isinstance(collider, Cylinder):
-        half[:] = collider.radius, collider.radius, 0.5 * collider.height
-    return half

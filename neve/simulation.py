@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from neve import _core
 from neve.build import build, make_model
 from neve.colliders.motion import Pose
+from neve.colliders.solid import Solid
 from neve.diagnostics import Diagnostics, diagnose
 from neve.mpm.blowup import require_finite, require_progress
 from neve.mpm.caution import careful_step
@@ -24,7 +25,7 @@ from neve.mpm.solver import STAGES, measure_volumes, sort
 from neve.mpm.time_step import fitted, largest
 from neve.scene.advice import advice
 from neve.scene.errors import SceneWarning
-from neve.scene.scene import Collider, Scene
+from neve.scene.scene import Scene
 from neve.state import from_arrays, to_arrays
 
 if TYPE_CHECKING:
@@ -80,8 +81,8 @@ class Simulation:
         self._use_threads()
         self.model, self._state = build(scene)
         self._grid = self.model.core.Grid()
-        self.exchanged = np.zeros((len(scene.colliders), 7))
-        """What each collider has exchanged with the snow so far, in the columns of `stats.exchanged`."""
+        self.exchanged = np.zeros((len(self.model.solids), 7))
+        """What each solid has exchanged with the snow so far, in the columns of `stats.exchanged`."""
 
     @property
     def state(self) -> State:
@@ -128,7 +129,7 @@ class Simulation:
             self.steps += 1
             self.stats.add(dt, "retry" if taken.refusals else choice.bound, taken.refusals)
             require_finite(model, state, report, self.steps, self.time, dt)
-        self.stats.exchanged = self._grid.take_exchanged(len(model.colliders))
+        self.stats.exchanged = self._grid.take_exchanged(len(model.solids))
         self.exchanged += self.stats.exchanged
 
     def _warn_of_long_step(self, dt: float, report: Report) -> None:
@@ -163,9 +164,9 @@ class Simulation:
         self.stats.stage_seconds["sort"] += perf_counter() - refreshed
         return report
 
-    def bodies(self) -> list[tuple[Collider, Pose]]:
-        """Return every collider with its pose now."""
-        return list(zip(self.model.colliders, self.model.poses(self.time), strict=True))
+    def bodies(self) -> list[tuple[Solid, Pose]]:
+        """Return every solid with its pose now."""
+        return list(zip(self.model.solids, self.model.poses(self.time), strict=True))
 
     def diagnostics(self) -> Diagnostics:
         """Return mass, momentum and energies now."""

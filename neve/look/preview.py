@@ -13,7 +13,8 @@ import neve._look as _look
 
 if TYPE_CHECKING:
     from neve.colliders.motion import Pose
-    from neve.scene.scene import Collider, Scene
+    from neve.colliders.solid import Solid
+    from neve.scene.scene import Scene
 
 # Paint of a collider without a colour of its own: grey-blue steel.
 STEEL = (0.20, 0.23, 0.27)
@@ -61,19 +62,19 @@ class Preview:
     def draw(
         self,
         x: npt.NDArray[np.floating[Any]],
-        bodies: Sequence[tuple[Collider, Pose]],
+        bodies: Sequence[tuple[Solid, Pose]],
         J_P: npt.NDArray[np.floating[Any]] | None = None,
     ) -> npt.NDArray[np.uint8]:
         """Draw one frame.
 
         x: positions (n, 3) [m], of any float type and layout; particles that are not finite are left out.
-        bodies: colliders and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow is drawn
+        bodies: solids and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow is drawn
         looser.
         Returns the picture (height, width, 3), sRGB.
         """
         places = np.ascontiguousarray(x, dtype=np.float32)
         ratio = np.ones(0, np.float32) if J_P is None else np.ascontiguousarray(J_P, dtype=np.float32)
-        drawn = [_body(collider, pose) for collider, pose in bodies if collider.visible]
+        drawn = [_body(solid, pose) for solid, pose in bodies if solid.visible]
         picture: npt.NDArray[np.uint8] = self._painter.draw(
             places, ratio, self.volume, self.cell_size, drawn, self.threads
         )
@@ -84,18 +85,10 @@ def _scaled(color: tuple[float, float, float], factor: float) -> tuple[float, fl
     return (color[0] * factor, color[1] * factor, color[2] * factor)
 
 
-def _body(collider: Collider, pose: Pose) -> _look.Body:
-    """Translate a collider and its pose for the renderer."""
-    match collider.shape:
-        case "plane":
-            half = (0.0, 0.0, 0.0)
-        case "box":
-            half = _scaled(collider.size, 0.5)
-        case "sphere":
-            half = (collider.radius,) * 3
-        case "cylinder":
-            half = (collider.radius, collider.radius, 0.5 * collider.height)
-    natural = collider.shape == "plane" and collider.color is None
+def _body(solid: Solid, pose: Pose) -> _look.Body:
+    """Translate a solid and its pose for the renderer."""
+    natural = solid.shape == "plane" and solid.color is None
     x, y, z = (float(a) for a in pose.position)
-    rotation = [float(a) for a in np.asarray(pose.rotation).ravel()]
-    return _look.Body(collider.shape, (x, y, z), rotation, half, collider.color or STEEL, natural)
+    a, b, c = (float(h) for h in solid.half)
+    rotation = [float(r) for r in np.asarray(pose.rotation).ravel()]
+    return _look.Body(solid.shape, (x, y, z), rotation, (a, b, c), solid.color or STEEL, natural)

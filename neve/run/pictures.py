@@ -19,6 +19,7 @@ from neve.io.log import read_log
 from neve.schedule import EveryFrame, Never, Schedule
 
 if TYPE_CHECKING:
+    from neve.colliders.solid import Solid
     from neve.io.run_folder import RunFolder
     from neve.look.preview import Preview
     from neve.run.outputs import Moment
@@ -41,6 +42,12 @@ class Painter:
 
         return Preview(self._scene, *SIZE, threads=self._threads)
 
+    @functools.cached_property
+    def _solids(self) -> Sequence[Solid]:
+        from neve.build import solids
+
+        return solids(self._scene)
+
     def draw(self, content: Frame) -> NDArray[np.uint8]:
         """Return the image of a frame, (height, width, 3)."""
         from neve.colliders.motion import Pose
@@ -48,8 +55,8 @@ class Painter:
         still = np.zeros(3)
         poses = zip(content.body_position, content.body_rotation, strict=True)
         bodies = [
-            (collider, Pose(position.astype(np.float64), rotation.astype(np.float64), still, still))
-            for collider, (position, rotation) in zip(self._scene.colliders, poses, strict=True)
+            (solid, Pose(position.astype(np.float64), rotation.astype(np.float64), still, still))
+            for solid, (position, rotation) in zip(self._solids, poses, strict=True)
         ]
         return self._preview.draw(content.x, bodies, J_P=content.J_P)
 

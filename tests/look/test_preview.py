@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from neve import _look
+from neve.build import solids
 from neve.colliders.motion import pose
 from neve.look.preview import Preview
 from neve.scene.scene import Box, Camera, Cylinder, Light, Numerics, Plane, Scene, SnowSphere, Sphere
@@ -21,8 +22,13 @@ def scene(*colliders, camera=CAMERA, light=None, dx=DX):
     return Scene(sources=(SnowSphere(),), colliders=colliders, camera=camera, light=light, numerics=numerics)
 
 
+def placed(scene, t=0.0):
+    """The solids of a scene where they are at time t."""
+    return [(s, pose(c, t)) for s, c in zip(solids(scene), scene.colliders, strict=True)]
+
+
 def draw(scene, x, t=0.0, threads=0, **keywords):
-    bodies = [(collider, pose(collider, t)) for collider in scene.colliders]
+    bodies = placed(scene, t)
     return Preview(scene, *SIZE, threads=threads).draw(x, bodies, **keywords)
 
 
@@ -149,7 +155,7 @@ def test_a_body_is_drawn_where_its_pose_is():
     """A box that moves at 1 m/s is 0.8 m farther at t = 0.8 s, although the ground's pixels are kept."""
     stage = scene(GROUND, Box(center=(-0.8, 0.0, 0.3), size=(0.4, 0.4, 0.6), velocity=(1, 0, 0), color=RED))
     preview = Preview(stage, *SIZE)
-    first, second = (preview.draw(NONE, [(c, pose(c, t)) for c in stage.colliders]) for t in (0.0, 0.8))
+    first, second = (preview.draw(NONE, placed(stage, t)) for t in (0.0, 0.8))
     here, there = (-0.8, -0.2, 0.3), (0.0, -0.2, 0.3)
     red = [
         [a[0] > 1.8 * a[2] for a in (patch(image, here), patch(image, there))] for image in (first, second)
@@ -221,7 +227,7 @@ def test_a_picture_does_not_depend_on_the_one_before():
     stage, x = scene(GROUND, BODIES[0].model_copy(update={"velocity": (0.5, 0.2, 0.0)})), crowd()
     preview = Preview(stage, *SIZE)
     for t in (0.0, 1.0, 1.0, 0.4):
-        last = preview.draw(x + t, [(c, pose(c, t)) for c in stage.colliders])
+        last = preview.draw(x + t, placed(stage, t))
     assert np.array_equal(last, draw(stage, x + 0.4, t=0.4))
 
 

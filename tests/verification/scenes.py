@@ -99,15 +99,15 @@ def materials(sim):
 def bodies(sim):
     """Copy the colliders at the simulation's time into the oracle."""
     out = []
-    for collider, pose in sim.bodies():
+    for solid, pose in sim.bodies():
         size = {
-            "plane": lambda c: (),
-            "box": lambda c: tuple(c.size),
-            "sphere": lambda c: (c.radius,),
-            "cylinder": lambda c: (c.radius, c.height),
-        }[collider.shape](collider)
+            "plane": lambda half: (),
+            "box": lambda half: tuple(2 * half),
+            "sphere": lambda half: (half[0],),
+            "cylinder": lambda half: (half[0], 2 * half[2]),
+        }[solid.shape](solid.half)
         parts = (np.asarray(a, float) for a in (pose.position, pose.rotation, pose.velocity, pose.omega))
-        out.append(contact.Body(collider.shape, collider.mode, collider.mu_c, size, *parts))
+        out.append(contact.Body(solid.shape, solid.mode, solid.mu_c, size, *parts))
     return tuple(out)
 
 

@@ -1,0 +1,71 @@
+"""Solid: what snow can meet, resolved from the scene to a shape and numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.scene.scene import Box, Collider, Cylinder, Sphere
+
+Array = NDArray[np.float64]
+Color = tuple[float, float, float]
+Shape = Literal["plane", "box", "sphere", "cylinder", "mesh", "terrain"]
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """Hold the shape of a body in its own frame, and how snow slides on it.
+
+    A plane is z = 0 with the snow above it, a cylinder's axis is z; box, sphere and cylinder are centred.
+
+    Attributes:
+        name: who it is, for messages, tables and pictures: "colliders.0", "bodies.1", "robots.0.wheel_left"
+        shape: what it is
+        half: half edges of a box; (radius, radius, half height) of a cylinder; the radius, three times, of a
+            sphere; else zero [m], (3,)
+        mode, mu_c: as in the scene
+        color: red, green and blue in the film, or None
+        visible: whether the film shows it
+        moved_by: nobody ("rest"), keyframes or a constant velocity ("script"), or the rigid-body engine
+        mesh, terrain: what the shape of that name consists of
+    """
+
+    name: str
+    shape: Shape
+    half: Array = field(default_factory=lambda: np.zeros(3))
+    mode: Literal["separate", "slip", "sticky"] = "separate"
+    mu_c: float = 0.5
+    color: Color | None = None
+    visible: bool = True
+    moved_by: Literal["rest", "script", "engine"] = "rest"
+    mesh: Any = None
+    terrain: Any = None
+
+
+def solid_of(collider: Collider, name: str) -> Solid:
+    """Return the solid that `collider` describes; `name` tells it in messages."""
+    moves = bool(collider.keyframes) or any(collider.velocity) or any(collider.spin)
+    return Solid(
+        name=name,
+        shape=collider.shape,
+        half=_half_extents(collider),
+        mode=collider.mode,
+        mu_c=collider.mu_c,
+        color=collider.color,
+        visible=collider.visible,
+        moved_by="script" if moves else "rest",
+    )
+
+
+def _half_extents(collider: Collider) -> Array:
+    half = np.zeros(3)
+    if isinstance(collider, Box):
+        half[:] = 0.5 * np.asarray(collider.size)
+    elif isinstance(collider, Sphere):
+        half[:] = collider.radius
+    elif isinstance(collider, Cylinder):
+        half[:] = collider.radius, collider.radius, 0.5 * collider.height
+    return half
