@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.scene.scene import Box, Collider, Cylinder, Sphere
+from neve.scene.scene import Box, Collider, Cylinder, Rigid, RigidBox, RigidCylinder, RigidSphere, Sphere
 
 Array = NDArray[np.float64]
 Color = tuple[float, float, float]
@@ -51,7 +51,7 @@ def solid_of(collider: Collider, name: str) -> Solid:
     return Solid(
         name=name,
         shape=collider.shape,
-        half=_half_extents(collider),
+        half=half_extents(collider),
         mode=collider.mode,
         mu_c=collider.mu_c,
         color=collider.color,
@@ -60,12 +60,27 @@ def solid_of(collider: Collider, name: str) -> Solid:
     )
 
 
-def _half_extents(collider: Collider) -> Array:
+def solid_of_body(body: Rigid, name: str) -> Solid:
+    """Return the solid of `body`, which the rigid-body engine moves; `name` tells it in messages."""
+    return Solid(
+        name=name,
+        shape=body.shape,
+        half=half_extents(body),
+        mode=body.mode,
+        mu_c=body.mu_c,
+        color=body.color,
+        visible=body.visible,
+        moved_by="engine",
+    )
+
+
+def half_extents(shape: Collider | Rigid) -> Array:
+    """Return the numbers of a box, sphere or cylinder as `Solid.half` has them; zeros for the others."""
     half = np.zeros(3)
-    if isinstance(collider, Box):
-        half[:] = 0.5 * np.asarray(collider.size)
-    elif isinstance(collider, Sphere):
-        half[:] = collider.radius
-    elif isinstance(collider, Cylinder):
-        half[:] = collider.radius, collider.radius, 0.5 * collider.height
+    if isinstance(shape, Box | RigidBox):
+        half[:] = 0.5 * np.asarray(shape.size)
+    elif isinstance(shape, Sphere | RigidSphere):
+        half[:] = shape.radius
+    elif isinstance(shape, Cylinder | RigidCylinder):
+        half[:] = shape.radius, shape.radius, 0.5 * shape.height
     return half

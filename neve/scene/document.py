@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from neve.scene.allowed import allowed, choices, part, source, unit
+from neve.scene.bodies import Motor, RigidBody, RigidBox, RigidCylinder, RigidSphere, Target
 from neve.scene.colliders import Body, Box, Cylinder, Keyframe, Plane, Sphere
 from neve.scene.complaint import shown
 from neve.scene.load import PRESETS
@@ -90,6 +91,16 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ('[[colliders]] with shape = "sphere"', "A ball.", Sphere),
     ('[[colliders]] with shape = "cylinder"', "A cylinder around its own z axis.", Cylinder),
     ("[[colliders.keyframes]]", "A scripted motion.", Keyframe),
+    (
+        "[[bodies]]",
+        "Bodies that snow moves. All have these keys, and those of their shape.",
+        RigidBody,
+    ),
+    ('[[bodies]] with shape = "box"', "A box or a plate.", RigidBox),
+    ('[[bodies]] with shape = "sphere"', "A ball.", RigidSphere),
+    ('[[bodies]] with shape = "cylinder"', "A cylinder around its own z axis.", RigidCylinder),
+    ("[bodies.motor]", "What drives the joint of a body.", Motor),
+    ("[[bodies.motor.keyframes]]", "What a motor aims at, and when.", Target),
     ("[camera]", "Camera of the film.", Camera),
     ("[light]", "Light of the film.", Light),
     ("[run]", "Length of the run.", Run),
@@ -112,7 +123,8 @@ def _shared(name: str, model: type[BaseModel]) -> bool:
     """Return whether the key is told in the section of all shapes, or in the heading."""
     if name == "shape":
         return True
-    return any(issubclass(model, b) and model is not b and name in b.model_fields for b in (SnowSource, Body))
+    bases = (SnowSource, Body, RigidBody)
+    return any(issubclass(model, b) and model is not b and name in b.model_fields for b in bases)
 
 
 def _table(rows: list[tuple[str, FieldInfo]]) -> str:

@@ -90,7 +90,7 @@ def scene_from(
 def to_toml(scene: Scene) -> str:
     """Return `scene` as a complete TOML file, every default spelled out; loading it gives an equal scene."""
     tables = scene.model_dump(mode="json", exclude_none=True)
-    for name in ("sources", "colliders"):
+    for name in ("sources", "colliders", "bodies"):
         tables[name] = [{"shape": entry["shape"]} | entry for entry in tables[name]]
     return tomli_w.dumps(tables)
 

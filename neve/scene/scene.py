@@ -7,6 +7,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
+from neve.scene.bodies import Motor, Rigid, RigidBody, RigidBox, RigidCylinder, RigidSphere, Target
 from neve.scene.colliders import Body, Box, Collider, Cylinder, Keyframe, Plane, Sphere
 from neve.scene.fields import (
     Color,
@@ -39,9 +40,10 @@ from neve.scene.sources import (
 )
 
 __all__ = [
-    "Body", "Box", "Camera", "Collider", "Cylinder", "Keyframe", "Light", "Numerics", "Overrides", "Part",
-    "Plane", "Profile", "Run", "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowSource",
-    "SnowSphere", "SnowText", "Source", "Sphere", "Variation", "World",
+    "Body", "Box", "Camera", "Collider", "Cylinder", "Keyframe", "Light", "Motor", "Numerics", "Overrides",
+    "Part", "Plane", "Profile", "Rigid", "RigidBody", "RigidBox", "RigidCylinder", "RigidSphere", "Run",
+    "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowSource", "SnowSphere", "SnowText", "Source",
+    "Sphere", "Target", "Variation", "World",
 ]  # fmt: skip
 
 
@@ -200,9 +202,18 @@ class Scene(Part):
     snow: Snow = entry(Snow(), "Snow of all sources.", "")
     sources: tuple[Source, ...] = entry((), "Where snow is at the start: one or more.", "")
     colliders: tuple[Collider, ...] = entry((), "Bodies that snow meets.", "")
+    bodies: tuple[Rigid, ...] = entry((), "Bodies that snow moves.", "")
     camera: Camera = entry(Camera(), "Camera of the film.", "")
     light: Light = entry(Light(), "Light of the film.", "")
     run: Run = entry(Run(), "Length of the run.", "")
+
+    @model_validator(mode="after")
+    def _parents(self) -> Scene:
+        for i, body in enumerate(self.bodies):
+            if body.parent is not None and body.parent >= i:
+                earlier = f"from 0 to {i - 1}" if i else "and the first body has none"
+                raise wrong(f"bodies.{i}.parent", f"must be the number of an earlier body, {earlier}")
+        return self
 
     @model_validator(mode="after")
     def _check(self) -> Scene:

@@ -27,10 +27,11 @@ def unused(scene: Scene) -> Iterator[str]:
         if source.profile:
             yield from _of_profile(source.profile, f"sources.{i}.profile")
         yield from _of_strength(scene, source, f"sources.{i}")
-    for i, collider in enumerate(scene.colliders):
-        if collider.mode == "sticky":
-            modes = f'colliders.{i}.mode = "separate" or "slip"'
-            yield from _set_in_vain(collider, f"colliders.{i}", "mu_c", 'mode = "sticky"', modes)
+    for kind, bodies in (("colliders", scene.colliders), ("bodies", scene.bodies)):
+        for i, body in enumerate(bodies):
+            if body.mode == "sticky":
+                modes = f'{kind}.{i}.mode = "separate" or "slip"'
+                yield from _set_in_vain(body, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
 
 
 def _of_transfer(numerics: Numerics) -> Iterator[str]:

@@ -1,0 +1,297 @@
+"""Assemble colliders, bodies and robots of a scene into a model of the rigid-body engine, MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.colliders.engine import engine
+from neve.colliders.inertia import bulk_of
+from neve.colliders.motion import pose, turn
+from neve.colliders.solid import Solid
+from neve.scene.bodies import DENSITY, Motor, RigidBody
+from neve.scene.scene import Collider, Rigid, Scene
+
+Array = NDArray[np.float64]
+
+TIME_CONSTANT = 0.002
+"""Time in which a contact pushes out what has sunk in [s]: twice the longest step of the engine."""
+RESPONSE = 0.05
+"""Time in which a motor without a gain brings the bare body near its target [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Say where the frame of a solid sits in the engine: on which body, and how in that body's frame."""
+
+    body: int
+    position: Array
+    rotation: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Control:
+    """Hold what an actuator is told: values at increasing times, straight lines between."""
+
+    actuator: int
+    times: Array
+    values: Array
+
+
+@dataclass
+class Assembly:
+    """Hold the engine's model and who is who in it.
+
+    Attributes:
+        model: mujoco.MjModel
+        places: of each solid of bodies and robots, in their order
+        scripted: colliders that move, each with its number among the engine's mocap bodies and its geom
+        controls: what actuators are told
+        speeds: velocities of the degrees of freedom at the start
+    """
+
+    model: Any
+    places: list[Place] = field(default_factory=list)
+    scripted: list[tuple[Collider, int, int]] = field(default_factory=list)
+    controls: list[Control] = field(default_factory=list)
+    speeds: Array = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """Hold the engine's frame of a body at the start, centre of mass and principal axes, in the world."""
+
+    position: Array
+    rotation: Array
+
+    def inside(self, position: Array, rotation: Array) -> tuple[Array, Array]:
+        """Return a place in the world as seen from this frame."""
+        return self.rotation.T @ (position - self.position), self.rotation.T @ rotation
+
+
+def assemble(scene: Scene, colliders: Sequence[Solid], bodies: Sequence[Solid]) -> Assembly:
+    """Return the engine's model of everything solid in `scene`.
+
+    `colliders` and `bodies` are the solids of `scene.colliders` and `scene.bodies`, in their order.
+    """
+    spec = _new_spec(scene.world.gravity)
+    for collider, solid in zip(scene.colliders, colliders, strict=True):
+        _add_collider(spec, collider, solid)
+    frames: list[_Frame] = []
+    for body, solid in zip(scene.bodies, bodies, strict=True):
+        frames.append(_add_body(spec, body, solid, frames))
+    made = Assembly(model=spec.compile())
+    _find_places(made, bodies, scene.bodies, frames)
+    _find_scripted(made, scene.colliders, colliders)
+    _tune_motors(made, scene.bodies, bodies)
+    made.speeds = _speeds(made.model, scene.bodies, bodies, frames)
+    return made
+
+
+def _new_spec(gravity: tuple[float, float, float]) -> Any:
+    """Return an empty model with the options that make free bodies exact.
+
+    implicitfast changes the momentum of a free body by force times step to rounding, and a spinning one gains
+    no energy (MuJoCo's documentation, numerical integration). No islands: they save time only among many
+    heaps of bodies. No automatic reset: a body that loses its numbers is to be told, not put back.
+    """
+    mujoco = engine()
+    spec = mujoco.MjSpec()
+    spec.option.gravity = gravity
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 10.0  # little creep where friction holds
+    flags = mujoco.mjtDisableBit
+    spec.option.disableflags = int(flags.mjDSBL_ISLAND) | int(flags.mjDSBL_AUTORESET)
+    spec.compiler.degree = False
+    spec.compiler.conflict = mujoco.mjtConflict.mjCONFLICT_WARNING
+    return spec
+
+
+def _geom(spec: Any, solid: Solid) -> dict[str, Any]:
+    """Return type and size of the engine's geom for `solid`; a mesh or height field is added to `spec`."""
+    mujoco = engine()
+    kinds = mujoco.mjtGeom
+    a, _, c = (float(h) for h in solid.half)
+    if solid.shape == "plane":
+        return {"type": kinds.mjGEOM_PLANE, "size": [0.0, 0.0, 1.0]}
+    if solid.shape == "box":
+        return {"type": kinds.mjGEOM_BOX, "size": solid.half}
+    if solid.shape == "sphere":
+        return {"type": kinds.mjGEOM_SPHERE, "size": [a, 0.0, 0.0]}
+    assert solid.shape == "cylinder"
+    return {"type": kinds.mjGEOM_CYLINDER, "size": [a, c, 0.0]}
+
+
+def _add_geom(
+    spec: Any, body: Any, solid: Solid, place: tuple[Array, Array], friction: float, meets: bool
+) -> None:
+    """Add the shape of `solid`, without mass, to a body of the engine at `place` in its frame."""
+    body.add_geom(
+        name=solid.name,
+        pos=place[0],
+        quat=quaternion(place[1]),
+        mass=0.0,
+        friction=[friction, 0.005, 0.0001],
+        solref=[TIME_CONSTANT, 1.0],
+        contype=1 if meets else 0,
+        conaffinity=EVERY if meets else 0,
+        **_geom(spec, solid),
+    )
+
+
+EVERY = 2**31 - 1
+"""Contact with every group of geoms that a robot's file may use."""
+
+
+def _add_collider(spec: Any, collider: Collider, solid: Solid) -> None:
+    """Add a collider to the world, or as a mocap body if a script moves it.
+
+    Its own friction is none: of two that touch the larger one counts, and a collider has no say in it.
+    """
+    at = pose(collider, 0.0)
+    if solid.moved_by != "script":
+        _add_geom(spec, spec.worldbody, solid, (at.position, at.rotation), 0.0, True)
+        return
+    body = spec.worldbody.add_body(name=solid.name, mocap=True, pos=at.position, quat=quaternion(at.rotation))
+    _add_geom(spec, body, solid, (np.zeros(3), np.eye(3)), 0.0, True)
+
+
+def _add_body(spec: Any, body: Rigid, solid: Solid, frames: Sequence[_Frame]) -> _Frame:
+    """Add a body with its joint and motor, and return the frame that the engine gives it."""
+    bulk = bulk_of(solid)
+    density = DENSITY if body.density is None else body.density
+    mass = density * bulk.volume if body.mass is None else body.mass
+    moments, axes = bulk.principal()
+    R = turn(np.radians(body.rotation))
+    center = np.array(body.center)
+    frame = _Frame(center + R @ bulk.center, R @ axes)
+    if body.parent is None:
+        host, place = spec.worldbody, (frame.position, frame.rotation)
+    else:
+        host = spec.body(f"bodies.{body.parent}")
+        place = frames[body.parent].inside(frame.position, frame.rotation)
+    made = host.add_body(
+        name=solid.name,
+        pos=place[0],
+        quat=quaternion(place[1]),
+        mass=mass,
+        ipos=np.zeros(3),
+        inertia=moments * (mass / bulk.volume),
+        explicitinertial=True,
+    )
+    _add_geom(spec, made, solid, frame.inside(center, R), body.friction, body.contacts)
+    _add_joint(spec, made, body, frame, solid.name)
+    return frame
+
+
+def _add_joint(spec: Any, made: Any, body: RigidBody, frame: _Frame, name: str) -> None:
+    mujoco = engine()
+    if body.joint == "free":
+        made.add_freejoint(name=name, align=False)
+        return
+    hinge = body.joint == "hinge"
+    axis = np.array(body.axis) / np.linalg.norm(body.axis)
+    anchor = np.array(body.anchor if body.anchor is not None else body.center)  # type: ignore[attr-defined]
+    kinds = mujoco.mjtJoint
+    joint = made.add_joint(
+        name=name,
+        type=kinds.mjJNT_HINGE if hinge else kinds.mjJNT_SLIDE,
+        axis=frame.rotation.T @ axis,
+        pos=frame.rotation.T @ (anchor - frame.position),
+    )
+    if body.limits is not None:
+        joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+        joint.range = np.radians(body.limits) if hinge else np.array(body.limits)
+        joint.solref_limit = [TIME_CONSTANT, 1.0]
+    if body.motor:
+        motor = spec.add_actuator(name=name, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=name)
+        motor.set_to_motor()
+        if body.motor.limit is not None:
+            motor.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+            motor.forcerange = [-body.motor.limit, body.motor.limit]
+
+
+def _find_places(
+    made: Assembly, solids: Sequence[Solid], bodies: Sequence[Rigid], frames: Sequence[_Frame]
+) -> None:
+    for solid, body, frame in zip(solids, bodies, frames, strict=True):
+        place = frame.inside(np.array(body.center), turn(np.radians(body.rotation)))
+        made.places.append(Place(made.model.body(solid.name).id, *place))
+
+
+def _find_scripted(made: Assembly, colliders: Sequence[Collider], solids: Sequence[Solid]) -> None:
+    for collider, solid in zip(colliders, solids, strict=True):
+        if solid.moved_by == "script":
+            body = made.model.body(solid.name)
+            made.scripted.append((collider, int(body.mocapid[0]), int(body.geomadr[0])))
+
+
+def _tune_motors(made: Assembly, bodies: Sequence[Rigid], solids: Sequence[Solid]) -> None:
+    """Set the gains of the motors, from the inertia of the joint at the start where none is given.
+
+    A speed is reached as 1 - exp(-t gain / I), within 5 % at t = 3 I / gain; a place, critically damped, as
+    1 - (1 + w t) exp(-w t), w^2 = gain / I, within 5 % at w t = 4.74.
+    """
+    mujoco = engine()
+    model = made.model
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    inertia = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, inertia)
+    for body, solid in zip(bodies, solids, strict=True):
+        if body.motor is None:
+            continue
+        joint, actuator = model.joint(solid.name), model.actuator(solid.name)
+        _set_gain(actuator, body.motor, float(inertia[joint.dofadr[0], joint.dofadr[0]]))
+        unit = np.pi / 180 if body.joint == "hinge" and body.motor.kind == "position" else 1.0
+        made.controls.append(_control(int(actuator.id), body.motor, unit))
+
+
+def _set_gain(actuator: Any, motor: Motor, inertia: float) -> None:
+    """Write a motor as force = gain control - bias: MuJoCo's affine actuator."""
+    mujoco = engine()
+    if motor.kind == "torque":
+        return
+    actuator.biastype[:] = int(mujoco.mjtBias.mjBIAS_AFFINE)
+    if motor.kind == "velocity":
+        gain = motor.gain or 3.0 * inertia / RESPONSE
+        actuator.gainprm[0], actuator.biasprm[2] = gain, -gain
+    else:
+        gain = motor.gain or inertia * (4.74 / RESPONSE) ** 2
+        actuator.gainprm[0], actuator.biasprm[1] = gain, -gain
+        actuator.biasprm[2] = -2.0 * np.sqrt(gain * inertia)
+
+
+def _control(actuator: int, motor: Motor, unit: float) -> Control:
+    keys = [(key.t, key.value) for key in motor.keyframes] or [(0.0, motor.target)]
+    times, values = np.array(keys).T
+    return Control(actuator, times, unit * values)
+
+
+def _speeds(model: Any, bodies: Sequence[Rigid], solids: Sequence[Solid], frames: Sequence[_Frame]) -> Array:
+    """Return the velocities of all degrees of freedom at the start; of a joint, relative to its parent."""
+    speeds = np.zeros(model.nv)
+    for body, solid, frame in zip(bodies, solids, frames, strict=True):
+        first = int(model.joint(solid.name).dofadr[0])
+        velocity, spin = np.array(body.velocity), np.array(body.spin)
+        if body.joint == "free":
+            arm = frame.position - np.array(body.center)
+            speeds[first : first + 3] = velocity + np.cross(spin, arm)
+            speeds[first + 3 : first + 6] = frame.rotation.T @ spin
+        else:
+            axis = np.array(body.axis) / np.linalg.norm(body.axis)
+            speeds[first] = axis @ (spin if body.joint == "hinge" else velocity)
+    return speeds
+
+
+def quaternion(matrix: Array) -> Array:
+    """Return the quaternion (w, x, y, z) of a rotation `matrix` (3, 3)."""
+    mujoco = engine()
+    found = np.zeros(4)
+    mujoco.mju_mat2Quat(found, np.ascontiguousarray(matrix).reshape(9))
+    return found

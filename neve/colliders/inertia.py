@@ -1,0 +1,76 @@
+"""Weigh bodies: volume, centre of mass and moments of inertia of a shape that is filled evenly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.colliders.solid import Solid
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Bulk:
+    """Hold what a shape of density 1 weighs, in its own frame.
+
+    Attributes:
+        volume: [m3]
+        center: centre of mass [m], (3,)
+        inertia: moments of inertia about the centre of mass for density 1 [m5], (3, 3), symmetric
+    """
+
+    volume: float
+    center: Array
+    inertia: Array
+
+    def principal(self) -> tuple[Array, Array]:
+        """Return the principal moments (3,) and the right-handed matrix (3, 3) of their axes, in columns."""
+        off = self.inertia - np.diag(np.diag(self.inertia))
+        if np.abs(off).max() <= 1e-12 * np.trace(self.inertia):
+            return np.diag(self.inertia).copy(), np.eye(3)
+        moments, axes = np.linalg.eigh(self.inertia)
+        if np.linalg.det(axes) < 0:
+            axes[:, 2] = -axes[:, 2]
+        return moments, axes
+
+
+def bulk_of(solid: Solid) -> Bulk:
+    """Return volume, centre of mass and inertia of a box, sphere, cylinder or closed mesh."""
+    a, b, c = (float(h) for h in solid.half)
+    if solid.shape == "mesh":
+        return bulk_of_mesh(solid.mesh.vertices, solid.mesh.faces)
+    if solid.shape == "box":
+        volume, squares = 8 * a * b * c, np.array([a * a, b * b, c * c]) / 3
+    elif solid.shape == "sphere":
+        volume, squares = 4 / 3 * math.pi * a**3, np.full(3, a * a / 5)
+    elif solid.shape == "cylinder":
+        volume, squares = 2 * math.pi * a * a * c, np.array([a * a / 4, a * a / 4, c * c / 3])
+    else:
+        raise ValueError(f"{solid.name}: a {solid.shape} has no mass")
+    return Bulk(volume, np.zeros(3), volume * np.diag(squares.sum() - squares))
+
+
+def bulk_of_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> Bulk:
+    """Return volume, centre of mass and inertia inside a closed triangle mesh: vertices (n, 3), faces (m, 3).
+
+    Sums over the tetrahedra between each face and one point, signed by the side on which the face looks at
+    it; with corners a, b, c from that point, s = a + b + c and V = a . (b x c) / 6 the integrals are
+    int 1 = V, int x = V s / 4, int x x^T = V (a a^T + b b^T + c c^T + s s^T) / 20. A mesh that is inside out
+    weighs the same.
+    """
+    v = np.asarray(vertices, dtype=np.float64)
+    origin = v.mean(axis=0)  # near the body, so that sums of large numbers do not cancel
+    a, b, c = (v[np.asarray(faces)[:, i]] - origin for i in range(3))
+    s = a + b + c
+    V = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0
+    volume = float(V.sum())
+    sign = math.copysign(1.0, volume)
+    center = (V[:, None] * s).sum(axis=0) / (4.0 * volume)
+    second = sum(np.einsum("n,ni,nj->ij", V, p, p) for p in (a, b, c, s)) / 20.0
+    second = sign * (second - volume * np.outer(center, center))
+    return Bulk(abs(volume), origin + center, np.trace(second) * np.eye(3) - second)

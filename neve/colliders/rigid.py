@@ -1,0 +1,227 @@
+"""Rigid bodies that snow pushes: MuJoCo moves them, their joints and their contacts with one another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.colliders.assembly import Assembly, assemble, quaternion
+from neve.colliders.engine import engine
+from neve.colliders.motion import Pose, pose
+from neve.colliders.solid import Solid, solid_of_body
+from neve.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+LONGEST = 1e-3
+"""Longest step of the engine [s]."""
+FARTHEST = 1e10
+"""Places and velocities beyond this are lost, as they are for the engine [m, m/s, rad/s]."""
+
+
+class LostBody(RuntimeError):
+    """Say which body has no finite place or velocity any more, and when. One sentence."""
+
+
+class RigidBodies:
+    """Hold the bodies of a scene in the rigid-body engine.
+
+    A solid's frame is that of its shape in the scene: the centre of a box, sphere or cylinder, the file's
+    origin of a mesh; not the centre of mass. Its velocity is that of the frame's origin. All vectors are in
+    world axes.
+    """
+
+    def __init__(self, scene: Scene, colliders: Sequence[Solid]) -> None:
+        """Assemble the bodies of `scene`, which also touch `colliders`, the solids of `scene.colliders`."""
+        self._mj = engine()
+        self.solids = tuple(solid_of_body(body, f"bodies.{i}") for i, body in enumerate(scene.bodies))
+        """The solids that the engine moves: all bodies, in the order of the scene."""
+        self._assembly: Assembly = assemble(scene, colliders, self.solids)
+        self._model = self._assembly.model
+        self._data = self._mj.MjData(self._model)
+        self._signature = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        self._data.qvel[:] = self._assembly.speeds
+        self._refresh()
+
+    def poses(self) -> list[Pose]:
+        """Return where the frame of each solid is and how it moves."""
+        rates = (self._jacobian @ self._data.qvel).reshape(-1, 6)
+        return [
+            Pose(x, R, rate[:3], rate[3:])
+            for x, R, rate in zip(self._positions, self._rotations, rates, strict=True)
+        ]
+
+    def mobility(self) -> Array:
+        """Return A (6 n, 6 n) in dU = A dP: how impulses on the solids change their velocities at once.
+
+        U has six rows a solid: velocity of its frame's origin [m/s] and angular velocity [rad/s]; P: impulse
+        at the frame's origin [N s] and moment about it [N m s]. A = J M^-1 J^T with the Jacobian J of U and
+        the mass matrix M of the joints; contacts and motors do not enter.
+        """
+        J = self._jacobian
+        moved = np.zeros_like(J)
+        if J.size:
+            self._mj.mj_solveM(self._model, self._data, moved, J)
+        A = J @ moved.T
+        return np.asarray(0.5 * (A + A.T))
+
+    def advance(self, dt: float, exchanged: Array, time: float) -> None:
+        """Move the bodies from `time` on by `dt` [s] under what they exchanged with the snow.
+
+        exchanged: (n, 7), impulse of the snow on each solid [N s], its moment about the frame's origin
+        [N m s], work [J] (not used). It acts as a constant force and torque. The engine takes equal steps of
+        at most LONGEST.
+
+        Errors: LostBody if what was exchanged, or a place or a velocity afterwards, is not finite.
+        """
+        model, data = self._model, self._data
+        wrenches = np.asarray(exchanged, dtype=np.float64)[:, :6] / dt
+        for solid, wrench in zip(self.solids, wrenches, strict=True):
+            if not np.isfinite(wrench).all():
+                raise LostBody(f"the snow pushes {solid.name} without a finite force at t = {time:.6g} s")
+        count = max(1, math.ceil(dt / LONGEST - 1e-9))
+        model.opt.timestep = dt / count
+        self._push(wrenches)
+        for i in range(count):
+            data.time = time + i * model.opt.timestep
+            for control in self._assembly.controls:
+                data.ctrl[control.actuator] = np.interp(data.time, control.times, control.values)
+            if self._assembly.scripted:
+                self._step_among_moving()
+            else:
+                self._mj.mj_step(model, data)
+        data.xfrc_applied[:] = 0.0
+        self._require_finite(time + dt)
+        self._refresh()
+
+    def save(self) -> dict[str, Array]:
+        """Return all that `restore` needs to go on with the same bits."""
+        state = np.zeros(self._mj.mj_stateSize(self._model, self._signature))
+        self._mj.mj_getState(self._model, self._data, state, self._signature)
+        return {"engine": state}
+
+    def restore(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Put the bodies back to where `save` found them.
+
+        Errors: ValueError if `arrays` come from other bodies.
+        """
+        state = np.array(arrays["engine"], dtype=np.float64)
+        if state.shape != (self._mj.mj_stateSize(self._model, self._signature),):
+            raise ValueError(
+                f"the state of the bodies has {state.size} numbers, which does not fit the scene"
+            )
+        self._mj.mj_setState(self._model, self._data, state, self._signature)
+        self._refresh()
+
+    @property
+    def momentum(self) -> Array:
+        """Sum of m v over the bodies [kg m/s], (3,)."""
+        return self._sums()[0]
+
+    @property
+    def angular_momentum(self) -> Array:
+        """Angular momentum of the bodies about the origin of the world [kg m2/s], (3,)."""
+        return self._sums()[1]
+
+    @property
+    def kinetic(self) -> float:
+        """Kinetic energy of the bodies [J]."""
+        product = np.zeros(self._model.nv)
+        self._mj.mj_mulM(self._model, self._data, product, self._data.qvel)
+        return float(0.5 * product @ self._data.qvel)
+
+    @property
+    def potential(self) -> float:
+        """Energy of the bodies in the field of gravity, zero at the origin of the world [J]."""
+        mass = self._model.body_mass
+        return float(-(mass @ (self._data.xipos @ self._model.opt.gravity)))
+
+    @property
+    def mass(self) -> Array:
+        """Mass of the body that carries each solid [kg], (n,)."""
+        return np.array([self._model.body_mass[place.body] for place in self._assembly.places])
+
+    def _sums(self) -> tuple[Array, Array]:
+        """Return momentum and angular momentum, from the velocities of the centres of mass."""
+        model, data = self._model, self._data
+        momentum, angular = np.zeros(3), np.zeros(3)
+        linear, turning = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+        for body in range(1, model.nbody):
+            self._mj.mj_jacBodyCom(model, data, linear, turning, body)
+            p = model.body_mass[body] * (linear @ data.qvel)
+            axes = data.ximat[body].reshape(3, 3)
+            momentum += p
+            spin = axes.T @ (turning @ data.qvel)
+            angular += np.cross(data.xipos[body], p) + axes @ (model.body_inertia[body] * spin)
+        return momentum, angular
+
+    def _push(self, wrenches: Array) -> None:
+        """Apply a force at each solid's frame and a torque about it, as they stand now [N, N m], (n, 6)."""
+        data = self._data
+        data.xfrc_applied[:] = 0.0
+        for place, x, wrench in zip(self._assembly.places, self._positions, wrenches, strict=True):
+            force, torque = wrench[:3], wrench[3:]
+            data.xfrc_applied[place.body, :3] += force
+            data.xfrc_applied[place.body, 3:] += torque + np.cross(x - data.xipos[place.body], force)
+
+    def _step_among_moving(self) -> None:
+        """Take a step of the engine in which scripted colliders move.
+
+        The engine takes mocap bodies for resting ones. What a contact aims at, -B u - K r with the velocity u
+        of one surface past the other, is therefore corrected by the velocity of the collider's surface.
+        """
+        model, data = self._model, self._data
+        motions: dict[int, Pose] = {}
+        for collider, mocap, geom in self._assembly.scripted:
+            motions[geom] = now = pose(collider, data.time)
+            data.mocap_pos[mocap] = now.position
+            data.mocap_quat[mocap] = quaternion(now.rotation)
+        self._mj.mj_step1(model, data)
+        for contact in data.contact:
+            if contact.efc_address < 0:
+                continue
+            surface = np.zeros(3)
+            for geom, sign in zip(contact.geom, (-1.0, 1.0), strict=True):
+                if at := motions.get(int(geom)):
+                    surface += sign * (at.velocity + np.cross(at.omega, contact.pos - at.position))
+            rows = slice(contact.efc_address, contact.efc_address + min(contact.dim, 3))
+            along = contact.frame.reshape(3, 3)[: min(contact.dim, 3)] @ surface
+            data.efc_aref[rows] -= data.efc_KBIP[rows, 1] * along
+        self._mj.mj_step2(model, data)
+
+    def _require_finite(self, time: float) -> None:
+        state = np.concatenate((self._data.qpos, self._data.qvel))
+        if np.all(np.abs(state) < FARTHEST):  # false for NaN
+            return
+        self._refresh()
+        lost = [
+            solid.name
+            for solid, at in zip(self.solids, self.poses(), strict=True)
+            if not all(np.all(np.abs(u) < FARTHEST) for u in (at.position, at.velocity, at.omega))
+        ]
+        who = lost[0] if lost else "a joint"
+        raise LostBody(
+            f"{who} has no finite place or velocity at t = {time:.6g} s: check masses, gains and velocities"
+        )
+
+    def _refresh(self) -> None:
+        """Derive from places and velocities of the joints what the questions of a step need."""
+        model, data = self._model, self._data
+        self._mj.mj_kinematics(model, data)
+        self._mj.mj_comPos(model, data)
+        self._mj.mj_makeM(model, data)
+        self._mj.mj_factorM(model, data)
+        places = self._assembly.places
+        self._positions = np.zeros((len(places), 3))
+        self._rotations = np.zeros((len(places), 3, 3))
+        self._jacobian = np.zeros((6 * len(places), model.nv))
+        for i, place in enumerate(places):
+            R = data.xmat[place.body].reshape(3, 3)
+            self._positions[i] = data.xpos[place.body] + R @ place.position
+            self._rotations[i] = R @ place.rotation
+            rows = self._jacobian[6 * i : 6 * i + 6]
+            self._mj.mj_jac(model, data, rows[:3], rows[3:], self._positions[i], place.body)
