@@ -1,6 +1,5 @@
 """Light and draw particles: the compiled part of `neve.look`."""
 
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 LONGEST = 1e-3
 """Longest step of the engine [s]."""
+USUAL = 1e-4
+"""What the engine takes for the length of its step before the first one [s]."""
 FARTHEST = 1e10
 """Places and velocities beyond this are lost, as they are for the engine [m, m/s, rad/s]."""
 
@@ -44,6 +46,7 @@ class RigidBodies:
         self._model = self._assembly.model
         self._data = self._mj.MjData(self._model)
         self._signature = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        self._model.opt.timestep = USUAL
         self._data.qvel[:] = self._assembly.speeds
         self._refresh()
 
@@ -56,18 +59,42 @@ class RigidBodies:
         ]
 
     def mobility(self) -> Array:
-        """Return A (6 n, 6 n) in dU = A dP: how impulses on the solids change their velocities at once.
+        """Return A (6 n, 6 n) in dU = A dP: how impulses on the solids change their velocities in a step.
 
         U has six rows a solid: velocity of its frame's origin [m/s] and angular velocity [rad/s]; P: impulse
-        at the frame's origin [N s] and moment about it [N m s]. A = J M^-1 J^T with the Jacobian J of U and
-        the mass matrix M of the joints; contacts and motors do not enter.
+        at the frame's origin [N s] and moment about it [N m s]. A = J (M + h D)^-1 J^T with the Jacobian J of
+        U and the mass matrix M of the joints; D is the damping of joints and motors, which the engine takes
+        implicitly, h the length of its last step. Contacts do not enter.
         """
         J = self._jacobian
         moved = np.zeros_like(J)
-        if J.size:
+        if self._damping is not None:
+            moved[:] = np.linalg.solve(self._damped_inertia(), J.T).T
+        elif J.size:
             self._mj.mj_solveM(self._model, self._data, moved, J)
         A = J @ moved.T
         return np.asarray(0.5 * (A + A.T))
+
+    def free_acceleration(self) -> Array:
+        """Return the accelerations that all but the snow gives the solids now (n, 6) [m/s2, rad/s2].
+
+        Of frames' origins and of turning: gravity, contacts among bodies, motors as of the engine's next step
+        if that is as long as the last one. Asking changes nothing.
+        """
+        mj, model, data = self._mj, self._model, self._data
+        kept = data.qacc_warmstart.copy()
+        mj.mj_fwdAcceleration(model, data)
+        mj.mj_fwdConstraint(model, data)
+        data.qacc_warmstart[:] = kept
+        rates = np.array(data.qacc)
+        if self._damping is not None:
+            rates = np.linalg.solve(self._damped_inertia(), data.qfrc_smooth + data.qfrc_constraint)
+        found = self._jacobian @ rates
+        change = np.zeros((6, model.nv))
+        for i, place in enumerate(self._assembly.places):
+            mj.mj_jacDot(model, data, change[:3], change[3:], self._positions[i], place.body)
+            found[6 * i : 6 * i + 6] += change @ data.qvel
+        return np.asarray(found.reshape(-1, 6))
 
     def advance(self, dt: float, exchanged: Array, time: float) -> None:
         """Move the bodies from `time` on by `dt` [s] under what they exchanged with the snow.
@@ -83,18 +110,20 @@ class RigidBodies:
         for solid, wrench in zip(self.solids, wrenches, strict=True):
             if not np.isfinite(wrench).all():
                 raise LostBody(f"the snow pushes {solid.name} without a finite force at t = {time:.6g} s")
+        if abs(time - data.time) > 1e-9 * max(1.0, time):
+            data.time = time
+            self._refresh()
         count = max(1, math.ceil(dt / LONGEST - 1e-9))
         model.opt.timestep = dt / count
         self._push(wrenches)
         for i in range(count):
-            data.time = time + i * model.opt.timestep
-            for control in self._assembly.controls:
-                data.ctrl[control.actuator] = np.interp(data.time, control.times, control.values)
-            if self._assembly.scripted:
-                self._step_among_moving()
-            else:
-                self._mj.mj_step(model, data)
+            if i:
+                data.time = time + i * model.opt.timestep
+                self._look()
+            self._set_controls(data.time)
+            self._mj.mj_step2(model, data)
         data.xfrc_applied[:] = 0.0
+        data.time = time + dt
         self._require_finite(time + dt)
         self._refresh()
 
@@ -102,7 +131,7 @@ class RigidBodies:
         """Return all that `restore` needs to go on with the same bits."""
         state = np.zeros(self._mj.mj_stateSize(self._model, self._signature))
         self._mj.mj_getState(self._model, self._data, state, self._signature)
-        return {"engine": state}
+        return {"engine": np.append(state, self._model.opt.timestep)}
 
     def restore(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Put the bodies back to where `save` found them.
@@ -110,11 +139,12 @@ class RigidBodies:
         Errors: ValueError if `arrays` come from other bodies.
         """
         state = np.array(arrays["engine"], dtype=np.float64)
-        if state.shape != (self._mj.mj_stateSize(self._model, self._signature),):
+        if state.shape != (self._mj.mj_stateSize(self._model, self._signature) + 1,):
             raise ValueError(
                 f"the state of the bodies has {state.size} numbers, which does not fit the scene"
             )
-        self._mj.mj_setState(self._model, self._data, state, self._signature)
+        self._mj.mj_setState(self._model, self._data, state[:-1], self._signature)
+        self._model.opt.timestep = state[-1]
         self._refresh()
 
     @property
@@ -168,11 +198,11 @@ class RigidBodies:
             data.xfrc_applied[place.body, :3] += force
             data.xfrc_applied[place.body, 3:] += torque + np.cross(x - data.xipos[place.body], force)
 
-    def _step_among_moving(self) -> None:
-        """Take a step of the engine in which scripted colliders move.
+    def _look(self) -> None:
+        """Do the first half of a step of the engine: places, velocities, contacts, and what these aim at.
 
         The engine takes mocap bodies for resting ones. What a contact aims at, -B u - K r with the velocity u
-        of one surface past the other, is therefore corrected by the velocity of the collider's surface.
+        of one surface past the other, is therefore corrected by the velocity of a moving collider's surface.
         """
         model, data = self._model, self._data
         motions: dict[int, Pose] = {}
@@ -181,7 +211,7 @@ class RigidBodies:
             data.mocap_pos[mocap] = now.position
             data.mocap_quat[mocap] = quaternion(now.rotation)
         self._mj.mj_step1(model, data)
-        for contact in data.contact:
+        for contact in data.contact if motions else ():
             if contact.efc_address < 0:
                 continue
             surface = np.zeros(3)
@@ -191,7 +221,16 @@ class RigidBodies:
             rows = slice(contact.efc_address, contact.efc_address + min(contact.dim, 3))
             along = contact.frame.reshape(3, 3)[: min(contact.dim, 3)] @ surface
             data.efc_aref[rows] -= data.efc_KBIP[rows, 1] * along
-        self._mj.mj_step2(model, data)
+
+    def _set_controls(self, time: float) -> None:
+        for control in self._assembly.controls:
+            self._data.ctrl[control.actuator] = np.interp(time, control.times, control.values)
+
+    def _damped_inertia(self) -> Array:
+        """Return M + h D (nv, nv), with which the engine's last step changed velocities."""
+        inertia = np.zeros((self._model.nv, self._model.nv))
+        self._mj.mj_fullM(self._model, self._data, inertia)
+        return np.asarray(inertia + self._model.opt.timestep * self._damping)
 
     def _require_finite(self, time: float) -> None:
         state = np.concatenate((self._data.qpos, self._data.qvel))
@@ -211,10 +250,10 @@ class RigidBodies:
     def _refresh(self) -> None:
         """Derive from places and velocities of the joints what the questions of a step need."""
         model, data = self._model, self._data
-        self._mj.mj_kinematics(model, data)
-        self._mj.mj_comPos(model, data)
-        self._mj.mj_makeM(model, data)
-        self._mj.mj_factorM(model, data)
+        self._look()
+        self._set_controls(data.time)
+        self._mj.mj_fwdActuation(model, data)
+        self._damping = damping(self._mj, model, data)
         places = self._assembly.places
         self._positions = np.zeros((len(places), 3))
         self._rotations = np.zeros((len(places), 3, 3))
@@ -225,3 +264,23 @@ class RigidBodies:
             self._rotations[i] = R @ place.rotation
             rows = self._jacobian[6 * i : 6 * i + 6]
             self._mj.mj_jac(model, data, rows[:3], rows[3:], self._positions[i], place.body)
+
+
+def damping(mj: Any, model: Any, data: Any) -> Array | None:
+    """Return the damping D (nv, nv) of joints and of motors at their joints; None if there is none.
+
+    The force of an actuator falls by -biasprm[2] for each unit of its speed (MuJoCo's affine bias), unless
+    it is at its limit.
+    """
+    found = np.diag(model.dof_damping).copy()
+    for i in range(model.nu):
+        rate = -float(model.actuator_biasprm[i, 2])
+        low, high = model.actuator_forcerange[i]
+        held = model.actuator_forcelimited[i] and not low < data.actuator_force[i] < high
+        if model.actuator_biastype[i] == mj.mjtBias.mjBIAS_AFFINE and rate > 0.0 and not held:
+            moment = np.zeros(model.nv)
+            begin, count = data.moment_rowadr[i], data.moment_rownnz[i]
+            rows = slice(begin, begin + count)
+            moment[data.moment_colind[rows]] = data.actuator_moment[rows]
+            found += rate * np.outer(moment, moment)
+    return found if found.any() else None

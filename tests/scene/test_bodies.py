@@ -31,7 +31,7 @@ HINGE = {"shape": "box", "joint": "hinge"}
 WRONG = [
     ([{}], 'bodies.0 has no shape; add shape = "box", "sphere"'),
     ([{"shape": "bxo"}], 'bodies.0.shape = "bxo" is not allowed (did you mean "box"?)'),
-    ([{"shape": "box", "frction": 1.0}], "bodies.0.frction is not a known key of a box (did you mean friction"),
+    ([{"shape": "box", "frction": 1.0}], "bodies.0.frction is not a known key of a box (did you mean"),
     ([{"shape": "box", "mass": 0.0}], "bodies.0.mass = 0.0 is not allowed: use a number greater than 0"),
     ([{"shape": "box", "density": -1.0}], "bodies.0.density = -1.0 is not allowed: use a number greater"),
     ([{"shape": "box", "mass": 1.0, "density": 3.0}], "cannot be combined with mass; leave one of them out"),

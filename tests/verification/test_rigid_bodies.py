@@ -211,3 +211,43 @@ def test_motor_inside_a_free_pair_keeps_momentum():
     assert second.omega[2] > 0.05
     assert np.abs(rigid.momentum).max() < 1e-3 * np.linalg.norm(second.velocity)
     assert np.abs(rigid.angular_momentum).max() < 1e-3 * 0.2 * 0.1
+
+
+def test_free_acceleration_is_what_happens():
+    """Without snow the velocities change by dt times the free acceleration, whatever acts: gravity, the turn
+    of frames away from the joint, a contact, a motor within and at its limit.
+
+    A step of dt = 1e-6 s changes accelerations of 1e3 m/s2 by the share 1e-6 s x 100 /s. A motor with
+    dt gain / I = 1 is met as well, since the engine's own implicit step is asked; after one step of that
+    length, for which it was not yet known. Asking changes nothing.
+    """
+    tables = [
+        hinged(spin=[0.0, 3.0, 0.0]),
+        hinged(center=[9.0, 0.0, -0.2], anchor=[9.0, 0.0, 0.0],
+               motor={"target": 5.0, "gain": INERTIA / 1e-6}),
+        hinged(center=[6.0, 0.0, -0.2], anchor=[6.0, 0.0, 0.0], motor={"target": 5.0, "limit": 0.5}),
+        {**BOX, "spin": [5.0, 1.0, 2.0]},
+        {"shape": "box", "size": [0.2, 0.2, 0.2], "center": [-3.0, 0.0, 0.0999], "mass": 2.0},
+    ]  # fmt: skip
+    ground = {"shape": "plane", "normal": [0, 0, 1], "point": [0, 0, 0], "velocity": [0, 0, 0.01]}
+    for table in tables[:3]:
+        table["contacts"] = False
+    rigid, silent = bodies_of(tables, [ground]), bodies_of(tables, [ground])
+    run(rigid, 1e-6, 1), run(silent, 1e-6, 1)
+    before = np.array([[*p.velocity, *p.omega] for p in rigid.poses()])
+    expected = rigid.free_acceleration()
+    sizes = np.abs(expected).max(axis=1)
+    assert np.all(sizes > [1.0, 1e5, 0.5, 9.0, 10.0])  # all are at work
+    after = np.array([[*p.velocity, *p.omega] for p in run(rigid, 1e-6, 1, done=1)])
+    wrong = np.abs((after - before) / 1e-6 - expected).max(axis=1)
+    assert np.all(wrong < 1e-4 * sizes)
+    run(silent, 1e-6, 1, done=1)
+    assert np.array_equal(rigid.save()["engine"], silent.save()["engine"])
+
+
+def test_mobility_knows_of_motors():
+    """A motor that holds its speed lets impulses turn its hinge the less: A = u u^T / (I + h gain)."""
+    rigid = bodies_of([hinged(motor={"target": 0.0, "gain": 3.0 * INERTIA / 1e-4})], gravity=[0, 0, 0])
+    bare = bodies_of([hinged()], gravity=[0, 0, 0])
+    run(rigid, 1e-4, 1)
+    assert rigid.mobility() == pytest.approx(bare.mobility() / 4.0, rel=1e-9, abs=1e-12)
