@@ -9,6 +9,7 @@ namespace nb = nanobind;
 namespace neve::bind {
 void bind_f32(nb::module_& m);
 void bind_f64(nb::module_& m);
+void bind_geometry(nb::module_& m);
 }  // namespace neve::bind
 
 namespace {
@@ -85,6 +86,9 @@ NB_MODULE(_core, m) {
       .def_ro("affine", &neve::Totals::affine)
       .def_ro("elastic", &neve::Totals::elastic)
       .def_ro("potential", &neve::Totals::potential);
+  auto geometry =
+      m.def_submodule("geometry", "Bodies of triangles, their signed distance, ground from heights.");
+  neve::bind::bind_geometry(geometry);
   auto f32 = m.def_submodule("f32", "Single precision.");
   neve::bind::bind_f32(f32);
   auto f64 = m.def_submodule("f64", "Double precision, for verification and wide worlds.");

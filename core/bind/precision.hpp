@@ -6,6 +6,7 @@
 #include "bind/arrays.hpp"
 #include "bind/material_point.hpp"
 #include "bind/snow.hpp"
+#include "bind/solids.hpp"
 #include "grid/sort.hpp"
 #include "mpm/p2g.hpp"
 #include "mpm/particles.hpp"
@@ -283,6 +284,7 @@ void bind_passes(nb::module_& m) {
 template <class T>
 void bind_precision(nb::module_& m) {
   bind_model<T>(m);
+  bind_shapes<T>(m);
   bind_state<T>(m);
   bind_grid<T>(m);
   bind_stages<T>(m);

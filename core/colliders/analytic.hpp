@@ -1,4 +1,4 @@
-// Solids with an exact signed distance: plane, box, sphere, cylinder, placed by a centre and a rotation.
+// Solids placed by a centre and a rotation: plane, box, sphere and cylinder by formula, meshes and terrain from grids.
 #pragma once
 
 #include <limits>
@@ -6,10 +6,12 @@
 
 #include "colliders/contact.hpp"
 #include "colliders/exchange.hpp"
+#include "colliders/height_field.hpp"
+#include "colliders/sdf_grid.hpp"
 
 namespace neve {
 
-enum class Shape { plane, box, sphere, cylinder };
+enum class Shape { plane, box, sphere, cylinder, mesh, terrain };
 
 // A solid at one instant. The plane passes through `centre` and its normal is the local z axis; the cylinder's axis
 // is local z. `half` holds half edge lengths (box), (radius, -, half height) (cylinder), (radius, -, -) (sphere).
@@ -23,19 +25,14 @@ struct Solid {
   Vec3<T> centre;
   Mat3<T> rotation;  // local to world
   Vec3<T> velocity;
-  Vec3<T> omega;  // [rad/s]
+  Vec3<T> omega;                         // [rad/s]
+  const SdfGrid* mesh = nullptr;         // of Shape::mesh
+  const HeightField* terrain = nullptr;  // of Shape::terrain
 
   template <class R>
   Vec3<R> velocity_at(const Vec3<R>& x) const {
     return spread<R>(velocity) + cross(spread<R>(omega), x - spread<R>(centre));
   }
-};
-
-// Signed distance phi [m] (negative inside) and its gradient, the outward unit normal.
-template <class R>
-struct Surface {
-  R phi;
-  Vec3<R> normal;
 };
 
 namespace detail {
@@ -102,8 +99,19 @@ inline Surface<R> surface(const Solid<scalar_t<R>>& solid, const Vec3<R>& x) {
     case Shape::sphere: s = detail::sphere_surface(local, solid.half.x); break;
     case Shape::box: s = detail::box_surface(local, solid.half); break;
     case Shape::cylinder: s = detail::cylinder_surface(local, solid.half.x, solid.half.z); break;
+    case Shape::mesh: s = solid.mesh->at(local); break;
+    case Shape::terrain: s = solid.terrain->at(local); break;
   }
   return {s.phi, to_world * s.normal};
+}
+
+// Whether the solid's surface or inside may be within `reach` [m] of x; false only if it is not.
+template <class T>
+inline bool is_near(const Solid<T>& solid, const Vec3<T>& x, T reach) {
+  if (!solid.mesh && !solid.terrain) return surface(solid, x).phi <= reach;
+  const Vec3<T> local = transposed_times(solid.rotation, x - solid.centre);
+  const Vec3<double> at{double(local.x), double(local.y), double(local.z)};
+  return solid.mesh ? solid.mesh->is_near(at, double(reach)) : solid.terrain->is_near(at, double(reach));
 }
 
 // A wall often lies exactly on a row of nodes; this share of a cell decides that it holds them, rather than rounding.

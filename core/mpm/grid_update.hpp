@@ -17,7 +17,7 @@ template <class T>
 std::vector<Solid<T>> solids_near(const std::vector<Solid<T>>& solids, const Vec3<T>& x, T reach) {
   std::vector<Solid<T>> near;
   for (const Solid<T>& solid : solids) {
-    if (surface(solid, x).phi <= reach) near.push_back(solid);
+    if (is_near(solid, x, reach)) near.push_back(solid);
   }
   return near;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "colliders/analytic.hpp"
@@ -23,6 +24,8 @@ struct Model {
   Vec3<T> gravity{T(0), T(0), T(-9.81)};  // [m/s2]
   std::vector<Snow> snows;                // the material table
   std::vector<Solid<T>> solids;           // colliders; their poses change in time
+
+  std::vector<std::shared_ptr<const void>> shapes{};  // what meshes and terrain of the solids point to
 
   // The share of FLIP in a step of dt [s].
   double alpha(double dt) const { return flip_damping < 0 ? flip_alpha : std::exp(-flip_damping * dt); }

@@ -1,0 +1,141 @@
+// The signed distance of a body of any shape, on a grid in the body's own frame.
+//
+// Near the surface there are bricks of 8^3 cells; elsewhere only the bricks' corners have values. A value is a quad of
+// floats: phi and the three parts of the unit normal, so that a point asks for eight neighbouring quads and gets both.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "colliders/surface.hpp"
+
+namespace neve {
+
+class SdfGrid {
+ public:
+  static constexpr int cells = 8, side = cells + 1;                    // of a brick; samples on its side
+  static constexpr std::size_t brick_floats = 4 * side * side * side;  // 11.4 KiB
+  static constexpr std::int32_t coarse_only = -1;
+
+  Vec3<double> box_low{};      // the first corner of the grid [m]
+  double spacing = 1;          // of the samples in bricks [m]
+  double band = 0;             // there are bricks wherever |phi| is no more [m]
+  double thickness = 0;        // above 0: phi is the distance less half of this [m]
+  double openness = 0;         // share of the samples near the surface that are neither in nor out [1]
+  Vec3<double> low{}, high{};  // the body's own bounds [m]
+  std::array<std::int32_t, 3> bricks{1, 1, 1};  // along each axis
+  std::vector<std::int32_t> table;              // brick -> its place in `fine`, or coarse_only
+  std::vector<float> coarse, fine;  // quads: at the corners of bricks; 9^3 per brick; z runs fastest
+
+  std::size_t bytes() const {
+    return sizeof(*this) + table.size() * sizeof(std::int32_t) +
+           (coarse.size() + fine.size()) * sizeof(float);
+  }
+
+  // phi and normal at points in the body's frame. Within the grid: trilinear, the normal made a unit again. Beyond it:
+  // from the point of the surface that belongs to the grid's nearest point, which is no less than the distance.
+  template <class R>
+  Surface<R> at(const Vec3<R>& x) const {
+    using T = scalar_t<R>;
+    const T inv = T(1 / spacing);
+    Vec3<R> cell, beyond;
+    for (int k = 0; k < 3; ++k) {
+      const R u = (x[k] - T(box_low[k])) * inv;
+      cell[k] = clamp(u, R{}, splat<R>(T(cells * bricks[static_cast<std::size_t>(k)])));
+      beyond[k] = (u - cell[k]) * T(spacing);
+    }
+    alignas(64) T quads[4 * width<R>];
+    for (int l = 0; l < width<R>; ++l)
+      blend(detail::lane(cell.x, l), detail::lane(cell.y, l), detail::lane(cell.z, l), quads + 4 * l);
+    R phi;
+    Vec3<R> n;
+    detail::packs_of_quads(quads, phi, n.x, n.y, n.z);
+    n = unit(n);
+    const auto out = dot(beyond, beyond) > R{};
+    if (any(out)) {
+      const Vec3<R> away = n * phi + beyond;
+      phi = select(out, sqrt(dot(away, away)), phi);
+      n = select(out, unit(away), n);
+    }
+    return {phi, n};
+  }
+
+  // Whether the surface or the inside may be within `reach` [m] of x; false only if it is not.
+  bool is_near(const Vec3<double>& x, double reach) const {
+    double d2 = 0, beyond2 = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double extent = spacing * cells * bricks[static_cast<std::size_t>(k)];
+      const double d = std::max({low[k] - x[k], x[k] - high[k], 0.0});
+      const double b = std::max({box_low[k] - x[k], x[k] - box_low[k] - extent, 0.0});
+      d2 += d * d, beyond2 += b * b;
+    }
+    if (d2 > reach * reach) return false;
+    // a blend of values at the corners of a cube of edge a is no farther than sqrt(3)/2 a from what it stands for
+    return beyond2 > 0 || at(x).phi <= reach + 0.867 * spacing * (is_fine(x) ? 1 : cells);
+  }
+
+ private:
+  template <class R>
+  static Vec3<R> unit(const Vec3<R>& n) {
+    const R length2 = dot(n, n);
+    const auto has = length2 > scalar_t<R>(1e-12);  // none in the middle of a sheet
+    const R inv = rsqrt(select(has, length2, splat<R>(1)));
+    return select(has, n * inv, Vec3<R>{R{}, R{}, splat<R>(1)});
+  }
+
+  struct Cell {
+    std::size_t brick, corner;  // places in `table` and, in quads, in `coarse`
+    int i[3], b[3];
+  };
+  template <class T>
+  Cell cell_of(T x, T y, T z) const {
+    Cell c;
+    const T u[3] = {x, y, z};
+    for (std::size_t k = 0; k < 3; ++k) {
+      c.i[k] = std::min(static_cast<int>(u[k]), cells * bricks[k] - 1);
+      c.b[k] = c.i[k] / cells;
+    }
+    const auto row = [&](int more) {
+      const auto ny = static_cast<std::size_t>(bricks[1] + more),
+                 nz = static_cast<std::size_t>(bricks[2] + more);
+      return (static_cast<std::size_t>(c.b[0]) * ny + static_cast<std::size_t>(c.b[1])) * nz +
+             static_cast<std::size_t>(c.b[2]);
+    };
+    c.brick = row(0), c.corner = row(1);
+    return c;
+  }
+  bool is_fine(const Vec3<double>& x) const {
+    const auto u = [&](int k) { return std::max((x[k] - box_low[k]) / spacing, 0.0); };
+    return table[cell_of(u(0), u(1), u(2)).brick] != coarse_only;
+  }
+
+  // The quad at one point, in cells from the grid's first corner.
+  template <class T>
+  void blend(T x, T y, T z, T* quad) const {
+    const Cell c = cell_of(x, y, z);
+    const std::int32_t brick = table[c.brick];
+    if (brick != coarse_only) {
+      const int at = ((c.i[0] % cells) * side + c.i[1] % cells) * side + c.i[2] % cells;
+      const float* p = fine.data() + static_cast<std::size_t>(brick) * brick_floats + 4 * at;
+      blend(p, 4 * side * side, 4 * side, x - T(c.i[0]), y - T(c.i[1]), z - T(c.i[2]), quad);
+    } else {
+      const auto dy = static_cast<std::size_t>(4 * (bricks[2] + 1));
+      const std::size_t dx = dy * static_cast<std::size_t>(bricks[1] + 1);
+      const T part = T(1) / T(cells);
+      blend(coarse.data() + 4 * c.corner, dx, dy, x * part - T(c.b[0]), y * part - T(c.b[1]),
+            z * part - T(c.b[2]), quad);
+    }
+  }
+  template <class T>
+  static void blend(const float* p, std::size_t dx, std::size_t dy, T x, T y, T z, T* quad) {
+    using Q = detail::Quads<T>;
+    const Q a = detail::load_two_quads<T>(p), b = detail::load_two_quads<T>(p + dy),
+            c = detail::load_two_quads<T>(p + dx), d = detail::load_two_quads<T>(p + dx + dy);
+    const Q ab = a + (b - a) * y, cd = c + (d - c) * y;
+    detail::store_blend<T>(ab + (cd - ab) * x, z, quad);
+  }
+};
+
+}  // namespace neve
