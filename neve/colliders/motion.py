@@ -55,9 +55,18 @@ def turn(vector: Array) -> Array:
 
 
 def rotation_vector(matrix: Array) -> Array:
-    """Return the rotation vector [rad] (3,) of a rotation `matrix` (3, 3), at most half a turn long.
+    """Return the rotation vector [rad] (3,) of a rotation `matrix` (3, 3), at most half a turn long."""
+    q = quaternion_of(matrix)
+    sine = float(np.linalg.norm(q[1:]))
+    if sine == 0.0:
+        return np.zeros(3)
+    return np.asarray(q[1:] / sine * 2.0 * np.arctan2(sine, q[0]))
 
-    Reads the quaternion from its largest component (Shepperd 1978), which stays accurate at half a turn.
+
+def quaternion_of(matrix: Array) -> Array:
+    """Return the unit quaternion (w, x, y, z), w >= 0, of a rotation `matrix` (3, 3).
+
+    Reads it from its largest component (Shepperd 1978), which stays accurate at half a turn.
     """
     m = matrix
     trace = float(np.trace(m))
@@ -70,11 +79,7 @@ def rotation_vector(matrix: Array) -> Array:
         ]
     )
     q = columns[int(np.argmax(np.diag(columns)))]
-    q = q / np.linalg.norm(q) * (1.0 if q[0] >= 0 else -1.0)
-    sine = float(np.linalg.norm(q[1:]))
-    if sine == 0.0:
-        return np.zeros(3)
-    return np.asarray(q[1:] / sine * 2.0 * np.arctan2(sine, q[0]))
+    return np.asarray(q / np.linalg.norm(q) * (1.0 if q[0] >= 0 else -1.0))
 
 
 def _between_keyframes(collider: Collider, t: float) -> Pose:

@@ -29,6 +29,7 @@ class RunFolder:
         self.scene = self.path / "scene.toml"
         self.log = self.path / "log.csv"
         self.fragments = self.path / "fragments.csv"
+        self.bodies = self.path / "bodies.csv"
         self.frames = self.path / "frames"
         self.checkpoint = self.path / "checkpoint"
         self.film = self.path / "preview.mp4"
@@ -158,7 +159,15 @@ class RunFolder:
 
     def _clear(self) -> None:
         """Delete the run's own files, `run.json` last, so that a half-cleared folder is still a run."""
-        for path in (self.checkpoint, self.film, self.picture, self.fragments, self.log, self.scene):
+        for path in (
+            self.checkpoint,
+            self.film,
+            self.picture,
+            self.fragments,
+            self.bodies,
+            self.log,
+            self.scene,
+        ):
             path.unlink(missing_ok=True)
         self.drop_frames_after(-1)
         if self.film_parts.is_dir():

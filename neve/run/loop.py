@@ -19,6 +19,7 @@ from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import version
 from neve.progress import Progress, Warnings, follow, told_by
+from neve.run.bodies import BodyOutput
 from neve.run.fragments import FragmentOutput
 from neve.run.interrupt import Interrupt
 from neve.run.outputs import CheckpointOutput, Clock, FrameOutput, LogOutput, Moment, Output
@@ -125,6 +126,8 @@ def _run(
                 outputs.append(stack.enter_context(FilmOutput(folder, scene, painter, done, anew)))
             if scene.run.fragments:
                 outputs.append(FragmentOutput(folder, scene, done))
+            if sim.bodies():
+                outputs.append(BodyOutput(folder, done))
             outputs += [LogOutput(folder, done), *observers]
             outputs.append(CheckpointOutput(folder, toml, version(), done))
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))

@@ -83,14 +83,16 @@ class Simulation:
             bound="speed",
             refusals=0,
             steps=4,
+            exchanged=np.full((len(self.scene.colliders), 7), self.time),
             stage_seconds=dict.fromkeys(STAGES, 0.1),
         )
 
     def bodies(self):
-        turn = np.eye(3)
-        return [
-            (c, SimpleNamespace(position=np.full(3, self.time), rotation=turn)) for c in self.scene.colliders
-        ]
+        at = SimpleNamespace(
+            position=np.full(3, self.time), rotation=np.eye(3), velocity=np.ones(3), omega=np.zeros(3)
+        )
+        names = [f"colliders.{i}" for i, _ in enumerate(self.scene.colliders)]
+        return [(SimpleNamespace(name=name), at) for name in names]
 
     def diagnostics(self):
         s = self.state

@@ -74,7 +74,16 @@ def test_folder_holds_everything(fake, scene, tmp_path):
     assert load(out / "scene.toml") == scene
     assert list(frames(out)) == [f"{k:06d}.npz" for k in range(9)]
     assert sorted(p.name for p in out.iterdir()) == sorted(
-        ["run.json", "scene.toml", "log.csv", "frames", "checkpoint", "preview.png", "preview.mp4"]
+        [
+            "run.json",
+            "scene.toml",
+            "log.csv",
+            "bodies.csv",
+            "frames",
+            "checkpoint",
+            "preview.png",
+            "preview.mp4",
+        ]
     )
     assert len((out / "preview.mp4").read_text().splitlines()) == 9
     assert sim.time == pytest.approx(0.4)

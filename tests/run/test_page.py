@@ -11,6 +11,7 @@ from neve.io import log
 from neve.io.frames import Frame
 from neve.io.run_folder import RunFolder
 from neve.mpm.time_step import Bound
+from neve.run import bodies
 from neve.run.loop import _FREE
 
 PAGE = (Path(__file__).parents[2] / "docs/run_folder.md").read_text(encoding="utf-8")
@@ -27,11 +28,17 @@ def names(table):
     return [name for first, *_ in table for name in re.findall(r"`([^`]+)`", first)]
 
 
-FILES, LOG, FRAGMENTS, ARRAYS = tables()
+FILES, LOG, FRAGMENTS, BODIES, ARRAYS = tables()
 
 
 @pytest.mark.parametrize(
-    ("table", "columns"), [(LOG, log.COLUMNS), (FRAGMENTS, fragments.COLUMNS), (ARRAYS, Frame._fields)]
+    ("table", "columns"),
+    [
+        (LOG, log.COLUMNS),
+        (FRAGMENTS, fragments.COLUMNS),
+        (BODIES, bodies.COLUMNS),
+        (ARRAYS, Frame._fields),
+    ],
 )
 def test_all_columns_stand_in_the_page(table, columns):
     """Each column and array has its place, and a meaning in the last cell of its row."""

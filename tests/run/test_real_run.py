@@ -98,7 +98,16 @@ def test_folder_of_a_real_run(snowball, tmp_path):
         assert picture.size == (1280, 720)
     assert b"ftyp" in (out / "preview.mp4").read_bytes()[:16]
     assert sorted(path.name for path in out.iterdir()) == sorted(
-        ["run.json", "scene.toml", "log.csv", "frames", "checkpoint", "preview.png", "preview.mp4"]
+        [
+            "run.json",
+            "scene.toml",
+            "log.csv",
+            "bodies.csv",
+            "frames",
+            "checkpoint",
+            "preview.png",
+            "preview.mp4",
+        ]
     )
 
 
