@@ -34,7 +34,6 @@ nb::tuple surface_at(const Model<T>& model, std::size_t index, const In<double, 
   double *phi, *normal;
   auto a = fresh<double>(phi, {x.shape(0)});
   auto b = fresh<double>(normal, {x.shape(0), 3});
-  const nb::gil_scoped_release release;
   for (std::size_t p = 0; p < x.shape(0); p += width<R>) {
     const int count = static_cast<int>(std::min<std::size_t>(width<R>, x.shape(0) - p));
     Vec3<R> at{};
