@@ -9,7 +9,7 @@ from neve.scene.colliders import Box, Collider, Cylinder, Sphere
 from neve.scene.fields import norm, rounded_down, rounded_up
 from neve.scene.scene import Scene
 from neve.scene.snow import Snow
-from neve.scene.sources import SnowBox, SnowCylinder, SnowLayer, SnowSource, SnowSphere, SnowText
+from neve.scene.sources import SnowBox, SnowCylinder, SnowLayer, SnowMesh, SnowSource, SnowSphere, SnowText
 from neve.scene.unused import unused
 
 SOURCE_CELLS = 3
@@ -127,7 +127,12 @@ def _thin_collider(scene: Scene, collider: Collider, name: str) -> Iterator[str]
 
 
 def _thinnest(source: SnowSource) -> tuple[str, float]:
-    """Return the key and the length of the thinnest way through `source` [m]; of letters, their depth."""
+    """Return the key and the length of the thinnest way through `source` [m]; of letters, their depth.
+
+    What a mesh file holds is told when it is read.
+    """
+    if isinstance(source, SnowMesh):
+        return "file", math.inf
     if isinstance(source, SnowBox):
         return "size", min(source.size)
     if isinstance(source, SnowSphere):
@@ -142,7 +147,12 @@ def _thinnest(source: SnowSource) -> tuple[str, float]:
 
 
 def _reach(source: SnowSource) -> float:
-    """Return how far the farthest point of `source` may lie from its centre [m]; of letters, about."""
+    """Return how far the farthest point of `source` may lie from its centre [m]; of letters, about.
+
+    Of a mesh, which is not read here, it is 0.
+    """
+    if isinstance(source, SnowMesh):
+        return 0.0
     if isinstance(source, SnowBox):
         return 0.5 * norm(source.size)
     if isinstance(source, SnowSphere):

@@ -1,4 +1,4 @@
-"""Describe the bodies that snow meets: planes, boxes, balls and cylinders, at rest or moved by a script."""
+"""Describe the bodies that snow meets: simple shapes, meshes and terrain, at rest or moved by a script."""
 
 from __future__ import annotations
 
@@ -15,12 +15,18 @@ from neve.scene.fields import (
     Point3,
     Rate3,
     Real,
+    Size2,
     Size3,
     Switch,
     entry,
+    file_entry,
     norm,
     wrong,
 )
+from neve.scene.meshes import MeshFile, check_file
+
+MAPS = (".png", ".tif", ".tiff", ".npy")
+"""What a height map may end in."""
 
 CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
 ROTATION = "Rotation vector (axis times angle) from the body's own axes to the world's."
@@ -124,5 +130,42 @@ class Cylinder(Body):
     rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
 
 
-Collider = Annotated[Plane | Box | Sphere | Cylinder, Field(discriminator="shape")]
+class Mesh(MeshFile, Body):
+    """Place a body from a mesh file."""
+
+    shape: Literal["mesh"] = entry("mesh", "A triangle mesh from a file.")
+    center: Point3 = entry(ZERO, "Where the origin of the file goes.", "m")
+    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
+
+
+class Terrain(Body):
+    """Fill the ground below a height map; beyond its edges the height of the edge goes on."""
+
+    shape: Literal["terrain"] = entry("terrain", "Ground from a height map.")
+    file: str = file_entry(
+        "A PNG or TIFF picture of one channel seen from above (x to the right, y upward), a GeoTIFF, or a "
+        'NumPy array heights[x, y] (NPY), relative to the scene file; "neve:NAME" is a map that comes '
+        "with Neve.",
+        MAPS,
+        "terrains",
+    )
+    size: Size2 | None = entry(
+        None, "Extent along x and y; left out, that of the pixels of a GeoTIFF in metres.", "m"
+    )
+    height: Length = entry(
+        1.0,
+        "Of a map of 8 or 16 bits: the height of its full range, 255 or 65535 (of heights in whole metres, "
+        "65535). Of a map of real or longer numbers: a factor on them.",
+        "m",
+    )
+    center: Point3 = entry(ZERO, "Middle of the map, at the height of the value 0.", "m")
+    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
+
+    @model_validator(mode="after")
+    def _file(self) -> Terrain:
+        check_file(self.file, MAPS, "a height map")
+        return self
+
+
+Collider = Annotated[Plane | Box | Sphere | Cylinder | Mesh | Terrain, Field(discriminator="shape")]
 """Any collider; its `shape` says which."""

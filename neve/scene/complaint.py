@@ -39,6 +39,13 @@ ALSO_CALLED = {
     "depths": "at",
     "phi": "friction_angle",
     "c": "cohesion",
+    "path": "file",
+    "mesh": "file",
+    "filename": "file",
+    "units": "unit",
+    "up_axis": "up",
+    "resolution": "detail",
+    "voxel_size": "detail",
 }
 """What people coming from elsewhere call a key -> the key."""
 

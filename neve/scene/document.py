@@ -10,9 +10,10 @@ from pydantic.fields import FieldInfo
 
 from neve.scene.allowed import allowed, choices, part, source, unit
 from neve.scene.bodies import Motor, RigidBody, RigidBox, RigidCylinder, RigidSphere, Target
-from neve.scene.colliders import Body, Box, Cylinder, Keyframe, Plane, Sphere
+from neve.scene.colliders import Body, Box, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
 from neve.scene.complaint import shown
 from neve.scene.load import PRESETS
+from neve.scene.meshes import MeshFile
 from neve.scene.scene import Camera, Light, Numerics, Run, Scene, World
 from neve.scene.snow import Snow
 from neve.scene.sources import (
@@ -20,6 +21,7 @@ from neve.scene.sources import (
     SnowBox,
     SnowCylinder,
     SnowLayer,
+    SnowMesh,
     SnowSource,
     SnowSphere,
     SnowText,
@@ -80,6 +82,11 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         SnowText,
     ),
     (
+        '[[sources]] with shape = "mesh"',
+        "A closed mesh full of snow. Its other keys are those of mesh files, below.",
+        SnowMesh,
+    ),
+    (
         "[sources.variation]",
         "Snow that differs from place to place: one field of noise, which moves with the snow.",
         Variation,
@@ -90,6 +97,17 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ('[[colliders]] with shape = "box"', "A box or a plate, such as the blade of a plow.", Box),
     ('[[colliders]] with shape = "sphere"', "A ball.", Sphere),
     ('[[colliders]] with shape = "cylinder"', "A cylinder around its own z axis.", Cylinder),
+    (
+        '[[colliders]] with shape = "mesh"',
+        "A body from a mesh file. Its other keys are those of mesh files, below.",
+        Mesh,
+    ),
+    ('[[colliders]] with shape = "terrain"', "Ground from a height map.", Terrain),
+    (
+        'shape = "mesh"',
+        "Keys of everything with this shape ([meshes](meshes.md)). A path is relative to the scene file.",
+        MeshFile,
+    ),
     ("[[colliders.keyframes]]", "A scripted motion.", Keyframe),
     (
         "[[bodies]]",
@@ -123,7 +141,7 @@ def _shared(name: str, model: type[BaseModel]) -> bool:
     """Return whether the key is told in the section of all shapes, or in the heading."""
     if name == "shape":
         return True
-    bases = (SnowSource, Body, RigidBody)
+    bases: tuple[type[BaseModel], ...] = (SnowSource, Body, RigidBody, MeshFile)
     return any(issubclass(model, b) and model is not b and name in b.model_fields for b in bases)
 
 

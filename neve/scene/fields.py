@@ -59,6 +59,15 @@ def entry(default: Any, meaning: str, unit: str = "", source: str = CHOICE, **li
     return Field(default, description=meaning, json_schema_extra={"unit": unit, "source": source}, **limits)
 
 
+def file_entry(meaning: str, suffixes: tuple[str, ...], folder: str = "") -> Any:
+    """Make a field that names a file: none at first, `suffixes` are what it may end in.
+
+    `folder` of Neve's own assets has files that are called "neve:NAME" (see `neve.scene.files`).
+    """
+    known: dict[str, Any] = {"unit": "", "source": CHOICE, "suffixes": list(suffixes), "folder": folder}
+    return Field("", description=meaning, json_schema_extra=known)
+
+
 def wrong(key: str, message: str) -> PydanticCustomError:
     """Make the error of a check across fields; `message` completes the sentence that `key` starts."""
     return PydanticCustomError("scene", "{message}", {"key": key, "message": message})

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import copy
-import json
 import os
 import re
 import tomllib
@@ -16,6 +14,7 @@ from typing import Any
 import tomli_w
 from pydantic import ValidationError
 
+from neve.scene import files
 from neve.scene.complaint import complaints, nearest
 from neve.scene.errors import SceneError
 from neve.scene.overrides import override
@@ -43,7 +42,8 @@ def load(name_or_path: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     """Return the scene of a preset's name, a TOML file, or a folder that holds scene.toml.
 
     `overrides` are texts such as "snow.xi=12" or "sources.0.radius=0.3", applied in order.
-    A font is looked for beside the scene file, or, if an override names it, from the current folder.
+    A file that the scene names is looked for beside the scene file, or, if an override names it, from the
+    current folder.
 
     Errors: SceneError, one sentence.
     """
@@ -63,14 +63,15 @@ def scene_from(
     where: str = "scene",
     folder: str | os.PathLike[str] = ".",
 ) -> Scene:
-    """Return the scene that the tables `data` describe; `where` names them in errors, `folder` holds fonts.
+    """Return the scene that the tables `data` describe; `where` names them in errors, `folder` holds the
+    files that they name.
 
     Errors: SceneError, one sentence.
     """
     tables = copy.deepcopy(dict(data))
-    _resolve_fonts(tables, Path(folder))
+    files.resolve(tables, Path(folder))
     changed = [(override(tables, text), text) for text in overrides]
-    _resolve_fonts(tables, Path.cwd())
+    files.resolve(tables, Path.cwd())
     try:
         scene = Scene.model_validate(tables)
     except ValidationError as error:
@@ -78,20 +79,25 @@ def scene_from(
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
         sentence = f"{found[0].sentence}{_whole_table(found[0].path, tables, changed)}{more}"
         raise SceneError(f"{_origin(found[0].path, changed, where)}: {sentence}") from None
-    for i, source in enumerate(scene.sources):
-        font = getattr(source, "font", "")
-        if font and not _is_file(font):
-            origin = _origin(("sources", str(i), "font"), changed, where)
-            shown = json.dumps(font, ensure_ascii=False)
-            raise SceneError(f"{origin}: sources.{i}.font = {shown} is not a file; name a .ttf or .otf file")
+    for file in files.named_files(scene):
+        if problem := files.missing(file):
+            raise SceneError(f"{_origin(file.key, changed, where)}: {problem}")
     return scene
 
 
-def to_toml(scene: Scene) -> str:
-    """Return `scene` as a complete TOML file, every default spelled out; loading it gives an equal scene."""
+def to_toml(scene: Scene, names: Mapping[tuple[str, ...], str] | None = None) -> str:
+    """Return `scene` as a complete TOML file, every default spelled out; loading it gives an equal scene.
+
+    `names` are other words at some keys, such as ("sources", "0", "font"), for files that have been copied.
+    """
     tables = scene.model_dump(mode="json", exclude_none=True)
-    for name in ("sources", "colliders", "bodies"):
-        tables[name] = [{"shape": entry["shape"]} | entry for entry in tables[name]]
+    for (name, index, key), word in (names or {}).items():
+        tables[name][int(index)][key] = word
+    for name in type(scene).model_fields:
+        if isinstance(tables.get(name), list):
+            tables[name] = [
+                {"shape": entry["shape"]} | entry if "shape" in entry else entry for entry in tables[name]
+            ]
     return tomli_w.dumps(tables)
 
 
@@ -147,23 +153,6 @@ def _read(path: Path, where: str) -> dict[str, Any]:
         raise SceneError(f"{where}: byte {error.start} is not UTF-8 text; save the file as UTF-8") from None
     except OSError as error:
         raise SceneError(f"{where}: the file cannot be read: {error.strerror}") from None
-
-
-def _is_file(path: str) -> bool:
-    try:
-        return Path(path).is_file()
-    except (OSError, ValueError):
-        return False
-
-
-def _resolve_fonts(tables: dict[str, Any], folder: Path) -> None:
-    """Make fonts absolute; a name that can be no path stays as it is, and is refused after validation."""
-    sources = tables.get("sources")
-    for source in sources if isinstance(sources, list) else []:
-        font = source.get("font") if isinstance(source, dict) else None
-        if isinstance(font, str) and font:
-            with contextlib.suppress(OSError, RuntimeError, ValueError):
-                source["font"] = str((folder / Path(font).expanduser()).resolve())
 
 
 def _whole_table(

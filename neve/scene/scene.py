@@ -8,7 +8,7 @@ from typing import Literal
 from pydantic import model_validator
 
 from neve.scene.bodies import Motor, Rigid, RigidBody, RigidBox, RigidCylinder, RigidSphere, Target
-from neve.scene.colliders import Body, Box, Collider, Cylinder, Keyframe, Plane, Sphere
+from neve.scene.colliders import Body, Box, Collider, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
 from neve.scene.fields import (
     Color,
     Damping,
@@ -25,6 +25,7 @@ from neve.scene.fields import (
     rounded_down,
     wrong,
 )
+from neve.scene.meshes import MeshFile
 from neve.scene.snow import SSCTS, Overrides, Snow, most_strength, problem
 from neve.scene.snows import SNOWS
 from neve.scene.sources import (
@@ -32,6 +33,7 @@ from neve.scene.sources import (
     SnowBox,
     SnowCylinder,
     SnowLayer,
+    SnowMesh,
     SnowSource,
     SnowSphere,
     SnowText,
@@ -40,10 +42,10 @@ from neve.scene.sources import (
 )
 
 __all__ = [
-    "Body", "Box", "Camera", "Collider", "Cylinder", "Keyframe", "Light", "Motor", "Numerics", "Overrides",
-    "Part", "Plane", "Profile", "Rigid", "RigidBody", "RigidBox", "RigidCylinder", "RigidSphere", "Run",
-    "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowSource", "SnowSphere", "SnowText", "Source",
-    "Sphere", "Target", "Variation", "World",
+    "Body", "Box", "Camera", "Collider", "Cylinder", "Keyframe", "Light", "Mesh", "MeshFile", "Motor",
+    "Numerics", "Overrides", "Part", "Plane", "Profile", "Rigid", "RigidBody", "RigidBox", "RigidCylinder",
+    "RigidSphere", "Run", "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowMesh", "SnowSource",
+    "SnowSphere", "SnowText", "Source", "Sphere", "Target", "Terrain", "Variation", "World",
 ]  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Describe where snow is at the start: boxes, balls, cylinders, ground layers and letters."""
+"""Describe where snow is at the start: boxes, balls, cylinders, ground layers, letters and meshes."""
 
 from __future__ import annotations
 
@@ -23,8 +23,10 @@ from neve.scene.fields import (
     Size3,
     Whole,
     entry,
+    file_entry,
     wrong,
 )
+from neve.scene.meshes import MeshFile
 from neve.scene.snow import Overrides
 
 ROTATION = "Rotation vector (axis times angle) from the source's own axes to the world's."
@@ -174,8 +176,9 @@ class SnowText(SnowSource):
 
     shape: Literal["text"] = entry("text", "Letters.")
     text: str = entry("NEVE", "What is written; a line break starts a new line.", "", min_length=1)
-    font: str = entry(
-        "", 'A .ttf or .otf file, relative to the scene file; "" is the font that comes with Neve.', ""
+    font: str = file_entry(
+        'A .ttf or .otf file, relative to the scene file; "" is the font that comes with Neve.',
+        (".ttf", ".otf"),
     )
     height: Length = entry(
         1.0, "Height of a capital letter (of the tallest glyph if the font has no capitals).", "m"
@@ -191,5 +194,15 @@ class SnowText(SnowSource):
         return self
 
 
-Source = Annotated[SnowBox | SnowSphere | SnowCylinder | SnowLayer | SnowText, Field(discriminator="shape")]
+class SnowMesh(MeshFile, SnowSource):
+    """Fill a closed mesh with snow; with a `thickness`, the space around the faces of any mesh."""
+
+    shape: Literal["mesh"] = entry("mesh", "A triangle mesh from a file.")
+    center: Point3 = entry((0.0, 0.0, 0.0), "Where the origin of the file goes; spin is about it.", "m")
+    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
+
+
+Source = Annotated[
+    SnowBox | SnowSphere | SnowCylinder | SnowLayer | SnowText | SnowMesh, Field(discriminator="shape")
+]
 """Any snow source; its `shape` says which."""
