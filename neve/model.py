@@ -48,7 +48,7 @@ class Model:
         for snow in self.snows:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
         for solid in self.solids:
-            self.native.add_solid(solid.shape, solid.half, solid.mode, solid.mu_c)
+            _add(self.native, solid)
         self.limit_press(1.0)
         self.place_colliders(0.0)
 
@@ -93,6 +93,16 @@ def affordable(xi_theta: float) -> float:
         else:
             high = x
     return low
+
+
+def _add(native: _core.Model, solid: Solid) -> None:
+    """Tell the core of `solid`."""
+    if solid.mesh:
+        native.add_mesh_solid(solid.mesh.sdf, solid.mode, solid.mu_c)
+    elif solid.terrain:
+        native.add_terrain_solid(solid.terrain, solid.mode, solid.mu_c)
+    else:
+        native.add_solid(solid.shape, solid.half, solid.mode, solid.mu_c)
 
 
 def _constants(snow: Snow) -> dict[str, float]:

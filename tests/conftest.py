@@ -1,6 +1,7 @@
 """Shared by all tests. Standing here also puts tests/ on the path, so that `reference` can be imported."""
 
 import os
+import tempfile
 
 # The tests are many short runs, often on a busy machine: threads that wait sleep, and LAPACK uses one.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
@@ -9,6 +10,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 import pytest
 from reference.laws import LAWS
+
+# Grids of distances are made anew, in a folder that goes with the tests: never in the user's own.
+CACHE = tempfile.TemporaryDirectory(prefix="neve-cache-")
+os.environ["NEVE_CACHE"] = CACHE.name
 
 
 def pytest_configure(config):

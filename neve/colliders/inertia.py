@@ -42,7 +42,7 @@ class Bulk:
 def bulk_of(solid: Solid) -> Bulk:
     """Return volume, centre of mass and inertia of a box, sphere, cylinder or closed mesh."""
     a, b, c = (float(h) for h in solid.half)
-    if solid.shape == "mesh":
+    if solid.mesh:
         return bulk_of_mesh(solid.mesh.vertices, solid.mesh.faces)
     if solid.shape == "box":
         volume, squares = 8 * a * b * c, np.array([a * a, b * b, c * c]) / 3

@@ -3,12 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.scene.scene import Box, Collider, Cylinder, Rigid, RigidBox, RigidCylinder, RigidSphere, Sphere
+from neve.colliders.sdf import SolidMesh, solid_mesh
+from neve.colliders.terrain import height_field
+from neve.scene.scene import (
+    Box,
+    Collider,
+    Cylinder,
+    Mesh,
+    Rigid,
+    RigidBox,
+    RigidCylinder,
+    RigidSphere,
+    Sphere,
+    Terrain,
+)
+
+if TYPE_CHECKING:
+    from neve._core import HeightField
 
 Array = NDArray[np.float64]
 Color = tuple[float, float, float]
@@ -30,7 +46,8 @@ class Solid:
         color: red, green and blue in the film, or None
         visible: whether the film shows it
         moved_by: nobody ("rest"), keyframes or a constant velocity ("script"), or the rigid-body engine
-        mesh, terrain: what the shape of that name consists of
+        mesh: triangles and signed distance of a mesh
+        terrain: heights of a terrain; its own z points up
     """
 
     name: str
@@ -41,12 +58,17 @@ class Solid:
     color: Color | None = None
     visible: bool = True
     moved_by: Literal["rest", "script", "engine"] = "rest"
-    mesh: Any = None
-    terrain: Any = None
+    mesh: SolidMesh | None = None
+    terrain: HeightField | None = None
 
 
-def solid_of(collider: Collider, name: str) -> Solid:
-    """Return the solid that `collider` describes; `name` tells it in messages."""
+def solid_of(collider: Collider, name: str, dx: float) -> Solid:
+    """Return the solid that `collider` describes, as fine as a snow grid of spacing `dx` [m] asks for.
+
+    `name` tells it in messages.
+
+    Errors: SceneError for a mesh or a height map that cannot be used.
+    """
     moves = bool(collider.keyframes) or any(collider.velocity) or any(collider.spin)
     return Solid(
         name=name,
@@ -57,6 +79,8 @@ def solid_of(collider: Collider, name: str) -> Solid:
         color=collider.color,
         visible=collider.visible,
         moved_by="script" if moves else "rest",
+        mesh=solid_mesh(collider, dx, name) if isinstance(collider, Mesh) else None,
+        terrain=height_field(collider, name) if isinstance(collider, Terrain) else None,
     )
 
 

@@ -1,0 +1,102 @@
+"""A folder for what took long to compute: files by the hash of all that they follow from."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+LIMIT = 2 * 2**30
+"""Bytes that the folder may take; beyond them the files that were not used for longest go."""
+
+_log = logging.getLogger("neve")
+
+
+def folder() -> Path | None:
+    """Return where cached files lie: NEVE_CACHE, or `neve` in XDG_CACHE_HOME or ~/.cache; None for none.
+
+    NEVE_CACHE set to nothing switches caching off; so does a system without a home.
+    """
+    own = os.environ.get("NEVE_CACHE")
+    if own is not None:
+        return Path(own).expanduser() if own else None
+    shared = os.environ.get("XDG_CACHE_HOME")
+    try:
+        return Path(shared) / "neve" if shared and os.path.isabs(shared) else Path.home() / ".cache" / "neve"
+    except RuntimeError:
+        return None
+
+
+def size() -> int:
+    """Return how many bytes the cached files take."""
+    return sum(stat.st_size for _, stat in _files())
+
+
+def recall(key: str) -> dict[str, NDArray[Any]] | None:
+    """Return the arrays that were kept as `key`; None if there are none, or the file is damaged."""
+    place = folder()
+    if place is None:
+        return None
+    path = place / f"{key}.npz"
+    try:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as arrays:
+            found = {name: arrays[name] for name in arrays.files}
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        _log.warning("%s is damaged (%s) and is made again", path, error)
+        return None
+    with contextlib.suppress(OSError):
+        os.utime(path)  # used now: it is the last to go
+    return found
+
+
+def keep(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Keep `arrays` as `key`, whole or not at all; a folder that refuses is only logged."""
+    place = folder()
+    if place is None:
+        return
+    temporary = place / f".{key}.{os.getpid()}.tmp"
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        try:
+            with open(temporary, "wb") as file:
+                np.savez(file, **arrays)  # type: ignore[arg-type]
+            os.replace(temporary, place / f"{key}.npz")
+        except BaseException:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+            raise
+        _prune(spared=place / f"{key}.npz")
+    except OSError as error:
+        _log.warning("nothing is kept in the cache folder %s: %s", place, error.strerror or error)
+
+
+def _files() -> list[tuple[Path, os.stat_result]]:
+    place = folder()
+    found = []
+    with contextlib.suppress(OSError):
+        for path in place.glob("*.npz") if place else ():
+            with contextlib.suppress(OSError):
+                found.append((path, path.stat()))
+    return found
+
+
+def _prune(spared: Path) -> None:
+    """Remove the files that were not used for longest until all fit in LIMIT."""
+    files = sorted(_files(), key=lambda entry: entry[1].st_mtime)
+    excess = sum(stat.st_size for _, stat in files) - LIMIT
+    for path, stat in files:
+        if excess <= 0:
+            return
+        if path != spared:
+            with contextlib.suppress(OSError):
+                path.unlink()
+                excess -= stat.st_size

@@ -1,0 +1,169 @@
+"""Read a mesh file into triangles in metres, z up, and refuse what bounds no body."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import math
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.colliders.triangles import Triangles, tidied
+from neve.scene.errors import SceneError, SceneWarning
+from neve.scene.files import where
+from neve.scene.meshes import MeshFile
+
+Array = NDArray[np.float64]
+
+SAMPLES = 4000
+"""Points around an open surface at which its winding number is asked for."""
+DOUBT = 0.25
+"""Distance of a winding number from a whole one, from which on a point is neither inside nor outside."""
+DOUBTFUL_SHARE = 0.03
+"""Share of doubtful points from which on a mesh bounds no body."""
+
+
+def read_mesh(part: MeshFile, name: str) -> Triangles:
+    """Return the surface in the file of `part` [m], in the axes of the body: the file's origin is 0, z is up.
+
+    `name` tells the part in messages. Warns with SceneWarning of a mesh with small holes: they are closed.
+    Errors: SceneError, one sentence: unreadable, empty, no area, not finite, or open without a `thickness`.
+    """
+    vertices, faces = _read(where(part.file, "meshes"), _told(part, name))
+    if not len(faces):
+        raise SceneError(
+            f"{_told(part, name)} holds no triangles: it is empty, or not the kind of file that its name says"
+        )
+    if not np.isfinite(vertices).all():
+        raise SceneError(f"{_told(part, name)} has a vertex whose coordinates are no finite numbers")
+    if part.up == "y":
+        vertices = vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+    if (np.abs(vertices) * part.metres).max() > 1e6:
+        raise SceneError(
+            f"{_told(part, name)} reaches beyond 1e6 m: set {name}.unit or a smaller {name}.scale"
+        )
+    surface = tidied(vertices * part.metres, faces)
+    if not len(surface.faces):
+        raise SceneError(f"{_told(part, name)} has no area: all of its triangles are points or lines")
+    if part.thickness == 0:
+        _require_inside(surface, part, name)
+    return surface
+
+
+def warn_if_small(surface: Triangles, part: MeshFile, dx: float, name: str) -> None:
+    """Warn with SceneWarning of a mesh that is smaller than two cells along each axis."""
+    length = float((surface.high - surface.low).max()) + part.thickness
+    if length < 2 * dx * (1 - 1e-9):
+        warnings.warn(
+            f"{_told(part, name)} is {length:.3g} m large, less than two cells of numerics.dx = {dx:g}: set "
+            f"{name}.scale = {_up(part.scale * 2 * dx / length)} or larger, another {name}.unit, or "
+            f"numerics.dx = {length / 2:.2g} or smaller",
+            SceneWarning,
+            stacklevel=2,
+        )
+
+
+def _require_inside(surface: Triangles, part: MeshFile, name: str) -> None:
+    """Refuse a surface that has no inside: whose winding number is in doubt at too many points around it.
+
+    Where a surface has no boundary the winding number is whole anywhere (Jacobson et al. 2013, section 3).
+    """
+    holes = surface.open_edges
+    if not holes:
+        return
+    share = doubtful_share(surface)
+    if share > DOUBTFUL_SHARE:
+        raise SceneError(
+            f"{_told(part, name)} is open ({holes} edges have a face on one side only), so that it has no "
+            f"inside: close it, or set {name}.thickness to make a body of its faces"
+        )
+    warnings.warn(
+        f"{_told(part, name)} has small holes ({holes} edges with a face on one side only), which are closed "
+        "as smoothly as the rest allows: check the film, or mend the mesh",
+        SceneWarning,
+        stacklevel=2,
+    )
+
+
+def doubtful_share(surface: Triangles) -> float:
+    """Return the share of points in the box around `surface`, with a margin, that are neither in nor out."""
+    size = surface.high - surface.low
+    margin = 0.1 * float(size.max())
+    rng = np.random.default_rng(0)
+    points = surface.low - margin + rng.random((SAMPLES, 3)) * (size + 2 * margin)
+    winding = surface.tree.winding(points)
+    return float(np.mean(np.abs(winding - np.rint(winding)) > DOUBT))
+
+
+def _told(part: MeshFile, name: str) -> str:
+    return f"{name}.file = {json.dumps(part.file, ensure_ascii=False)}"
+
+
+def _up(value: float) -> str:
+    digits = 1 - math.floor(math.log10(value))
+    return f"{math.ceil(value * 10.0**digits - 1e-9) / 10.0**digits:g}"
+
+
+def _read(path: Path, told: str) -> tuple[Array, NDArray[np.int64]]:
+    """Return vertices (n, 3) and faces (m, 3) of all that the file holds, in its own units and axes."""
+    import trimesh
+
+    try:
+        with _silence():
+            loaded = trimesh.load(str(path), process=False, skip_materials=True)
+            parts = list(_parts(loaded))
+    except MemoryError:
+        raise
+    except OSError as error:
+        reason = (error.strerror or str(error)).rstrip(".")
+        raise SceneError(f"{told} cannot be read: {reason[:1].lower()}{reason[1:]}") from None
+    except Exception:  # whatever a damaged file makes its reader stumble over
+        raise SceneError(
+            f"{told} cannot be read: it is damaged, or not the kind of file that its name says"
+        ) from None
+    begin, vertices, faces = 0, [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)]
+    for corners, rows in parts:
+        if len(rows) and not (rows.min() >= 0 and rows.max() < len(corners)):
+            raise SceneError(f"{told} cannot be read: a triangle has a corner that is not there")
+        vertices.append(corners)
+        faces.append(rows + begin)
+        begin += len(corners)
+    return np.concatenate(vertices), np.concatenate(faces)
+
+
+def _parts(loaded: Any) -> Iterator[tuple[Array, NDArray[np.int64]]]:
+    """Yield vertices and faces of every mesh in what was loaded, each where the scene graph puts it."""
+    if not hasattr(loaded, "graph"):
+        yield from _of(loaded, np.eye(4))
+        return
+    for node in loaded.graph.nodes_geometry:
+        place, name = loaded.graph[node]
+        yield from _of(loaded.geometry[name], np.asarray(place, dtype=np.float64))
+
+
+def _of(geometry: Any, place: Array) -> Iterator[tuple[Array, NDArray[np.int64]]]:
+    faces = getattr(geometry, "faces", None)
+    if faces is None or not len(faces):  # lines, or points
+        return
+    vertices = np.asarray(geometry.vertices, dtype=np.float64) @ place[:3, :3].T + place[:3, 3]
+    rows = np.asarray(faces, dtype=np.int64)
+    yield vertices, rows[:, ::-1] if np.linalg.det(place[:3, :3]) < 0 else rows
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Keep the reader's own remarks about materials and the like from the user."""
+    logger = logging.getLogger("trimesh")
+    before, logger.disabled = logger.disabled, True
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logger.disabled = before

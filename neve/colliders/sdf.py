@@ -1,0 +1,185 @@
+"""Make the grid of signed distances that stands for a mesh, and keep it on disk for the next run."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import warnings
+import weakref
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve import _core
+from neve.colliders import cache
+from neve.colliders.mesh import read_mesh, warn_if_small
+from neve.colliders.triangles import Triangles
+from neve.scene.errors import SceneError, SceneWarning
+from neve.scene.meshes import MeshFile
+
+if TYPE_CHECKING:
+    from neve._core import SdfGrid
+
+Array = NDArray[np.float64]
+
+FORMAT = 1
+"""Version of what is kept in the cache; another one is never read."""
+BAND_CELLS = 2.0
+"""Cells of the snow's grid on either side of the surface in which the distances are fine."""
+USUAL = 256 * 2**20
+"""Bytes that a grid may take whose `detail` is left out."""
+MOST = 4 * 2**30
+"""Bytes that any grid may take: a mistyped detail must not fill the memory."""
+BRICK_CELLS, BRICK_BYTES, NODE_BYTES = 8, 16 * 9**3, 16
+RAYS = 2000
+"""Faces through which the thickness of a body is measured."""
+THIN_SHARE = 0.02
+"""Share of the surface that may lie on parts thinner than what the spacing resolves."""
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """Hold a body of triangles in its own frame.
+
+    Attributes:
+        surface: the triangles, in metres
+        sdf: signed distance [m], negative inside, and unit normal at any point
+        thickness: of the body around an open mesh; 0 for one that is filled [m]
+        spacing: of the samples of the distance [m]
+    """
+
+    surface: Triangles
+    sdf: SdfGrid
+    thickness: float
+    spacing: float
+
+    @property
+    def vertices(self) -> Array:
+        """Corners of the triangles [m], (n, 3)."""
+        return self.surface.vertices
+
+    @property
+    def faces(self) -> NDArray[np.int32]:
+        """Rows of `vertices`, anticlockwise from outside, (m, 3)."""
+        return self.surface.faces
+
+
+def solid_mesh(part: MeshFile, dx: float, name: str) -> SolidMesh:
+    """Return the body in the file of `part`, as fine as a snow grid of spacing `dx` [m] asks for.
+
+    `name` tells the part in messages. Warns with SceneWarning of small holes, of a body smaller than two
+    cells, and of a grid that had to be coarser than is usual.
+    Errors: SceneError, one sentence; see `read_mesh`.
+    """
+    surface = read_mesh(part, name)
+    warn_if_small(surface, part, dx, name)
+    spacing = _spacing(surface, part, dx, name)
+    return of_triangles(surface, spacing, max(BAND_CELLS * dx, 2 * spacing), part.thickness)
+
+
+def of_triangles(surface: Triangles, spacing: float, band: float, thickness: float = 0.0) -> SolidMesh:
+    """Return the body inside `surface`, or around it if it has a `thickness` [m].
+
+    spacing: of the samples of the distance [m]; band: how far from the surface they reach [m]. Equal
+    arguments give the same body as long as it is in use, and its grid from the cache folder later.
+    """
+    key = _key(surface, spacing, band, thickness)
+    known = _in_use.get(key)
+    if known is None:
+        _in_use[key] = known = SolidMesh(
+            surface, _grid(key, surface, spacing, band, thickness), thickness, spacing
+        )
+    return known
+
+
+_in_use: weakref.WeakValueDictionary[str, SolidMesh] = weakref.WeakValueDictionary()
+
+
+def _grid(key: str, surface: Triangles, spacing: float, band: float, thickness: float) -> SdfGrid:
+    geometry = _core.geometry
+    kept = cache.recall(key)
+    if kept is not None:
+        try:
+            return geometry.SdfGrid.from_arrays(kept)
+        except (ValueError, KeyError, RuntimeError, TypeError):  # of another make: made again
+            pass
+    grid = geometry.SdfGrid.build(surface.tree, spacing, band, thickness)
+    cache.keep(key, grid.arrays())
+    return grid
+
+
+def _key(surface: Triangles, spacing: float, band: float, thickness: float) -> str:
+    """Return the SHA-256 of all that the grid follows from."""
+    digest = hashlib.sha256(f"neve sdf {FORMAT}".encode())
+    for values in (surface.vertices, surface.faces, np.array([spacing, band, thickness])):
+        digest.update(f"{values.dtype}{values.shape}".encode())
+        digest.update(np.ascontiguousarray(values).data)
+    return digest.hexdigest()
+
+
+def grid_bytes(surface: Triangles, spacing: float, band: float, thickness: float = 0.0) -> float:
+    """Return about how many bytes the grid of distances takes.
+
+    A sheet of area A and thickness t touches A (t + w) / b^3 cubes of edge b laid at random, with w = 1.5 b
+    the mean width of a cube over all directions (Cauchy's formula).
+    """
+    edge = BRICK_CELLS * spacing
+    bricks = surface.area * (2 * band + thickness + 1.5 * edge) / edge**3
+    size = surface.high - surface.low + 2 * band + thickness
+    return bricks * BRICK_BYTES + float(np.prod(size / edge + 2)) * NODE_BYTES
+
+
+def _spacing(surface: Triangles, part: MeshFile, dx: float, name: str) -> float:
+    """Return the spacing of the samples [m]: `detail`, or half a cell, less for thin parts, if affordable."""
+
+    def needed(spacing: float) -> float:
+        return grid_bytes(surface, spacing, max(BAND_CELLS * dx, 2 * spacing), part.thickness)
+
+    if part.detail is not None:
+        if needed(part.detail) > MOST:
+            least = _affordable(part.detail, needed, MOST)
+            raise SceneError(
+                f"{name}.detail = {part.detail:g} would take {needed(part.detail) / 2**30:.2g} GB: use at "
+                f"least {least:.2g}"
+            )
+        return part.detail
+    thin = part.thickness or thinnest(surface)
+    wish = min(0.5 * dx, max(0.5 * thin, 0.125 * dx))
+    spacing = _affordable(wish, needed, USUAL)
+    if spacing > wish:
+        warnings.warn(
+            f"{name}.detail is {spacing:.2g} m, because {wish:.2g} m would take "
+            f"{needed(wish) / 2**20:.0f} MB for this mesh: set it yourself, or scale the mesh down",
+            SceneWarning,
+            stacklevel=2,
+        )
+    return spacing
+
+
+def _affordable(spacing: float, needed: Callable[[float], float], most: float) -> float:
+    """Return the least spacing [m], `spacing` times a power of 1.1, that needs at most `most` bytes."""
+    while needed(spacing) > most:
+        spacing *= 1.1
+    return spacing
+
+
+def thinnest(surface: Triangles) -> float:
+    """Return a length [m] below which at most about THIN_SHARE of the closed surface's area is thick.
+
+    From points on the surface rays go inward; the thickness is their way to the next face.
+    """
+    area = np.linalg.norm(surface.area_vectors, axis=1)
+    rng = np.random.default_rng(0)
+    chosen = rng.choice(len(area), RAYS, p=area / area.sum())
+    u, v = rng.random((2, RAYS, 1))
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    a, b, c = (surface.vertices[surface.faces[chosen, k]] for k in range(3))
+    inward = -surface.area_vectors[chosen] / area[chosen, None]
+    start = 1e-5 * float((surface.high - surface.low).max())
+    origins = a + u * (b - a) + v * (c - a) + start * inward
+    t, _ = surface.tree.ray(np.ascontiguousarray(origins), np.ascontiguousarray(inward))
+    t = np.where(np.isfinite(t) & (t >= 0), t + start, math.inf)
+    return float(np.quantile(t, THIN_SHARE, method="lower"))

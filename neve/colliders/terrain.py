@@ -1,0 +1,123 @@
+"""Read a height map into a field of heights in metres."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve import _core
+from neve.scene.errors import SceneError
+from neve.scene.files import where
+from neve.scene.scene import Terrain
+
+if TYPE_CHECKING:
+    from neve._core import HeightField
+
+Array = NDArray[np.float64]
+MOST = 2**27
+"""Samples that a map may have."""
+BITS, PIXEL_SCALE, GEO_KEYS, NO_DATA = 258, 33550, 34735, 42113
+"""Tags of a GeoTIFF (TIFF 6.0; OGC 19-008r4, section 7; GDAL's own for missing values)."""
+MODEL_TYPE, GEOGRAPHIC = 1024, 2
+"""The key that says whether pixels are measured in metres or in degrees (OGC 19-008r4, section 7.1)."""
+
+
+@dataclass(frozen=True)
+class _Map:
+    """Hold what a file says: values[x, y], the full range of short whole numbers, the size of a pixel [m]."""
+
+    values: Array
+    full: float | None
+    pixel: tuple[float, float] | None = None
+
+
+def height_field(terrain: Terrain, name: str) -> HeightField:
+    """Return the heights of `terrain` [m] over a rectangle around its centre; `name` tells it in messages.
+
+    Errors: SceneError, one sentence: unreadable, of colours or another rank, not finite, without a size.
+    """
+    told = f"{name}.file = {json.dumps(terrain.file, ensure_ascii=False)}"
+    path = where(terrain.file, "terrains")
+    found = _array(path, told) if path.suffix.lower() == ".npy" else _picture(path, told)
+    shape = found.values.shape
+    if len(shape) != 2 or min(shape) < 2:
+        axes = f"{len(shape)} axes" if len(shape) != 2 else f"{shape[0]} x {shape[1]} numbers"
+        raise SceneError(f"{told} has {axes}: a height map has two axes, x and y, each of 2 numbers or more")
+    if found.values.size > MOST:
+        raise SceneError(
+            f"{told} has {found.values.size:.3g} heights, more than {MOST:.3g}: use a smaller map"
+        )
+    if lost := np.count_nonzero(~np.isfinite(found.values)):
+        raise SceneError(f"{told} has {lost} heights that are no finite numbers: fill the gaps of the map")
+    pixel = found.pixel or (0.0, 0.0)
+    if terrain.size is None and found.pixel is None:
+        raise SceneError(f"{name}.size is missing, and {told} does not say how many metres a pixel is")
+    size = np.array(terrain.size or np.multiply(pixel, np.array(shape) - 1), dtype=np.float64)
+    heights = found.values * (terrain.height / (found.full or 1.0))
+    if max(np.abs(heights).max(), size.max()) > 1e6:
+        raise SceneError(f"{told} reaches beyond 1e6 m: set {name}.size, or a smaller {name}.height")
+    return _core.geometry.HeightField(np.ascontiguousarray(heights, dtype=np.float32), size)
+
+
+def _array(path: Path, told: str) -> _Map:
+    """Read the array heights[x, y] of a NumPy file."""
+    try:
+        values = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise _unreadable(told, error) from None
+    if not isinstance(values, np.ndarray) or values.dtype.kind not in "iuf":
+        raise SceneError(f"{told} holds no numbers: a height map is an array of whole or real numbers")
+    bits = 8 * values.dtype.itemsize if values.dtype.kind in "iu" else 32
+    return _Map(values.astype(np.float64), _full(bits))
+
+
+def _picture(path: Path, told: str) -> _Map:
+    """Read a picture of one channel, seen from above: x to the right, y upward."""
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path) as image:
+                tags = dict(getattr(image, "tag_v2", {}))
+                mode, rows = image.mode, np.asarray(image)
+    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+        raise _unreadable(told, error) from None
+    if mode not in ("L", "I", "F") and not mode.startswith("I;16"):
+        raise SceneError(
+            f"{told} is a picture in colours: a height map has one channel, of 8 or 16 bits or of reals"
+        )
+    bits = tags[BITS][0] if BITS in tags else 8 if mode == "L" else 16
+    if mode == "F":
+        bits = 32
+    values = rows.astype(np.float64)
+    with contextlib.suppress(ValueError):
+        values[values == float(str(tags.get(NO_DATA, "nan")).strip("\0 "))] = np.nan
+    scale = tags.get(PIXEL_SCALE)
+    pixel = (float(scale[0]), float(scale[1])) if scale and not _in_degrees(tags) else None
+    return _Map(values[::-1].T, _full(bits), pixel)
+
+
+def _full(bits: int) -> float | None:
+    """Return the full range of whole numbers of 8 or 16 bits; longer ones count as real numbers."""
+    return 2.0**bits - 1.0 if bits <= 16 else None
+
+
+def _in_degrees(tags: dict[int, Any]) -> bool:
+    """Whether the pixels of a GeoTIFF are measured in degrees: keys come in fours, name first, value last."""
+    keys = np.array(tags.get(GEO_KEYS, ()), dtype=np.int64)
+    rows = keys[: len(keys) // 4 * 4].reshape(-1, 4)
+    return bool(np.any((rows[1:, 0] == MODEL_TYPE) & (rows[1:, 3] == GEOGRAPHIC)))
+
+
+def _unreadable(told: str, error: Exception) -> SceneError:
+    if isinstance(error, OSError) and error.errno and error.strerror:
+        return SceneError(f"{told} cannot be read: {error.strerror[:1].lower()}{error.strerror[1:]}")
+    return SceneError(f"{told} cannot be read: it is damaged, or not the kind of file that its name says")
