@@ -9,6 +9,7 @@ import numpy as np
 from neve.colliders.solid import Solid, solid_of
 from neve.model import Model
 from neve.sampling import Samples, fill
+from neve.sampling.carving import carved
 from neve.scene.scene import Numerics, Scene, Snow
 
 if TYPE_CHECKING:
@@ -21,10 +22,16 @@ def build(scene: Scene) -> tuple[Model, State]:
     Each particle has rest volume V0, its share of its source's volume, factors on stiffness and strength, and
     mass m = rho0 f V0 with its factor f on density; F_E = I and J_P = 1; with an affine transfer the
     affine velocity C is that of the source's spin; further modes of the velocity are zero.
-    `numerics.initial_volume = "grid"` replaces V0 in the first step.
+    `numerics.initial_volume = "grid"` replaces V0 in the first step. Snow that would start inside a solid is
+    left out, and a SceneWarning says so.
+
+    Errors: SceneError for a source, a mesh or a height map that cannot be used.
     """
     model = make_model(scene)
-    samples = [fill(scene.completed(s), scene.numerics, i) for i, s in enumerate(scene.sources)]
+    samples = [
+        carved(fill(scene.completed(s), scene.numerics, i), model, f"sources.{i}")
+        for i, s in enumerate(scene.sources)
+    ]
     state = model.core.State(sum(len(s.x) for s in samples), model.native.more_modes)
     begin = 0
     for source, s in zip(scene.sources, samples, strict=True):
@@ -44,7 +51,7 @@ def make_model(scene: Scene) -> Model:
 
 def solids(scene: Scene) -> tuple[Solid, ...]:
     """Return everything that snow can meet, in the order of the scene."""
-    return tuple(solid_of(c, f"colliders.{i}") for i, c in enumerate(scene.colliders))
+    return tuple(solid_of(c, f"colliders.{i}", scene.numerics.dx) for i, c in enumerate(scene.colliders))
 
 
 def material_table(scene: Scene) -> list[Snow]:

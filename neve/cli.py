@@ -131,13 +131,30 @@ def run(
     wish = load(scene, changes)
     from neve.run import run_scene
     from neve.scene.advice import advice
-    from neve.scene.errors import SceneWarning
 
-    for sentence in advice(wish):
+    told = advice(wish)
+    for sentence in told:
         _complain(f"warning: {sentence}.")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)  # told above, in the style of the command line
+        _tell_others(told)
         run_scene(wish, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
+
+
+def _tell_others(told: list[str]) -> None:
+    """Tell warnings about the scene in the style of the command line, but those `told` before, once each."""
+    from neve.scene.errors import SceneWarning
+
+    usual, seen = warnings.showwarning, set(told)
+
+    def tell(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if not issubclass(category, SceneWarning):
+            usual(message, category, *where, **more)
+        elif str(message) not in seen:
+            seen.add(str(message))
+            _complain(f"warning: {message}.")
+
+    warnings.simplefilter("always", SceneWarning)
+    warnings.showwarning = tell
 
 
 def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
@@ -249,10 +266,11 @@ def stress(scenes: int, seed: int, only: int | None, threads: int | None, as_jso
 @cli.command()
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def info(as_json: bool) -> None:
-    """Show the version and what the core was built for."""
+    """Show the version, what the core was built for, and the folder of the cache."""
     import platform
 
     from neve import _core
+    from neve.colliders import cache
     from neve.io.version import version
 
     facts: dict[str, Any] = {
@@ -260,10 +278,14 @@ def info(as_json: bool) -> None:
         **_core.build_info(),
         "python": platform.python_version(),
         "platform": platform.platform(),
+        "cache": None if cache.folder() is None else str(cache.folder()),
+        "cache_bytes": cache.size(),
     }
     if as_json:
         click.echo(json.dumps(facts, indent=2))
         return
+    facts["cache"] = facts["cache"] or "off"
+    facts["cache_size"] = f"{facts.pop('cache_bytes') / 2**20:.1f} MB"
     for name, value in facts.items():
         click.echo(f"{name}: {value}")
 

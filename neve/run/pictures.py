@@ -6,6 +6,7 @@ import contextlib
 import functools
 import io
 import itertools
+import warnings
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -45,8 +46,11 @@ class Painter:
     @functools.cached_property
     def _solids(self) -> Sequence[Solid]:
         from neve.build import solids
+        from neve.scene.errors import SceneWarning
 
-        return solids(self._scene)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SceneWarning)  # told when the simulation was made
+            return solids(self._scene)
 
     def draw(self, content: Frame) -> NDArray[np.uint8]:
         """Return the image of a frame, (height, width, 3)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,10 @@ class Samples:
     strength: Array
     density: Array
 
+    def only(self, chosen: NDArray[np.bool_]) -> Samples:
+        """Return the particles that are `chosen` (n,)."""
+        return Samples(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
+
 
 def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
     """Place particles in `source`, the scene's source number `index`.
@@ -49,11 +53,12 @@ def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
     moves with v = velocity + spin x (x - center). Its factors are told in `neve.sampling.factors`.
     Equal arguments give equal bits.
 
-    Errors: SceneError if the source is too small or too large for dx, or its font lacks a letter.
+    Errors: SceneError if the source is too small or too large for dx, its font lacks a letter, or its
+    mesh has no inside.
     """
     name = f"sources.{index}"
     spacing = numerics.spacing
-    space = region(source, spacing, name)
+    space = region(source, numerics, name)
     if np.prod(np.maximum(space.size / spacing, 1.0)) > MOST:
         raise SceneError(
             f"{name} would take {space.volume / spacing**3:.2g} particles with numerics.dx = "
@@ -72,7 +77,7 @@ def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
             f"{name} is too small for a single particle with numerics.dx = {numerics.dx:g}; "
             "use a smaller dx or a larger source"
         )
-    arm = local @ space.rotation.T
+    arm = (local + space.middle) @ space.rotation.T
     return Samples(
         x=space.center + arm,
         v=np.array(source.velocity) + np.cross(np.array(source.spin), arm),

@@ -35,7 +35,7 @@ def factors(source: SnowSource, space: Region, local: Array, seed: int, index: i
         if profile.by == "depth":
             place = space.depth(local)
         else:
-            place = space.center[2] + local @ space.rotation[2] - space.lowest
+            place = space.center[2] + (local + space.middle) @ space.rotation[2] - space.lowest
         for name in made:
             if values := getattr(profile, name):
                 made[name] = made[name] * np.interp(place, profile.at, values)

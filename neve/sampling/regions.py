@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.colliders.motion import turn
+from neve.sampling.filling import MeshSpace, mesh_space
 from neve.sampling.lettering import Letters, letters
-from neve.scene.scene import SnowBox, SnowCylinder, SnowLayer, SnowSource, SnowSphere, SnowText
+from neve.scene.scene import (
+    Numerics,
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowMesh,
+    SnowSource,
+    SnowSphere,
+    SnowText,
+)
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -19,17 +29,18 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Region:
-    """Hold a part of space inside a box around the origin of the source's own axes.
+    """Hold a part of space inside a box, seen from the middle of that box in the source's own axes.
 
     Attributes:
         center: origin of the axes in the world [m], (3,)
         rotation: matrix from the source's axes to the world's [1], (3, 3)
-        size: edges of the smallest box around the region, centred on the origin [m], (3,)
+        size: edges of the smallest box around the region [m], (3,)
         volume: of the region [m3]
-        inside: points in own axes [m] (n, 3), all inside the box -> whether they belong to the region (n,)
-        depth: points of the region in own axes [m] (n, 3) -> distance below its surface [m] (n,); a layer's
-            surface is its top
+        inside: points of the box, from its middle [m] (n, 3) -> whether they are in the region (n,)
+        depth: points of the region, from the box's middle [m] (n, 3) -> distance below its surface [m] (n,);
+            a layer's surface is its top
         lowest: height of the region's lowest point; of letters, of the box around them [m]
+        middle: of the box, from the origin of the source's axes [m], (3,)
     """
 
     center: Array
@@ -39,12 +50,15 @@ class Region:
     inside: Callable[[Array], Mask]
     depth: Callable[[Array], Array]
     lowest: float
+    middle: Array = field(default_factory=lambda: np.zeros(3))
 
 
-def region(source: SnowSource, spacing: float, name: str) -> Region:
-    """Return the space that `source` fills, with details finer than `spacing` [m]; `name` tells it in errors.
+def region(source: SnowSource, numerics: Numerics, name: str) -> Region:
+    """Return the space that `source` fills, with details finer than the particles' distance.
 
-    Errors: SceneError for letters that the font does not have.
+    `name` tells the source in errors.
+
+    Errors: SceneError for letters that the font does not have, or a mesh that cannot be filled.
     """
     if isinstance(source, SnowBox):
         return _box(source.center, source.rotation, source.size)
@@ -56,8 +70,10 @@ def region(source: SnowSource, spacing: float, name: str) -> Region:
         return _sphere(source.center, source.radius)
     if isinstance(source, SnowCylinder):
         return _cylinder(source.center, source.rotation, source.radius, source.height)
+    if isinstance(source, SnowMesh):
+        return _mesh(source, mesh_space(source, numerics, name))
     assert isinstance(source, SnowText)
-    sign = letters(source, spacing, name)
+    sign = letters(source, numerics.spacing, name)
     block = _box(source.center, source.rotation, (sign.width, source.depth, sign.height))
     volume = sign.area * source.depth
     return replace(block, volume=volume, inside=sign.covers, depth=_below_letters(sign, source.depth))
@@ -83,6 +99,20 @@ def _box(center: tuple[float, ...], rotation: tuple[float, ...], size: tuple[flo
 
     lowest = float(middle[2] - 0.5 * np.abs(axes[2]) @ edges)
     return Region(middle, axes, edges, float(np.prod(edges)), _everywhere, depth, lowest)
+
+
+def _mesh(source: SnowMesh, space: MeshSpace) -> Region:
+    axes, middle, center = _axes(source.rotation), 0.5 * (space.low + space.high), np.array(source.center)
+    return Region(
+        center=center,
+        rotation=axes,
+        size=space.high - space.low,
+        volume=space.volume,
+        inside=lambda x: space.distance(x + middle) < 0,
+        depth=lambda x: np.maximum(-space.distance(x + middle), 0.0),
+        lowest=float(center[2] + (space.corners @ axes[2]).min()) - space.margin,
+        middle=middle,
+    )
 
 
 def _axes(rotation: tuple[float, ...]) -> Array:

@@ -85,6 +85,9 @@ BAD = [
     ("run ~nosuchuser/x.toml", "~nosuchuser/x.toml: this cannot be looked for as a file"),
     ("run text_fall --set sources.0.font=~nosuchuser/b.ttf", '"~nosuchuser/b.ttf" is not a file'),
     (f"run text_fall --set sources.0.font={'x' * 300}", "is not a file; name a .ttf or .otf file"),
+    ("run small.toml --set colliders.0={shape='mesh',file='no.obj'}", 'no.obj" is not a file; name a .obj,'),
+    ("run small.toml --set colliders.0={shape='mesh',file='small.toml'}", 'must end in ".obj"'),
+    ("run small.toml --set colliders.0={shape='mesh',file='neve:no'}", '"neve:no" does not come with Neve'),
     ("run small.toml --threads 1000000", "--threads: 1000000 is more than "),
     (f"run small.toml --threads {'9' * 5000}", "is not a whole number of 1 or more"),
     ("cite smal.toml", "did you mean small.toml?"),
@@ -274,6 +277,22 @@ def test_warnings_of_a_scene(call, scene_file, fake):
     assert (code, told.splitlines()) == (0, warned)
 
 
+def test_warnings_of_building(call, tmp_path):
+    """What is found only when the scene is built is told once, also with --quiet: the real simulation."""
+    path = tmp_path / "ball.toml"
+    path.write_text(
+        "[numerics]\ndx = 0.1\n[run]\nduration = 0.01\nfps = 100\nfilm = false\n"
+        '[[sources]]\nshape = "sphere"\ncenter = [0, 0, 0.2]\nradius = 0.4\n[[colliders]]\nshape = "plane"\n'
+    )
+    code, out, err = call("run", path, "--out", "a", "--threads", 1, "--quiet")
+    assert (code, out) == (0, "")
+    assert re.fullmatch(
+        r"neve: warning: sources\.0 starts with \d+ inside colliders\.0, of \d+ particles: they are left "
+        r"out\.\n",
+        err,
+    )
+
+
 def test_info(call):
     """Version, instruction set and threads, as text and as JSON."""
     code, out, _ = call("info", "--json")
@@ -281,6 +300,20 @@ def test_info(call):
     assert code == 0
     assert {"version", "python", "platform", "simd", "threads"} <= facts.keys()
     assert f"version: {facts['version']}" in call("info")[1].splitlines()
+
+
+def test_info_of_the_cache(call, tmp_path, monkeypatch):
+    """The folder of the cache and its size stand in the facts; it need not exist, and may be switched off."""
+    monkeypatch.setenv("NEVE_CACHE", str(tmp_path / "cache"))
+    facts = json.loads(call("info", "--json")[1])
+    assert (facts["cache"], facts["cache_bytes"]) == (str(tmp_path / "cache"), 0)
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache/a.npz").write_bytes(b"x" * 2**20)
+    lines = call("info")[1].splitlines()
+    assert f"cache: {tmp_path / 'cache'}" in lines
+    assert "cache_size: 1.0 MB" in lines
+    monkeypatch.setenv("NEVE_CACHE", "")
+    assert "cache: off" in call("info")[1].splitlines()
 
 
 def test_bench_passes_its_words_on(call, monkeypatch):

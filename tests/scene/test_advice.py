@@ -136,7 +136,8 @@ def test_fastest_is_the_wave_and_the_particle(source: dict[str, Any], factor: fl
 
 def test_simulation_warns() -> None:
     """A Simulation in Python warns through `warnings`, once for each doubt; without doubt it is silent."""
-    scene = scene_from({"sources": [BALL], "numerics": {"dx": 0.2}, "colliders": [PLATE]})
+    plate = PLATE | {"center": [0, 0, -1]}
+    scene = scene_from({"sources": [BALL], "numerics": {"dx": 0.2}, "colliders": [plate]})
     with pytest.warns(SceneWarning) as told:
         neve.Simulation(scene, threads=1)
     assert [str(warning.message) for warning in told] == advice(scene)

@@ -50,7 +50,7 @@ def test_depth_is_the_distance_to_the_surface(source: SnowSource) -> None:
     tolerance is two pixels of the letters' picture, 2 x spacing / 8, and nought for the other shapes. A
     layer's depth counts from its top alone.
     """
-    space = region(source, SPACING, "sources.0")
+    space = region(source, Numerics(dx=2 * SPACING), "sources.0")
     rng = np.random.default_rng(0)
     points = (rng.random((20000, 3)) - 0.5) * space.size
     points = points[space.inside(points)][:300]
@@ -82,7 +82,7 @@ def test_height_counts_from_the_lowest_point(source: SnowSource) -> None:
 
     A tilted letter touches the box around it along an edge, as the box does.
     """
-    space = region(source, SPACING, "sources.0")
+    space = region(source, Numerics(dx=2 * SPACING), "sources.0")
     x = fill(source, Numerics(dx=2 * SPACING), 0).x
     assert -1e-9 <= x[:, 2].min() - space.lowest < 2 * SPACING
 
