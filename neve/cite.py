@@ -179,6 +179,24 @@ WORKS: Mapping[str, str] = {
   year      = {1996},
   doi       = {10.1145/237170.237267}
 }""",
+    "jacobson2013": """@article{jacobson2013,
+  author  = {Jacobson, Alec and Kavan, Ladislav and Sorkine-Hornung, Olga},
+  title   = {Robust inside-outside segmentation using generalized winding numbers},
+  journal = {ACM Transactions on Graphics},
+  volume  = {32},
+  number  = {4},
+  year    = {2013},
+  doi     = {10.1145/2461912.2461916}
+}""",
+    "barill2018": """@article{barill2018,
+  author  = {Barill, Gavin and Dickson, Neil G. and Schmidt, Ryan and Levin, David I. W. and Jacobson, Alec},
+  title   = {Fast winding numbers for soups and clouds},
+  journal = {ACM Transactions on Graphics},
+  volume  = {37},
+  number  = {4},
+  year    = {2018},
+  doi     = {10.1145/3197517.3201337}
+}""",
 }
 
 # Method -> works that describe it. A method's name is the word that chooses it in a scene, or its table.
@@ -200,6 +218,7 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "poisson": ("bridson2007",),
     "fractal": ("perlin1985",),
     "clods": ("worley1996",),
+    "mesh": ("jacobson2013", "barill2018"),
 }
 
 
@@ -214,6 +233,8 @@ def methods(scene: Scene) -> list[str]:
         names.append("poisson")
     noises = [scene.completed(source).variation for source in scene.sources]
     names += [n.pattern for n in noises if n and (n.stiffness or n.strength or n.density)]
+    if any(part.shape == "mesh" for part in (*scene.sources, *scene.colliders, *scene.bodies)):
+        names.append("mesh")
     return list(dict.fromkeys(names))
 
 

@@ -9,6 +9,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from neve.io.assets import FOLDER as ASSETS
 from neve.io.atomic import sweep, write_text
 from neve.io.errors import RunError, cannot_read, cannot_write
 from neve.io.frames import frame_numbers, frame_path
@@ -27,6 +28,7 @@ class RunFolder:
         self.path = Path(path)
         self.card = self.path / "run.json"  # format version and the Neve that made the run
         self.scene = self.path / "scene.toml"
+        self.assets = self.path / ASSETS  # what the scene names, see neve.io.assets
         self.log = self.path / "log.csv"
         self.fragments = self.path / "fragments.csv"
         self.bodies = self.path / "bodies.csv"
@@ -158,7 +160,10 @@ class RunFolder:
             ) from error
 
     def _clear(self) -> None:
-        """Delete the run's own files, `run.json` last, so that a half-cleared folder is still a run."""
+        """Delete the run's own files, `run.json` last, so that a half-cleared folder is still a run.
+
+        Its assets stay until those of the new run are there: they may be the same.
+        """
         for path in (
             self.checkpoint,
             self.film,

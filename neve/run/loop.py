@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from neve.io.assets import assets_of, keep_assets, portable, same_content
 from neve.io.atomic import write_text
 from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
@@ -103,10 +104,9 @@ def _run(
     observers: Sequence[Output],
 ) -> Simulation:
     """Make the folder ready, start or restore the simulation, and run the loop with the run's outputs."""
-    from neve.scene.load import to_toml
-
     folder.check(resume, force)
-    toml = to_toml(scene)
+    assets = assets_of(scene)
+    toml = portable(scene, assets)
     with folder.lock():
         checkpoint = read_checkpoint(folder.checkpoint) if resume else None
         if checkpoint is not None:
@@ -114,6 +114,7 @@ def _run(
         sim = start(checkpoint)
         done = None if checkpoint is None else checkpoint.frame
         folder.open(version(), resume, force)
+        keep_assets(folder.path, assets)
         write_text(folder.scene, toml)
         if done is not None:
             folder.drop_frames_after(done)
@@ -190,7 +191,7 @@ def _check_same(folder: Path, before: str, now: str) -> None:
     old, new = (dict(_flatten(tomllib.loads(text))) for text in (before, now))
     for key in sorted(old.keys() | new.keys()):
         free = any(key == name or key.startswith(f"{name}.") for name in _FREE)
-        if not free and old.get(key) != new.get(key):
+        if not free and old.get(key) != new.get(key) and not same_content(old.get(key), new.get(key)):
             was, wish = (repr(table[key]) if key in table else "absent" for table in (old, new))
             raise RunError(
                 f"{folder} was made with another scene ({key} is {was} there and {wish} now):"

@@ -56,6 +56,15 @@ def test_scene_cites_what_it_uses(scene_file):
         assert "@article{stomakhin2013," in bibtex(scene)
 
 
+def test_scene_cites_meshes(scene_file):
+    """What tells the inside of a mesh is cited where there is one: the hare as a body, and as snow."""
+    assert "mesh" not in methods(load(scene_file))
+    for change in ("colliders.0", "sources.0"):
+        scene = load(scene_file, [f'{change}={{shape="mesh", file="neve:hare"}}'])
+        assert "mesh" in methods(scene)
+        assert "@article{barill2018," in bibtex(scene)
+
+
 def test_scene_cites_its_laws(scene_file):
     """The law and, where snow crushes and tears, the plasticity: one paper each, and no other's."""
     hard, elastic = (load(scene_file, ["snow.law=hencky", f"snow.plasticity={p}"]) for p in ("snow", "none"))
