@@ -11,6 +11,7 @@ import numpy as np
 from neve import _core
 from neve.colliders.motion import Pose, pose
 from neve.colliders.solid import Solid
+from neve.colliders.yielding import YieldingBodies
 from neve.scene.scene import Collider, Numerics, Snow, World
 from neve.scene.snow import used
 
@@ -30,12 +31,14 @@ class Model:
         snows: Sequence[Snow],
         colliders: Sequence[Collider],
         solids: Sequence[Solid],
+        rigid: YieldingBodies | None = None,
     ) -> None:
         self.core = PRECISIONS[numerics.precision]
         self.numerics = numerics
         self.snows = tuple(snows)
         self.colliders = tuple(colliders)
         self.solids = tuple(solids)
+        self.rigid = rigid
         self.native = self.core.Model(
             numerics.dx,
             numerics.spline,
@@ -49,17 +52,25 @@ class Model:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
         for solid in self.solids:
             _add(self.native, solid)
+        for i, solid in enumerate(self.solids):
+            if solid.moved_by == "engine":
+                self.native.yield_solid(i)
         self.limit_press(1.0)
-        self.place_colliders(0.0)
+        self.place_solids(0.0)
 
     def poses(self, time: float) -> list[Pose]:
         """Return the pose of each solid at `time` [s]."""
-        return [pose(collider, time) for collider in self.colliders]
+        scripted = [pose(collider, time) for collider in self.colliders]
+        return scripted + (self.rigid.poses() if self.rigid else [])
 
-    def place_colliders(self, time: float) -> None:
-        """Put every collider where its script has it at `time` [s]."""
-        for i, p in enumerate(self.poses(time)):
+    def place_solids(self, time: float) -> None:
+        """Put every collider where its script has it at `time` [s], and every rigid body where it is."""
+        poses = self.poses(time)
+        for i, p in enumerate(poses):
             self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
+        if self.rigid:
+            self.native.expect_bodies(self.rigid.mobility(), self.rigid.free_acceleration())
+        self.solid_speed = max(map(_fastest, self.solids, poses), default=0.0)
 
     def limit_press(self, strongest: float) -> None:
         """Set `press_limit`: how far a step may press snow, -dt tr grad v [1], before hardening stores more
@@ -77,9 +88,17 @@ class Model:
         self.press_limit = min(limits, default=math.inf)
 
     @property
-    def colliders_move(self) -> bool:
+    def solids_move(self) -> bool:
         """Whether any solid changes its place in time."""
         return any(solid.moved_by != "rest" for solid in self.solids)
+
+
+def _fastest(solid: Solid, now: Pose) -> float:
+    """Return a bound on the speed of the solid's surface [m/s]; of an endless one, the speed of its point."""
+    speed = float(np.linalg.norm(now.velocity))
+    if solid.shape in ("plane", "terrain"):
+        return speed
+    return speed + float(np.linalg.norm(now.omega)) * solid.reach
 
 
 @lru_cache

@@ -114,12 +114,12 @@ class Simulation:
         self.stats = Stats()
         report = self._begin()
         while done < seconds:
+            if model.solids_move:
+                self._place_solids(start + done)
             choice = largest(model, report)
             require_progress(model, report, choice.dt, seconds, self.steps)
             self._warn_of_long_step(choice.dt, report)
             dt = fitted(choice.dt, seconds - done)
-            if model.colliders_move:
-                model.place_colliders(start + done)
             taken = careful_step(
                 model, state, self._grid, dt, report, self.stats.stage_seconds, self.steps, self.time
             )
@@ -129,8 +129,29 @@ class Simulation:
             self.steps += 1
             self.stats.add(dt, "retry" if taken.refusals else choice.bound, taken.refusals)
             require_finite(model, state, report, self.steps, self.time, dt)
-        self.stats.exchanged = self._grid.take_exchanged(len(model.solids))
-        self.exchanged += self.stats.exchanged
+            self._move_bodies(dt)
+        self._take_exchanged()
+
+    def _place_solids(self, time: float) -> None:
+        started = perf_counter()
+        self.model.place_solids(time)
+        self.stats.stage_seconds["bodies"] += perf_counter() - started
+
+    def _move_bodies(self, dt: float) -> None:
+        """Let the rigid bodies feel what the snow did to them in the step of dt [s] that ends now."""
+        if self.model.rigid is None:
+            return
+        started = perf_counter()
+        exchanged = self._take_exchanged()
+        self.model.rigid.advance(dt, exchanged[len(self.model.colliders) :], self.time - dt)
+        self.stats.stage_seconds["bodies"] += perf_counter() - started
+
+    def _take_exchanged(self) -> NDArray[np.float64]:
+        """Return what the solids exchanged with the snow since the last call, and book it."""
+        exchanged = self._grid.take_exchanged(len(self.model.solids))
+        self.stats.exchanged = self.stats.exchanged + exchanged if self.stats.exchanged.size else exchanged
+        self.exchanged += exchanged
+        return exchanged
 
     def _warn_of_long_step(self, dt: float, report: Report) -> None:
         """Log, once, that the scene's fixed dt [s] has become longer than waves and speeds allow."""

@@ -41,8 +41,15 @@ void bind_model(nb::module_& m) {
              const In<double, nb::shape<3>>& gravity, int polypic_modes, double flip_damping) {
             if (polypic_modes != 1 && polypic_modes != 4 && polypic_modes != 8 && polypic_modes != 27)
               throw nb::value_error("polypic_modes: 1, 4, 8 or 27");
-            new (self) M{dx,         spline_of(spline), transfer_of(transfer), polypic_modes,
-                         flip_alpha, flip_damping,      vec<T>(gravity),       {},
+            new (self) M{dx,
+                         spline_of(spline),
+                         transfer_of(transfer),
+                         polypic_modes,
+                         flip_alpha,
+                         flip_damping,
+                         vec<T>(gravity),
+                         {},
+                         {},
                          {}};
           },
           nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"),
@@ -67,15 +74,10 @@ void bind_model(nb::module_& m) {
             const Contact c = word<Contact>(
                 mode, {{"sticky", Contact::sticky}, {"slip", Contact::slip}, {"separate", Contact::separate}},
                 "mode");
-            self.solids.push_back({static_cast<int>(self.solids.size()),
-                                   s,
-                                   c,
-                                   T(mu_c),
-                                   vec<T>(half),
-                                   {},
-                                   identity<T>(),
-                                   {},
-                                   {}});
+            const auto index = static_cast<int>(self.solids.size());
+            Solid<T> solid{index, s, c, T(mu_c), vec<T>(half), {}, identity<T>(), {}, {}};
+            solid.margin = T(margin_of(double(thickness_of(s, solid.half)), self.dx));
+            self.solids.push_back(solid);
           },
           nb::arg("shape"), nb::arg("half"), nb::arg("mode"), nb::arg("mu_c"))
       .def(
@@ -88,8 +90,36 @@ void bind_model(nb::module_& m) {
             for (int k = 0; k < 9; ++k) s.rotation(k / 3, k % 3) = T(rotation.data()[k]);
             s.velocity = vec<T>(velocity);
             s.omega = vec<T>(omega);
+            if (s.body < 0) return;
+            Twist& start = self.bodies.start[static_cast<std::size_t>(s.body)];
+            for (std::size_t k = 0; k < 3; ++k) start[k] = velocity.data()[k], start[3 + k] = omega.data()[k];
           },
           nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
+      .def(
+          "yield_solid",
+          [](M& self, std::size_t i) {
+            self.solids.at(i).body = static_cast<int>(self.bodies.solids.size());
+            self.bodies.solids.push_back(static_cast<int>(i));
+            self.bodies.start.emplace_back();
+            self.bodies.free.emplace_back();
+            const std::size_t n = 6 * self.bodies.solids.size();
+            self.bodies.mobility.assign(n * n, 0.0);
+          },
+          nb::arg("index"), "Let the snow move a solid: it is the next of the bodies.")
+      .def(
+          "expect_bodies",
+          [](M& self, const In<double, nb::shape<-1, -1>>& mobility,
+             const In<double, nb::shape<-1, 6>>& free) {
+            const std::size_t n = self.bodies.solids.size();
+            if (mobility.shape(0) != 6 * n || mobility.shape(1) != 6 * n || free.shape(0) != n)
+              throw nb::value_error("mobility is (6 n, 6 n) and free (n, 6), for n bodies");
+            std::copy_n(mobility.data(), 36 * n * n, self.bodies.mobility.begin());
+            for (std::size_t i = 0; i < 6 * n; ++i) self.bodies.free[i / 6][i % 6] = free.data()[i];
+          },
+          nb::arg("mobility"), nb::arg("free"),
+          "Say how the bodies would move in the next step: change of their velocities by impulses and "
+          "moments about "
+          "their centres, and acceleration without the snow.")
       .def_ro("dx", &M::dx);
 }
 
@@ -228,7 +258,7 @@ void bind_stages(nb::module_& m) {
       free_gil, "Scatter mass, momentum and force to the grid.");
   m.def(
       "grid_update",
-      [](const Model<T>& model, Grid<T>& grid, double dt) {
+      [](Model<T>& model, Grid<T>& grid, double dt) {
         if (grid.has_change != keeps_change(model)) throw nb::value_error("the grid is of another model");
         return grid_update(model, grid, dt);
       },

@@ -1,11 +1,10 @@
 // Solids placed by a centre and a rotation: plane, box, sphere and cylinder by formula, meshes and terrain from grids.
 #pragma once
 
+#include <algorithm>
 #include <limits>
-#include <vector>
 
 #include "colliders/contact.hpp"
-#include "colliders/exchange.hpp"
 #include "colliders/height_field.hpp"
 #include "colliders/sdf_grid.hpp"
 
@@ -28,12 +27,29 @@ struct Solid {
   Vec3<T> omega;                         // [rad/s]
   const SdfGrid* mesh = nullptr;         // of Shape::mesh
   const HeightField* terrain = nullptr;  // of Shape::terrain
+  T margin{};  // how far outside nodes count as held: a solid thinner than a cell would slip between them [m]
+  int body = -1;  // row among the bodies that the snow moves
 
   template <class R>
   Vec3<R> velocity_at(const Vec3<R>& x) const {
     return spread<R>(velocity) + cross(spread<R>(omega), x - spread<R>(centre));
   }
 };
+
+// How far outside a solid of this thickness [m] nodes must count as held, so that it holds a layer of them wherever it
+// lies between the rows.
+inline double margin_of(double thickness, double dx) { return thickness < dx ? 0.5 * (dx - thickness) : 0.0; }
+
+// The least distance between opposite sides [m] of a shape with an exact distance.
+template <class T>
+T thickness_of(Shape shape, const Vec3<T>& half) {
+  switch (shape) {
+    case Shape::box: return 2 * std::min(half.x, std::min(half.y, half.z));
+    case Shape::sphere: return 2 * half.x;
+    case Shape::cylinder: return 2 * std::min(half.x, half.z);
+    default: return std::numeric_limits<T>::max();
+  }
+}
 
 namespace detail {
 
@@ -112,35 +128,6 @@ inline bool is_near(const Solid<T>& solid, const Vec3<T>& x, T reach) {
   const Vec3<T> local = transposed_times(solid.rotation, x - solid.centre);
   const Vec3<double> at{double(local.x), double(local.y), double(local.z)};
   return solid.mesh ? solid.mesh->is_near(at, double(reach)) : solid.terrain->is_near(at, double(reach));
-}
-
-// A wall often lies exactly on a row of nodes; this share of a cell decides that it holds them, rather than rounding.
-inline constexpr double skin_cells = 1e-4;
-
-// Which points some solid holds: no more than `skin` [m] outside.
-template <class R>
-inline auto held(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, scalar_t<R> skin) {
-  R least = splat<R>(std::numeric_limits<scalar_t<R>>::max());
-  for (const auto& solid : solids) least = min(least, surface(solid, x).phi);
-  return least <= splat<R>(skin);
-}
-
-// The velocity of snow at x after every solid that holds x has acted on it, in the order of the scene. A solid holds
-// what is no more than `skin` [m] outside. What masses m (zero: no snow there) exchange with each goes into the ledger,
-// if there is one.
-template <class R>
-inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v,
-                       scalar_t<R> skin, R m, Ledger* ledger) {
-  for (const auto& solid : solids) {
-    const Surface<R> s = surface(solid, x);
-    const auto inside = (s.phi <= splat<R>(skin)) & (m > R{});
-    if (any(inside)) {
-      const Vec3<R> before = v, v_co = solid.velocity_at(x);
-      v = select(inside, after_contact(v, s.normal, v_co, solid.mode, solid.mu_c), v);
-      if (ledger) book(ledger->of(solid.index), inside, m, x - spread<R>(solid.centre), v_co, before, v);
-    }
-  }
-  return v;
 }
 
 }  // namespace neve

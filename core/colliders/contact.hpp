@@ -28,4 +28,31 @@ inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& 
   return mode == Contact::separate ? select(v_n < T(0), slid, v) : slid;
 }
 
+// The derivative of after_contact by v_co: how the snow follows a body that gives way.
+//
+// With t the direction of sliding and g = mu_c |v_n| < |v_t|: n n^T - mu_c t n^T + (g / |v_t|) (1 - n n^T - t t^T);
+// the identity where the snow sticks, zero where it leaves.
+template <class R>
+inline Mat3<R> contact_slope(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, Contact mode,
+                             scalar_t<R> mu_c) {
+  if (mode == Contact::sticky) return identity<R>();
+  const R zero = splat<R>(0), one = splat<R>(1);
+  const Vec3<R> v_rel = v - v_co;
+  const R v_n = dot(v_rel, n);
+  const Vec3<R> v_t = v_rel - n * v_n;
+  const R speed = sqrt(dot(v_t, v_t)), grip = mu_c * max(-v_n, zero);
+  const auto slides = speed > grip;
+  const R share = select(slides, grip / select(slides, speed, one), one);
+  const Vec3<R> t = v_t * select(slides, one / select(slides, speed, one), zero);
+  const R mu = select(slides & (v_n < zero), splat<R>(mu_c), zero);
+  Mat3<R> D;
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) {
+      const R delta = splat<R>(i == j ? 1 : 0);
+      D(i, j) = n[i] * n[j] - mu * t[i] * n[j] + share * (delta - n[i] * n[j] - t[i] * t[j]);
+    }
+  }
+  return mode == Contact::separate ? select(v_n < zero, D, scaled(D, zero)) : D;
+}
+
 }  // namespace neve

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "colliders/exchange.hpp"
+#include "colliders/two_way.hpp"
 #include "mpm/state.hpp"
 
 namespace neve {
@@ -101,8 +101,9 @@ struct Grid {
   bool has_change = false;
   std::vector<BlockBounds<T>> bounds;  // of each block, by grid_update
   std::vector<Ledger> node_ledgers,
-      particle_ledgers;             // of each block and each home: one step's exchange with solids
-  std::vector<Exchange> exchanged;  // with each solid, over the steps since it was last taken
+      particle_ledgers;                   // of each block and each home: one step's exchange with solids
+  std::vector<Exchange> exchanged;        // with each solid, over the steps since it was last taken
+  std::vector<Encounters<T>> encounters;  // of blocks whose nodes may meet a solid that the snow moves
 
   T* node(std::int32_t block) { return momentum.data() + std::size_t(block) * block_values; }
   T* node_change(std::int32_t block) { return change.data() + std::size_t(block) * block_values; }

@@ -79,7 +79,7 @@ class HomeGather {
     const auto dx = static_cast<T>(model.dx);
     const Vec3<T> corner = node_position(model, home_.at, 0, 0, 0),
                   half{T(3.5) * dx, T(3.5) * dx, T(3.5) * dx};
-    solids_ = solids_near(model.solids, corner + half, T(6.1) * dx);
+    solids_ = solids_near(model.solids, corner + half, T(7.1) * dx);
   }
 
   Report run() {
@@ -117,14 +117,10 @@ class HomeGather {
     // 8. velocities, 9. particle collisions, 10. positions
     Vec3<R> v = X::velocity(load_vector<R>(state_.v, p, count), pic, dv, alpha_);
     const R m = load<R>(state_.m.column(0) + p, count);
-    const T skin = T(skin_cells * model_.dx);
-    Vec3<R> path;
-    if constexpr (X::has_path) {
-      path = X::path(v, pic, determinant(F_trial), held(solids_, x, skin));
-      path = collide<R>(solids_, x, path, skin, m, nullptr);
-    }
-    v = collide(solids_, x, v, skin, m, ledger_);
-    if constexpr (!X::has_path) path = v;
+    Vec3<R> path = v;
+    if constexpr (X::has_path)
+      path = X::path(v, pic, determinant(F_trial), held(solids_, x, T(skin_cells * model_.dx)));
+    follow(solids_, x, v, path, dt_, T(model_.dx), m, ledger_);
     const Vec3<R> way = path * dt_;
     x = x + way;
 

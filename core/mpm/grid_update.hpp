@@ -59,16 +59,26 @@ struct BlockUpdate {
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
   void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node, T* change,
                      Ledger& ledger) const {
-    using R = Lanes<T>;
-    Vec3<R> v, x;
-    R mass;
-    for (int l = 0; l < width<R>; ++l) {
+    Vec3<Lanes<T>> v;
+    Lanes<T> mass;
+    load_quads(node, v.x, v.y, v.z, mass);
+    store_nodes(node, change, v, collide(solids, positions(at, first), v, skin(), mass, ledger), mass);
+  }
+
+  Vec3<Lanes<T>> positions(BlockCoord at, int first) const {
+    Vec3<Lanes<T>> x;
+    for (int l = 0; l < width<Lanes<T>>; ++l) {
       const int n = first + l;
       const Vec3<T> p = node_position(model, at, n / 16, n / 4 % 4, n % 4);
       x.x[l] = p.x, x.y[l] = p.y, x.z[l] = p.z;
     }
-    load_quads(node, v.x, v.y, v.z, mass);
-    const Vec3<R> after = collide(solids, x, v, T(skin_cells * model.dx), mass, &ledger);
+    return x;
+  }
+
+  // Solids have changed the velocities of a batch of nodes from v to `after`.
+  void store_nodes(T* node, T* change, const Vec3<Lanes<T>>& v, const Vec3<Lanes<T>>& after,
+                   Lanes<T> mass) const {
+    using R = Lanes<T>;
     store_quads(node, after.x, after.y, after.z, mass);
     if (!has_change) return;
     Vec3<R> dv;
@@ -78,25 +88,72 @@ struct BlockUpdate {
     store_quads(change, dv.x, dv.y, dv.z, unused);
   }
 
-  void block(Grid<T>& grid, std::int32_t b) const {
+  // All of a block but its encounters with solids that the snow moves; whether it may have some.
+  bool block(Grid<T>& grid, std::int32_t b) const {
     T* node = grid.node(b);
-    T* change = has_change ? grid.node_change(b) : node;
+    T* change = change_of(grid, b);
     for (int r = 0; r < 16; ++r) row(node + 16 * r, change + 16 * r);
-    if (!model.solids.empty()) meet_solids(grid, b, node, change);
-    grid.bounds[static_cast<std::size_t>(b)] = bounds_of(node, change, grid.lightest * T(1e-3));
+    if (!model.solids.empty()) {
+      Ledger& ledger = grid.node_ledgers[static_cast<std::size_t>(b)];
+      ledger.clear();
+      const auto near = solids_near_block(grid, b);
+      for (const Solid<T>& solid : near) {
+        if (solid.body >= 0) return true;
+      }
+      for (int n = 0; n < 64 && !near.empty(); n += lane_count<T>)
+        collide_nodes(near, coord(grid, b), n, node + 4 * n, change + 4 * n, ledger);
+    }
+    look_ahead(grid, b);
+    return false;
+  }
+
+  // The encounters of a block's nodes with solids.
+  void encounter(Grid<T>& grid, Encounters<T>& out) const {
+    const auto near = solids_near_block(grid, out.block);
+    for (int n = 0; n < 64; n += lane_count<T>) {
+      Vec3<Lanes<T>> v;
+      Lanes<T> mass;
+      load_quads(grid.node(out.block) + 4 * n, v.x, v.y, v.z, mass);
+      out.add(near, model.solids, positions(coord(grid, out.block), n), v, mass, n, skin());
+    }
+  }
+
+  // Let them take place, once it is known how the bodies move.
+  void settle(Grid<T>& grid, const Encounters<T>& all, const std::vector<Twist>& U) const {
+    using R = Lanes<T>;
+    T* node = grid.node(all.block);
+    T* change = change_of(grid, all.block);
+    Ledger& ledger = grid.node_ledgers[static_cast<std::size_t>(all.block)];
+    for (const auto& nodes : all.nodes) {
+      const Vec3<R> v =
+          meet(all, nodes, U, [&](const auto& with, const auto& before, const auto& v_co, const auto& after) {
+            book(ledger.of(with.solid->index), with.inside, nodes.m, with.arm, v_co, before, after);
+          });
+      store_nodes(node + 4 * nodes.first, change + 4 * nodes.first, nodes.v, v, nodes.m);
+    }
+    look_ahead(grid, all.block);
   }
 
  private:
-  void meet_solids(Grid<T>& grid, std::int32_t b, T* node, T* change) const {
-    const BlockCoord at = grid.blocks[static_cast<std::size_t>(b)];
-    Ledger& ledger = grid.node_ledgers[static_cast<std::size_t>(b)];
-    ledger.clear();
+  static BlockCoord coord(const Grid<T>& grid, std::int32_t b) {
+    return grid.blocks[static_cast<std::size_t>(b)];
+  }
+  T* change_of(Grid<T>& grid, std::int32_t b) const {
+    return has_change ? grid.node_change(b) : grid.node(b);
+  }
+  T skin() const { return T(skin_cells * model.dx); }
+
+  std::vector<Solid<T>> solids_near_block(const Grid<T>& grid, std::int32_t b) const {
     const auto dx = static_cast<T>(model.dx);
-    const Vec3<T> corner = node_position(model, at, 0, 0, 0), half{T(1.5) * dx, T(1.5) * dx, T(1.5) * dx};
-    const auto near = solids_near(model.solids, corner + half, T(2.7) * dx);
-    if (near.empty()) return;
-    for (int n = 0; n < 64; n += lane_count<T>)
-      collide_nodes(near, at, n, node + 4 * n, change + 4 * n, ledger);
+    const Vec3<T> corner = node_position(model, coord(grid, b), 0, 0, 0),
+                  half{T(1.5) * dx, T(1.5) * dx, T(1.5) * dx};
+    return solids_near(model.solids, corner + half,
+                       T(3.2) * dx);  // half a block's diagonal, and the widest margin
+  }
+
+  void look_ahead(Grid<T>& grid, std::int32_t b) const {
+    grid.bounds[static_cast<std::size_t>(b)] =
+        bounds_of(grid.node(b), change_of(grid, b), grid.lightest * T(1e-3));
   }
 
   // Bounds over the nodes of at least mass `least`, and over all of them whether they are finite.
@@ -128,6 +185,26 @@ struct BlockUpdate {
   static Row<T> mass_only(Row<T> m) { return select(is_mass(), m, Row<T>{}); }
 };
 
+// Let the snow of the waiting blocks and the bodies find their common velocities.
+template <class T>
+void meet_bodies(Model<T>& model, Grid<T>& grid, const BlockUpdate<T>& update, const std::vector<char>& waits,
+                 double dt) {
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < waits.size(); ++b) {
+    if (!waits[b]) continue;
+    if (grid.encounters.size() == count) grid.encounters.emplace_back();
+    grid.encounters[count++].clear(static_cast<std::int32_t>(b));
+  }
+  each_index(count, [&](std::size_t k) { update.encounter(grid, grid.encounters[k]); });
+  const std::vector<Twist> U = Answer(model.bodies, dt).find(grid.encounters, count);
+  each_index(count, [&](std::size_t k) { update.settle(grid, grid.encounters[k], U); });
+  for (std::size_t i = 0; i < U.size(); ++i) {
+    Solid<T>& solid = model.solids[static_cast<std::size_t>(model.bodies.solids[i])];
+    solid.velocity = linear<T>(U[i]);
+    solid.omega = angular<T>(U[i]);
+  }
+}
+
 // The differences of velocity that a home's particles can see.
 template <class T>
 Ahead ahead_of(const Grid<T>& grid, const Home& home) {
@@ -156,15 +233,19 @@ Ahead ahead_of(const Grid<T>& grid, const Home& home) {
 
 }  // namespace detail
 
-// Turn momenta into velocities at the end of the step, and look at what they would do to the particles.
+// Turn momenta into velocities at the end of the step, and look at what they would do to the particles. Solids that the
+// snow moves get the velocities that they will have then.
 template <class T>
-Ahead grid_update(const Model<T>& model, Grid<T>& grid, double dt) {
+Ahead grid_update(Model<T>& model, Grid<T>& grid, double dt) {
   const detail::BlockUpdate<T> update(model, dt, grid.has_change);
   const auto blocks = static_cast<std::int64_t>(grid.blocks.size());
+  std::vector<char> waits(grid.blocks.size());
 #if defined(_OPENMP)
 #pragma omp parallel for schedule(dynamic, 8)
 #endif
-  for (std::int64_t b = 0; b < blocks; ++b) update.block(grid, static_cast<std::int32_t>(b));
+  for (std::int64_t b = 0; b < blocks; ++b)
+    waits[static_cast<std::size_t>(b)] = update.block(grid, static_cast<std::int32_t>(b));
+  if (!model.bodies.solids.empty()) detail::meet_bodies(model, grid, update, waits, dt);
   return merge_each<Ahead>(grid.homes.size(),
                            [&](std::size_t h) { return detail::ahead_of(grid, grid.homes[h]); });
 }

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "colliders/analytic.hpp"
+#include "colliders/two_way.hpp"
 #include "constitutive/law.hpp"
 
 namespace neve {
@@ -24,6 +24,7 @@ struct Model {
   Vec3<T> gravity{T(0), T(0), T(-9.81)};  // [m/s2]
   std::vector<Snow> snows;                // the material table
   std::vector<Solid<T>> solids;           // colliders; their poses change in time
+  Yielding bodies;                        // those of them that the snow moves
 
   std::vector<std::shared_ptr<const void>> shapes{};  // what meshes and terrain of the solids point to
 

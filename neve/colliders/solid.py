@@ -61,6 +61,17 @@ class Solid:
     mesh: SolidMesh | None = None
     terrain: HeightField | None = None
 
+    @property
+    def reach(self) -> float:
+        """Distance of the farthest point of its surface from the origin of its frame [m]."""
+        if self.shape == "sphere":
+            return float(self.half[0])
+        if self.shape == "cylinder":
+            return float(np.hypot(self.half[0], self.half[2]))
+        if self.shape == "box":
+            return float(np.linalg.norm(self.half))
+        return float(self.mesh.reach) if self.shape == "mesh" else np.inf
+
 
 def solid_of(collider: Collider, name: str, dx: float) -> Solid:
     """Return the solid that `collider` describes, as fine as a snow grid of spacing `dx` [m] asks for.

@@ -16,7 +16,7 @@ COLUMNS = (
     "steps",  # substeps since the start of the run
     "dt_min",  # smallest substep since the frame before [s]
     "dt_mean",  # mean substep since the frame before [s]
-    "bound",  # what limited the smallest substep: wave, speed, strain, fixed, dt_max or retry
+    "bound",  # what limited the smallest substep: wave, speed, solid, strain, fixed, dt_max or retry
     "refusals",  # substeps that were refused and tried again with a shorter one since the frame before
     "mass",  # [kg]
     "momentum_x",  # [kg m/s]

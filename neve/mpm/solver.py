@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from neve._core import Ahead, Grid, Report, State
 
-STAGES = ("stress", "sort", "p2g", "grid", "g2p")
+STAGES = ("stress", "sort", "p2g", "grid", "g2p", "bodies")
 
 
 def step(

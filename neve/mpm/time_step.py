@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from neve._core import Report
     from neve.model import Model
 
-Bound = Literal["wave", "speed", "strain", "fixed", "dt_max", "retry"]
+Bound = Literal["wave", "speed", "solid", "strain", "fixed", "dt_max", "retry"]
 
 
 class Choice(NamedTuple):
@@ -29,18 +29,21 @@ def largest(model: Model, report: Report) -> Choice:
 def longest_stable(model: Model, report: Report) -> Choice:
     """Return the longest stable step, the least of
 
-        cfl dx / max_p(c_p + |v_p|),  strain_max / max_p |grad v|_p,  L / (2 max_p -tr grad v_p),  dt_max
+        cfl dx / max_p(c_p + |v_p|),  cfl dx / max |v_solid|,  strain_max / max_p |grad v|_p,
+        L / (2 max_p -tr grad v_p),  dt_max
 
     c = sqrt(modulus V0 / m) with the largest acoustic modulus of the law in the present, hardened state, per
     particle (Sun, Shinar and Schroeder 2020 give the idea; each law's header the formula); grad v is that of
     the last step, |.| Frobenius, and L is `Model.press_limit`. The bound is "wave" or "speed", whichever is
-    larger, "strain" (either), or "dt_max".
+    larger, "solid", so that no solid runs over snow before a node has met it, "strain" (either), or "dt_max".
     """
     numerics = model.numerics
     best = Choice(numerics.dt_max, "dt_max")
     if report.fastest * best.dt > numerics.cfl * numerics.dx:
         bound: Bound = "wave" if report.wave >= report.speed else "speed"
         best = Choice(numerics.cfl * numerics.dx / report.fastest, bound)
+    if model.solid_speed * best.dt > numerics.cfl * numerics.dx:
+        best = Choice(numerics.cfl * numerics.dx / model.solid_speed, "solid")
     if report.strain_rate * best.dt > numerics.strain_max:
         best = Choice(numerics.strain_max / report.strain_rate, "strain")
     if report.press_rate * best.dt > 0.5 * model.press_limit:

@@ -121,8 +121,9 @@ def _thin_collider(scene: Scene, collider: Collider, name: str) -> Iterator[str]
     if length < COLLIDER_CELLS * dx * (1 - 1e-9):
         yield (
             f"{name}.{key} makes this body {length:g} m thin, only {length / dx:.2g} cells of numerics.dx = "
-            f"{dx:g}, so that snow may pass through it: make it at least {rounded_up(COLLIDER_CELLS * dx)} m "
-            f"thick, or use numerics.dx = {rounded_down(length / COLLIDER_CELLS)} or smaller"
+            f"{dx:g}: nothing passes through it, but snow on one side drags on snow on the other; make it at "
+            f"least {rounded_up(COLLIDER_CELLS * dx)} m thick, or use numerics.dx = "
+            f"{rounded_down(length / COLLIDER_CELLS)} or smaller"
         )
 
 

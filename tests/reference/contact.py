@@ -4,6 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+SKIN = 1e-4  # share of a cell within which a body holds a point: a wall on a row of nodes holds them
+PUSH = 0.1  # cells that a particle inside a body is moved towards its surface in a step
+
 
 @dataclass(frozen=True)
 class Body:
@@ -28,6 +31,16 @@ class Body:
 
     def velocity_at(self, x):
         return self.velocity + np.cross(self.omega, x - self.position)
+
+    def margin(self, dx):
+        """How far outside nodes count as held: a layer of them, however thin the body is [m]."""
+        thickness = {
+            "plane": lambda size: np.inf,
+            "box": min,
+            "sphere": lambda size: 2 * size[0],
+            "cylinder": lambda size: min(2 * size[0], size[1]),
+        }[self.shape](self.size)
+        return max(0.0, (dx - thickness) / 2)
 
 
 def plane(p, size):
@@ -70,26 +83,73 @@ def beyond(q, axes):
 SHAPES = {"plane": plane, "box": box, "sphere": sphere, "cylinder": cylinder}
 
 
-def respond(v, x, bodies, skin=0.0):
-    """Return the velocities after contact of points at x with velocity v (n, 3), one body after another.
+def respond(v, x, bodies, dx):
+    """Return the velocities after contact of nodes at x with velocity v (n, 3), one body after another.
 
-    A body holds what is no more than `skin` [m] outside.
+    A body holds what is no more than SKIN dx and its margin outside.
     """
     v = v.copy()
     for body in bodies:
         phi, n = body.distance(x)
-        touching = phi <= skin
-        if touching.any():
-            v_co = body.velocity_at(x[touching])
-            v[touching] = v_co + relative(v[touching] - v_co, n[touching], body.mode, body.mu_c)
+        touching = phi <= SKIN * dx + body.margin(dx)
+        v[touching] = turned(v[touching], x[touching], n[touching], body)
     return v
 
 
-def touches(x, bodies, skin=0.0):
-    """Whether some body holds the point (n,)."""
+def turned(v, x, n, body):
+    """Return velocities v (n, 3) at x after contact with a surface of normal n of the body."""
+    v_co = body.velocity_at(x)
+    return v_co + relative(v - v_co, n, body.mode, body.mu_c)
+
+
+def follow(v, path, x, bodies, dt, dx):
+    """Return velocities and mean velocities on the way of particles at x that would move along `path` for dt.
+
+    A particle in a body's skin is met at the start, and brought up to PUSH dx nearer to the surface per step
+    if it is inside; one that would come into the skin is met there and turned for the rest of the step.
+    """
+    v, path = v.copy(), path.copy()
+    for body in bodies:
+        phi, n = body.distance(x)
+        way = (path - body.velocity_at(x)) * dt
+        for p in range(len(x)):
+            at, normal = (0.0, n[p]) if phi[p] <= SKIN * dx else first_touch(body, x[p], way[p], SKIN * dx)
+            if at is None:
+                continue
+            place, normal = (x[p] + at * way[p])[None], normal[None]
+            after, slid = (turned(u[p : p + 1], place, normal, body)[0] for u in (v, path))
+            out = min(max(-phi[p], 0.0), PUSH * dx) if phi[p] <= SKIN * dx else 0.0
+            v[p], path[p] = after, at * path[p] + (1 - at) * slid + normal[0] * out / dt
+    return v, path
+
+
+def first_touch(body, x, way, skin):
+    """Return the share of the step at which x, moving by `way` relative to the body, is in its skin; the normal.
+
+    Sphere tracing: phi is never more than the way that is free. (None, None) if the way ends before.
+    """
+    length = np.linalg.norm(way)
+    phi = body.distance(x[None])[0][0]
+    at = (phi - skin / 2) / max(length, 1e-300)
+    for _ in range(16):
+        if at > 1:
+            return None, None
+        last = at
+        near, n = (a[0] for a in body.distance((x + at * way)[None]))
+        if near <= skin:
+            break
+        at += max(near - skin / 2, skin / 2) / length
+    else:
+        if at > 1:
+            return None, None
+    return last, n
+
+
+def touches(x, bodies, dx):
+    """Whether some body has the point in its skin (n,)."""
     held = np.zeros(len(x), bool)
     for body in bodies:
-        held |= body.distance(x)[0] <= skin
+        held |= body.distance(x)[0] <= SKIN * dx
     return held
 
 

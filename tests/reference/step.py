@@ -14,8 +14,6 @@ import numpy as np
 from reference import contact, modes, snow, splines
 from reference.snow import Snow
 
-SKIN = 1e-4  # share of a cell within which a body holds a point: a wall on a row of nodes holds them
-
 
 @dataclass
 class Particles:
@@ -95,13 +93,13 @@ def step(p, method, dt, bodies=(), first=False):
         p.V0 = volumes(p, method, nodes, at, w)  # 2
     f = forces(p, method, nodes, at, ijk, w, grad_w)  # 3
     update_grid_velocities(nodes, method, f, dt)  # 4
-    collide_nodes(nodes, bodies, SKIN * method.dx)  # 5
+    collide_nodes(nodes, bodies, method.dx)  # 5
     # 6: explicit, v^{n+1} = v*
-    separates = ~contact.touches(p.x, bodies, SKIN * method.dx)
+    separates = ~contact.touches(p.x, bodies, method.dx)
     grad_v, J_trial = update_deformation(p, method, nodes, at, ijk, w, grad_w, dt)  # 7
     separates &= J_trial >= np.exp(-0.001)
     path = update_velocities(p, method, nodes, at, w, s, grad_v, dt, separates)  # 8
-    p.v, path = (contact.respond(v, p.x, bodies, SKIN * method.dx) for v in (p.v, path))  # 9
+    p.v, path = contact.follow(p.v, path, p.x, bodies, dt, method.dx)  # 9
     before, p.x = p.x, p.x + dt * path  # 10
     if method.transfer == "polypic" and method.count == 27:
         p.more = modes.moved(p.more, *(square_norms(method, x) for x in (before, p.x)))
@@ -165,10 +163,10 @@ def update_grid_velocities(nodes, method, f, dt):
     nodes.v_new[has_mass] += dt * acceleration
 
 
-def collide_nodes(nodes, bodies, skin):
+def collide_nodes(nodes, bodies, dx):
     """Stage 5. The contact law at every node inside a collider."""
     flat = nodes.v_new.reshape(-1, 3)
-    after = contact.respond(flat, nodes.x.reshape(-1, 3), bodies, skin)
+    after = contact.respond(flat, nodes.x.reshape(-1, 3), bodies, dx)
     nodes.v_new = after.reshape(nodes.v_new.shape)
 
 

@@ -1,0 +1,106 @@
+// What solids do to snow: at the nodes of the grid, and to particles on their way through a step.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "colliders/analytic.hpp"
+#include "colliders/exchange.hpp"
+
+namespace neve {
+
+// A wall often lies exactly on a row of nodes; this share of a cell decides that it holds them, rather than rounding.
+inline constexpr double skin_cells = 1e-4;
+
+// So far a particle inside a solid is moved towards its surface in one step.
+inline constexpr double push_cells = 0.1;
+
+// Which points some solid holds: no more than `skin` [m] outside.
+template <class R>
+inline auto held(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, scalar_t<R> skin) {
+  R least = splat<R>(std::numeric_limits<scalar_t<R>>::max());
+  for (const auto& solid : solids) least = min(least, surface(solid, x).phi);
+  return least <= splat<R>(skin);
+}
+
+// The velocity of snow of nodes at x after every solid that holds x has acted on it, in the order of the scene. A solid
+// holds what is no more than `skin` [m] and its own margin outside. What masses m (zero: no snow there) exchange with
+// each goes into the ledger.
+template <class R>
+inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v,
+                       scalar_t<R> skin, R m, Ledger& ledger) {
+  for (const auto& solid : solids) {
+    const Surface<R> s = surface(solid, x);
+    const auto inside = (s.phi <= splat<R>(skin + solid.margin)) & (m > R{});
+    if (any(inside)) {
+      const Vec3<R> before = v, v_co = solid.velocity_at(x);
+      v = select(inside, after_contact(v, s.normal, v_co, solid.mode, solid.mu_c), v);
+      book(ledger.of(solid.index), inside, m, x - spread<R>(solid.centre), v_co, before, v);
+    }
+  }
+  return v;
+}
+
+// Where a straight way through a step first meets a solid.
+template <class R>
+struct Hit {
+  R at;  // share of the step; above 1: nowhere
+  Vec3<R> normal;
+};
+
+// Find where points at x, outside at distance s.phi, that move by `way` relative to the solid come as near as `skin`.
+//
+// Sphere tracing (Hart 1996): a step of phi never jumps over the surface, however thin the solid is. What has not
+// arrived after the last step is taken to be there. Only lanes of `mask` count.
+template <class R, class M>
+inline Hit<R> trace(const Solid<scalar_t<R>>& solid, const Vec3<R>& x, const Surface<R>& s,
+                    const Vec3<R>& way, scalar_t<R> skin, const M& mask) {
+  constexpr int most_steps = 16;
+  const R never = splat<R>(2), one = splat<R>(1), half_skin = splat<R>(skin / 2);
+  const R length = max(sqrt(dot(way, way)), splat<R>(std::numeric_limits<scalar_t<R>>::min()));
+  Hit<R> hit{never, s.normal};
+  R at = (s.phi - half_skin) / length;
+  auto going = mask & (at <= one);
+  for (int k = 0; k < most_steps && any(going); ++k) {
+    const Surface<R> near = surface(solid, x + way * at);
+    hit.normal = select(going, near.normal, hit.normal);
+    hit.at = select(going, at, hit.at);
+    going = going & (near.phi > skin);
+    at = select(going, at + max(near.phi - half_skin, half_skin) / length, at);
+    hit.at = select(going & (at > one), never, hit.at);
+    going = going & (at <= one);
+  }
+  return hit;
+}
+
+// Let the solids act on particles that are at x and would move along `path` [m/s] for dt: on their velocities v and on
+// the path. A particle that a solid holds at the start is met there, and brought towards the surface if it is
+// inside; one that comes to a solid within the step is met where it comes, so that nothing passes through.
+template <class R>
+inline void follow(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R>& v, Vec3<R>& path,
+                   scalar_t<R> dt, scalar_t<R> dx, R m, Ledger* ledger) {
+  using T = scalar_t<R>;
+  const T skin = T(skin_cells) * dx;
+  for (const auto& solid : solids) {
+    const Surface<R> s = surface(solid, x);
+    const Vec3<R> way = (path - solid.velocity_at(x)) * dt;
+    const R reach = sqrt(dot(way, way)) + skin;
+    const auto inside = (s.phi <= splat<R>(skin)) & (m > R{});
+    const auto comes = (s.phi > splat<R>(skin)) & (s.phi < reach) & (m > R{});
+    if (!any(inside | comes)) continue;
+    Hit<R> hit{splat<R>(2), s.normal};
+    if (any(comes)) hit = trace(solid, x, s, way, skin, comes);
+    const auto met = inside | (hit.at <= splat<R>(1));
+    if (!any(met)) continue;
+    hit.at = select(inside, R{}, hit.at);
+    const Vec3<R> place = x + way * select(met, hit.at, R{}), v_co = solid.velocity_at(place), before = v;
+    v = select(met, after_contact(v, hit.normal, v_co, solid.mode, solid.mu_c), v);
+    const Vec3<R> turned = after_contact(path, hit.normal, v_co, solid.mode, solid.mu_c);
+    const Vec3<R> out =
+        hit.normal * (select(inside, min(max(R(-s.phi), R{}), splat<R>(T(push_cells) * dx)), R{}) / dt);
+    path = select(met, path * hit.at + turned * (splat<R>(1) - hit.at) + out, path);
+    if (ledger) book(ledger->of(solid.index), met, m, place - spread<R>(solid.centre), v_co, before, v);
+  }
+}
+
+}  // namespace neve

@@ -1,0 +1,255 @@
+// Solids that the snow moves: the velocities they will have after a step, found together with the snow's.
+//
+// Snow that meets a body changes its momentum, and the body's velocity decides how the snow is changed. With U the
+// velocities of the bodies (six per body), A their mobility, and P(U) the impulses of the snow on bodies that move
+// with U, the velocities at the end are those with
+//
+//     U = U_0 + A P(U).
+//
+// To let the snow meet U_0 instead would throw a body that is lighter than the snow it touches to and fro. P falls
+// with U (a body that flees is pushed less) and is smooth but for the kinks of contact and friction: Newton's
+// method with the slope of the contact law, steps halved while the residual grows.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "colliders/collide.hpp"
+#include "math/dense.hpp"
+#include "threads.hpp"
+
+namespace neve {
+
+using Twist =
+    std::array<double, 6>;  // velocity [m/s] and angular velocity [rad/s]; impulse [N s] and moment [N m s]
+
+// The bodies of a run: rows of the model's solids, in order, and how impulses change their velocities.
+struct Yielding {
+  std::vector<int> solids;       // index of each body's solid in the model
+  std::vector<double> mobility;  // A, (6 n, 6 n) row by row [1/kg, ...]
+  std::vector<Twist> free;       // acceleration without the snow [m/s2, rad/s2]
+  std::vector<Twist> start;      // velocities at the beginning of the step
+};
+
+// A pack of nodes and the solids that hold some of them.
+template <class T>
+struct Encounters {
+  using R = Lanes<T>;
+  using Mask = decltype(R{} < R{});
+  struct With {
+    const Solid<T>* solid;
+    Mask inside;
+    Vec3<R> normal, arm;  // arm: from the solid's centre [m]
+  };
+  struct Nodes {
+    Vec3<R> v;
+    R m;
+    int first;               // node in the block
+    std::size_t begin, end;  // of its encounters
+  };
+  std::int32_t block = 0;
+  std::vector<Nodes> nodes;
+  std::vector<With> with;
+
+  void clear(std::int32_t b) { block = b, nodes.clear(), with.clear(); }
+  // Look at the nodes from the block's `first`: which of the `near` solids, copies of those in `all`, hold them.
+  void add(const std::vector<Solid<T>>& near, const std::vector<Solid<T>>& all, const Vec3<R>& x,
+           const Vec3<R>& v, R m, int first, T skin) {
+    const std::size_t begin = with.size();
+    for (const Solid<T>& solid : near) {
+      const Surface<R> s = surface(solid, x);
+      const auto inside = (s.phi <= splat<R>(skin + solid.margin)) & (m > R{});
+      if (any(inside))
+        with.push_back(
+            {&all[static_cast<std::size_t>(solid.index)], inside, s.normal, x - spread<R>(solid.centre)});
+    }
+    if (with.size() > begin) nodes.push_back({v, m, first, begin, with.size()});
+  }
+};
+
+namespace detail {
+
+// What the snow does to one body: impulse and moment about its centre, and how fast they fall as the body moves.
+struct Response {
+  Twist impulse{};
+  std::array<double, 36> slope{};
+
+  void add(const Response& o) {
+    for (std::size_t k = 0; k < 6; ++k) impulse[k] += o.impulse[k];
+    for (std::size_t k = 0; k < 36; ++k) slope[k] += o.slope[k];
+  }
+
+  // Add lane l: mass m gets dv, and v' changes by D when the surface's velocity does, at `arm` from the centre.
+  void add(double m, const double (&arm)[3], const double (&dv)[3], const double (&D)[3][3]) {
+    // B maps the body's velocities to that of the surface: v_co = V + omega x arm
+    const double B[3][6] = {
+        {1, 0, 0, 0, arm[2], -arm[1]}, {0, 1, 0, -arm[2], 0, arm[0]}, {0, 0, 1, arm[1], -arm[0], 0}};
+    double DB[3][6];
+    for (int i = 0; i < 3; ++i) {
+      for (int c = 0; c < 6; ++c) DB[i][c] = D[i][0] * B[0][c] + D[i][1] * B[1][c] + D[i][2] * B[2][c];
+    }
+    for (std::size_t r = 0; r < 6; ++r) {
+      impulse[r] -= m * (B[0][r] * dv[0] + B[1][r] * dv[1] + B[2][r] * dv[2]);
+      for (std::size_t c = 0; c < 6; ++c)
+        slope[6 * r + c] += m * (B[0][r] * DB[0][c] + B[1][r] * DB[1][c] + B[2][r] * DB[2][c]);
+    }
+  }
+};
+
+template <class T>
+Vec3<T> linear(const Twist& u) {
+  return {T(u[0]), T(u[1]), T(u[2])};
+}
+template <class T>
+Vec3<T> angular(const Twist& u) {
+  return {T(u[3]), T(u[4]), T(u[5])};
+}
+
+// Let the solids act, one after another, on a pack of nodes, and hand (encounter, v before, v_co, v after) to `tell`.
+// Bodies move with U.
+template <class T, class F>
+Vec3<Lanes<T>> meet(const Encounters<T>& all, const typename Encounters<T>::Nodes& nodes,
+                    const std::vector<Twist>& U, F&& tell) {
+  using R = Lanes<T>;
+  Vec3<R> v = nodes.v;
+  for (std::size_t e = nodes.begin; e < nodes.end; ++e) {
+    const auto& with = all.with[e];
+    const int body = with.solid->body;
+    const Twist* u = body < 0 ? nullptr : &U[static_cast<std::size_t>(body)];
+    const Vec3<T> V = u ? linear<T>(*u) : with.solid->velocity;
+    const Vec3<T> w = u ? angular<T>(*u) : with.solid->omega;
+    const Vec3<R> v_co = spread<R>(V) + cross(spread<R>(w), with.arm), before = v;
+    v = select(with.inside, after_contact(v, with.normal, v_co, with.solid->mode, with.solid->mu_c), v);
+    tell(with, before, v_co, v);
+  }
+  return v;
+}
+
+// The responses of all bodies to a block's nodes.
+template <class T>
+void respond(const Encounters<T>& all, const std::vector<Twist>& U, std::vector<Response>& out) {
+  using R = Lanes<T>;
+  for (const auto& nodes : all.nodes) {
+    meet(all, nodes, U,
+         [&](const auto& with, const Vec3<R>& before, const Vec3<R>& v_co, const Vec3<R>& after) {
+           if (with.solid->body < 0) return;
+           const Mat3<R> D = contact_slope(before, with.normal, v_co, with.solid->mode, with.solid->mu_c);
+           Response& sum = out[static_cast<std::size_t>(with.solid->body)];
+           for (int l = 0; l < width<R>; ++l) {
+             if (!with.inside[l]) continue;
+             double arm[3], dv[3], slope[3][3];
+             for (int i = 0; i < 3; ++i) {
+               arm[i] = double(with.arm[i][l]);
+               dv[i] = double(after[i][l]) - double(before[i][l]);
+               for (int j = 0; j < 3; ++j) slope[i][j] = double(D(i, j)[l]);
+             }
+             sum.add(double(nodes.m[l]), arm, dv, slope);
+           }
+         });
+  }
+}
+
+// The responses to all blocks; each block's on its own, then summed in their order, whatever the threads do.
+template <class T>
+std::vector<Response> respond(const std::vector<Encounters<T>>& blocks, std::size_t count,
+                              const std::vector<Twist>& U) {
+  std::vector<std::vector<Response>> parts(count);
+  each_index(count, [&](std::size_t b) {
+    parts[b].resize(U.size());
+    respond(blocks[b], U, parts[b]);
+  });
+  std::vector<Response> total(U.size());
+  for (const auto& part : parts) {
+    for (std::size_t i = 0; i < U.size(); ++i) total[i].add(part[i]);
+  }
+  return total;
+}
+
+}  // namespace detail
+
+// Newton's method for U = U_0 + A P(U).
+class Answer {
+ public:
+  Answer(const Yielding& bodies, double dt)
+      : bodies_(bodies), n_(6 * bodies.solids.size()), U_0_(bodies.start) {
+    for (std::size_t i = 0; i < U_0_.size(); ++i) {
+      double linear = 0, angular = 0;
+      for (std::size_t k = 0; k < 6; ++k) {
+        U_0_[i][k] += dt * bodies.free[i][k];
+        (k < 3 ? linear : angular) += bodies.mobility[(6 * i + k) * n_ + 6 * i + k];
+      }
+      gyration2_.push_back(linear > 0 && angular > 0 ? linear / angular : 1);
+    }
+  }
+
+  template <class T>
+  std::vector<Twist> find(const std::vector<Encounters<T>>& blocks, std::size_t count) const {
+    std::vector<Twist> U = U_0_;
+    auto response = detail::respond(blocks, count, U);
+    std::vector<double> lack = residual(U, response);
+    const double first = norm(lack);
+    for (int k = 0; k < most_steps && norm(lack) > accuracy * first; ++k) {
+      const std::vector<double> step = newton_step(lack, response);
+      const double before = norm(lack);
+      std::vector<Twist> next;
+      double share = 1;
+      for (int h = 0; h < most_halvings; ++h, share *= 0.5) {
+        next = U;
+        for (std::size_t i = 0; i < n_; ++i) next[i / 6][i % 6] += share * step[i];
+        response = detail::respond(blocks, count, next);
+        lack = residual(next, response);
+        if (norm(lack) < before) break;
+      }
+      U = next;
+    }
+    return U;
+  }
+
+ private:
+  static constexpr int most_steps = 12, most_halvings = 5;
+  static constexpr double accuracy = 1e-6;  // of the first residual; the nodes' velocities have seven digits
+
+  // U_0 + A P(U) - U
+  std::vector<double> residual(const std::vector<Twist>& U,
+                               const std::vector<detail::Response>& response) const {
+    std::vector<double> out(n_);
+    for (std::size_t r = 0; r < n_; ++r) {
+      double sum = U_0_[r / 6][r % 6] - U[r / 6][r % 6];
+      for (std::size_t c = 0; c < n_; ++c)
+        sum += bodies_.mobility[r * n_ + c] * response[c / 6].impulse[c % 6];
+      out[r] = sum;
+    }
+    return out;
+  }
+
+  // (1 + A K)^-1 residual, with K the slopes, one block of six by six for each body
+  std::vector<double> newton_step(std::vector<double> lack,
+                                  const std::vector<detail::Response>& response) const {
+    std::vector<double> matrix(n_ * n_);
+    for (std::size_t r = 0; r < n_; ++r) {
+      for (std::size_t c = 0; c < n_; ++c) {
+        double sum = r == c ? 1 : 0;
+        const std::size_t body = c / 6;
+        for (std::size_t k = 0; k < 6; ++k)
+          sum += bodies_.mobility[r * n_ + 6 * body + k] * response[body].slope[6 * k + c % 6];
+        matrix[r * n_ + c] = sum;
+      }
+    }
+    solve(matrix, lack);
+    return lack;
+  }
+
+  // In m/s: angular velocities count at the body's radius of gyration.
+  double norm(const std::vector<double>& u) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < n_; ++i) sum += u[i] * u[i] * (i % 6 < 3 ? 1.0 : gyration2_[i / 6]);
+    return std::sqrt(sum);
+  }
+
+  const Yielding& bodies_;
+  std::size_t n_;
+  std::vector<Twist> U_0_;
+  std::vector<double> gyration2_;  // tr A_vv / tr A_ww: squares of radii of gyration [m2], up to a factor
+};
+
+}  // namespace neve

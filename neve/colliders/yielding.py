@@ -1,0 +1,43 @@
+"""What the step asks of whoever moves the solids that give way to the snow."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from neve.colliders.motion import Pose
+    from neve.colliders.solid import Solid
+
+Array = NDArray[np.float64]
+
+
+class YieldingBodies(Protocol):
+    """Solids that the snow moves: n of them, in one order everywhere.
+
+    Velocities and impulses are those of the origin of the solid's own frame, in world axes: linear part
+    first, then the angular one.
+    """
+
+    solids: tuple[Solid, ...]
+
+    def poses(self) -> list[Pose]:
+        """Return where the solids are now and how they move."""
+        ...
+
+    def mobility(self) -> Array:
+        """Return A (6 n, 6 n): impulses and moments P [N s, N m s] change the velocities by A P."""
+        ...
+
+    def free_acceleration(self) -> Array:
+        """Return the accelerations that all but the snow gives them now [m/s2, rad/s2], (n, 6)."""
+        ...
+
+    def advance(self, dt: float, exchanged: Array, time: float) -> None:
+        """Move on by dt [s] from `time` [s], with what the snow gave in this while, (n, 7).
+
+        exchanged: impulse [N s], its moment about the origin of the frame [N m s], work [J].
+        """
+        ...
