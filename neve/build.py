@@ -46,11 +46,21 @@ def build(scene: Scene) -> tuple[Model, State]:
 
 def make_model(scene: Scene) -> Model:
     """Return the constants of the scene's run, without sampling any snow."""
-    return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, solids(scene))
+    around, rigid = _colliders(scene), None
+    if scene.bodies:
+        from neve.colliders.rigid import RigidBodies
+
+        rigid = RigidBodies(scene, around)
+    met = (*around, *rigid.solids) if rigid else around
+    return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, met, rigid)
 
 
 def solids(scene: Scene) -> tuple[Solid, ...]:
-    """Return everything that snow can meet, in the order of the scene."""
+    """Return all that snow can meet: the colliders, then the rigid bodies, in the order of the scene."""
+    return make_model(scene).solids
+
+
+def _colliders(scene: Scene) -> tuple[Solid, ...]:
     return tuple(solid_of(c, f"colliders.{i}", scene.numerics.dx) for i, c in enumerate(scene.colliders))
 
 

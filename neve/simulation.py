@@ -196,8 +196,10 @@ class Simulation:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return everything that an exact resume needs: the state, the time and the step count."""
+        rigid = self.model.rigid
         return {
             **to_arrays(self._state),
+            **(rigid.save() if rigid else {}),
             "exchanged": self.exchanged.copy(),
             "time": np.float64(self.time),  # type: ignore[dict-item]
             "steps": np.int64(self.steps),  # type: ignore[dict-item]
@@ -214,6 +216,8 @@ class Simulation:
         self.time, self.steps = float(arrays["time"]), int(arrays["steps"])
         self._use_threads()
         self.model = make_model(scene)
+        if self.model.rigid:
+            self.model.rigid.restore(arrays)
         self._state = from_arrays(self.model.core, arrays)
         self._grid = self.model.core.Grid()
         self.exchanged = np.array(arrays["exchanged"], dtype=np.float64)

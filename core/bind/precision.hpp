@@ -13,11 +13,6 @@
 
 namespace neve::bind {
 
-template <class T>
-Vec3<T> vec(const In<double, nb::shape<3>>& a) {
-  return {T(a.data()[0]), T(a.data()[1]), T(a.data()[2])};
-}
-
 inline Spline spline_of(const std::string& s) {
   return word<Spline>(s, {{"quadratic", Spline::quadratic}, {"cubic", Spline::cubic}}, "spline");
 }
@@ -34,26 +29,26 @@ inline Transfer transfer_of(const std::string& s) {
 template <class T>
 void bind_model(nb::module_& m) {
   using M = Model<T>;
-  nb::class_<M>(m, "Model", "The constants of one run.")
-      .def(
-          "__init__",
-          [](M* self, double dx, const std::string& spline, const std::string& transfer, double flip_alpha,
-             const In<double, nb::shape<3>>& gravity, int polypic_modes, double flip_damping) {
-            if (polypic_modes != 1 && polypic_modes != 4 && polypic_modes != 8 && polypic_modes != 27)
-              throw nb::value_error("polypic_modes: 1, 4, 8 or 27");
-            new (self) M{dx,
-                         spline_of(spline),
-                         transfer_of(transfer),
-                         polypic_modes,
-                         flip_alpha,
-                         flip_damping,
-                         vec<T>(gravity),
-                         {},
-                         {},
-                         {}};
-          },
-          nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"),
-          nb::arg("polypic_modes") = 8, nb::arg("flip_damping") = -1.0)
+  nb::class_<M> c(m, "Model", "The constants of one run.");
+  c.def(
+       "__init__",
+       [](M* self, double dx, const std::string& spline, const std::string& transfer, double flip_alpha,
+          const In<double, nb::shape<3>>& gravity, int polypic_modes, double flip_damping) {
+         if (polypic_modes != 1 && polypic_modes != 4 && polypic_modes != 8 && polypic_modes != 27)
+           throw nb::value_error("polypic_modes: 1, 4, 8 or 27");
+         new (self) M{dx,
+                      spline_of(spline),
+                      transfer_of(transfer),
+                      polypic_modes,
+                      flip_alpha,
+                      flip_damping,
+                      vec<T>(gravity),
+                      {},
+                      {},
+                      {}};
+       },
+       nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"),
+       nb::arg("polypic_modes") = 8, nb::arg("flip_damping") = -1.0)
       .def_prop_ro("more_modes", &more_modes<T>, "How many velocity modes a particle has beyond v and C.")
       .def(
           "add_snow",
@@ -61,66 +56,8 @@ void bind_model(nb::module_& m) {
             self.snows.push_back(snow_of(law, plasticity, constants));
           },
           nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"), "Add a row to the material table.")
-      .def(
-          "add_solid",
-          [](M& self, const std::string& shape, const In<double, nb::shape<3>>& half, const std::string& mode,
-             double mu_c) {
-            const Shape s = word<Shape>(shape,
-                                        {{"plane", Shape::plane},
-                                         {"box", Shape::box},
-                                         {"sphere", Shape::sphere},
-                                         {"cylinder", Shape::cylinder}},
-                                        "shape");
-            const Contact c = word<Contact>(
-                mode, {{"sticky", Contact::sticky}, {"slip", Contact::slip}, {"separate", Contact::separate}},
-                "mode");
-            const auto index = static_cast<int>(self.solids.size());
-            Solid<T> solid{index, s, c, T(mu_c), vec<T>(half), {}, identity<T>(), {}, {}};
-            solid.margin = T(margin_of(double(thickness_of(s, solid.half)), self.dx));
-            self.solids.push_back(solid);
-          },
-          nb::arg("shape"), nb::arg("half"), nb::arg("mode"), nb::arg("mu_c"))
-      .def(
-          "place_solid",
-          [](M& self, std::size_t i, const In<double, nb::shape<3>>& centre,
-             const In<double, nb::shape<3, 3>>& rotation, const In<double, nb::shape<3>>& velocity,
-             const In<double, nb::shape<3>>& omega) {
-            Solid<T>& s = self.solids.at(i);
-            s.centre = vec<T>(centre);
-            for (int k = 0; k < 9; ++k) s.rotation(k / 3, k % 3) = T(rotation.data()[k]);
-            s.velocity = vec<T>(velocity);
-            s.omega = vec<T>(omega);
-            if (s.body < 0) return;
-            Twist& start = self.bodies.start[static_cast<std::size_t>(s.body)];
-            for (std::size_t k = 0; k < 3; ++k) start[k] = velocity.data()[k], start[3 + k] = omega.data()[k];
-          },
-          nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
-      .def(
-          "yield_solid",
-          [](M& self, std::size_t i) {
-            self.solids.at(i).body = static_cast<int>(self.bodies.solids.size());
-            self.bodies.solids.push_back(static_cast<int>(i));
-            self.bodies.start.emplace_back();
-            self.bodies.free.emplace_back();
-            const std::size_t n = 6 * self.bodies.solids.size();
-            self.bodies.mobility.assign(n * n, 0.0);
-          },
-          nb::arg("index"), "Let the snow move a solid: it is the next of the bodies.")
-      .def(
-          "expect_bodies",
-          [](M& self, const In<double, nb::shape<-1, -1>>& mobility,
-             const In<double, nb::shape<-1, 6>>& free) {
-            const std::size_t n = self.bodies.solids.size();
-            if (mobility.shape(0) != 6 * n || mobility.shape(1) != 6 * n || free.shape(0) != n)
-              throw nb::value_error("mobility is (6 n, 6 n) and free (n, 6), for n bodies");
-            std::copy_n(mobility.data(), 36 * n * n, self.bodies.mobility.begin());
-            for (std::size_t i = 0; i < 6 * n; ++i) self.bodies.free[i / 6][i % 6] = free.data()[i];
-          },
-          nb::arg("mobility"), nb::arg("free"),
-          "Say how the bodies would move in the next step: change of their velocities by impulses and "
-          "moments about "
-          "their centres, and acceleration without the snow.")
       .def_ro("dx", &M::dx);
+  bind_solids<T>(c);
 }
 
 template <class T>
@@ -314,7 +251,6 @@ void bind_passes(nb::module_& m) {
 template <class T>
 void bind_precision(nb::module_& m) {
   bind_model<T>(m);
-  bind_shapes<T>(m);
   bind_state<T>(m);
   bind_grid<T>(m);
   bind_stages<T>(m);

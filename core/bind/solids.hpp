@@ -1,4 +1,4 @@
-// Solids of the model that are given by a grid, and what any solid of it says of points.
+// The solids of a model: their shapes, where they are, which of them the snow moves, and what they say of points.
 #pragma once
 
 #include <nanobind/stl/shared_ptr.h>
@@ -16,13 +16,29 @@ inline Contact contact_of(const std::string& s) {
 }
 
 template <class T>
-Solid<T>& add_solid(Model<T>& model, Shape shape, const std::string& mode, double mu_c) {
+Vec3<T> vec(const In<double, nb::shape<3>>& a) {
+  return {T(a.data()[0]), T(a.data()[1]), T(a.data()[2])};
+}
+
+inline Shape shape_of(const std::string& s) {
+  return word<Shape>(s,
+                     {{"plane", Shape::plane},
+                      {"box", Shape::box},
+                      {"sphere", Shape::sphere},
+                      {"cylinder", Shape::cylinder}},
+                     "shape");
+}
+
+// `thickness`: how far apart opposite sides are, typically [m].
+template <class T>
+Solid<T>& add_solid(Model<T>& model, Shape shape, const std::string& mode, double mu_c, double thickness) {
   Solid<T> s{};
   s.index = static_cast<int>(model.solids.size());
   s.shape = shape;
   s.mode = contact_of(mode);
   s.mu_c = T(mu_c);
   s.rotation = identity<T>();
+  s.margin = T(margin_of(thickness, model.dx));
   return model.solids.emplace_back(s);
 }
 
@@ -50,26 +66,82 @@ nb::tuple surface_at(const Model<T>& model, std::size_t index, const In<double, 
   return nb::make_tuple(a, b);
 }
 
+// Where solids are, and which of them the snow moves.
 template <class T>
-void bind_shapes(nb::module_& m) {
+void bind_motion(nb::class_<Model<T>>& c) {
   using M = Model<T>;
-  auto c = nb::borrow<nb::class_<M>>(m.attr("Model"));
   c.def(
-      "add_mesh_solid",
-      [](M& self, std::shared_ptr<SdfGrid> grid, const std::string& mode, double mu_c) {
-        add_solid(self, Shape::mesh, mode, mu_c).mesh = grid.get();
-        self.shapes.push_back(std::move(grid));
-      },
-      nb::arg("grid"), nb::arg("mode"), nb::arg("mu_c"));
+       "place_solid",
+       [](M& self, std::size_t i, const In<double, nb::shape<3>>& centre,
+          const In<double, nb::shape<3, 3>>& rotation, const In<double, nb::shape<3>>& velocity,
+          const In<double, nb::shape<3>>& omega) {
+         Solid<T>& s = self.solids.at(i);
+         s.centre = vec<T>(centre);
+         for (int k = 0; k < 9; ++k) s.rotation(k / 3, k % 3) = T(rotation.data()[k]);
+         s.velocity = vec<T>(velocity);
+         s.omega = vec<T>(omega);
+         if (s.body < 0) return;
+         Twist& start = self.bodies.start[static_cast<std::size_t>(s.body)];
+         for (std::size_t k = 0; k < 3; ++k) start[k] = velocity.data()[k], start[3 + k] = omega.data()[k];
+       },
+       nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
+      .def(
+          "yield_solid",
+          [](M& self, std::size_t i) {
+            self.solids.at(i).body = static_cast<int>(self.bodies.solids.size());
+            self.bodies.solids.push_back(static_cast<int>(i));
+            self.bodies.start.emplace_back();
+            self.bodies.free.emplace_back();
+            const std::size_t n = 6 * self.bodies.solids.size();
+            self.bodies.mobility.assign(n * n, 0.0);
+          },
+          nb::arg("index"), "Let the snow move a solid: it is the next of the bodies.")
+      .def(
+          "expect_bodies",
+          [](M& self, const In<double, nb::shape<-1, -1>>& mobility,
+             const In<double, nb::shape<-1, 6>>& free) {
+            const std::size_t n = self.bodies.solids.size();
+            if (mobility.shape(0) != 6 * n || mobility.shape(1) != 6 * n || free.shape(0) != n)
+              throw nb::value_error("mobility is (6 n, 6 n) and free (n, 6), for n bodies");
+            std::copy_n(mobility.data(), 36 * n * n, self.bodies.mobility.begin());
+            for (std::size_t i = 0; i < 6 * n; ++i) self.bodies.free[i / 6][i % 6] = free.data()[i];
+          },
+          nb::arg("mobility"), nb::arg("free"),
+          "Say how the bodies would move in the next step: change of their velocities by impulses and "
+          "moments about "
+          "their centres, and acceleration without the snow.");
+}
+
+template <class T>
+void bind_solids(nb::class_<Model<T>>& c) {
+  using M = Model<T>;
+  constexpr double endless = std::numeric_limits<double>::max();
   c.def(
-      "add_terrain_solid",
-      [](M& self, std::shared_ptr<HeightField> field, const std::string& mode, double mu_c) {
-        add_solid(self, Shape::terrain, mode, mu_c).terrain = field.get();
-        self.shapes.push_back(std::move(field));
-      },
-      nb::arg("field"), nb::arg("mode"), nb::arg("mu_c"));
-  c.def("surface", &surface_at<T>, nb::arg("index"), nb::arg("points"),
-        "(phi (n,) [m], normal (n, 3)) of a solid at points of the world, in the precision of the step.");
+       "add_solid",
+       [](M& self, const std::string& shape, const In<double, nb::shape<3>>& half, const std::string& mode,
+          double mu_c) {
+         const Vec3<T> h = vec<T>(half);
+         const Shape s = shape_of(shape);
+         add_solid(self, s, mode, mu_c, double(thickness_of(s, h))).half = h;
+       },
+       nb::arg("shape"), nb::arg("half"), nb::arg("mode"), nb::arg("mu_c"))
+      .def(
+          "add_mesh_solid",
+          [](M& self, std::shared_ptr<SdfGrid> grid, const std::string& mode, double mu_c, double thickness) {
+            add_solid(self, Shape::mesh, mode, mu_c, thickness).mesh = grid.get();
+            self.shapes.push_back(std::move(grid));
+          },
+          nb::arg("grid"), nb::arg("mode"), nb::arg("mu_c"), nb::arg("thickness") = endless)
+      .def(
+          "add_terrain_solid",
+          [](M& self, std::shared_ptr<HeightField> field, const std::string& mode, double mu_c) {
+            add_solid(self, Shape::terrain, mode, mu_c, endless).terrain = field.get();
+            self.shapes.push_back(std::move(field));
+          },
+          nb::arg("field"), nb::arg("mode"), nb::arg("mu_c"))
+      .def("surface", &surface_at<T>, nb::arg("index"), nb::arg("points"),
+           "(phi (n,) [m], normal (n, 3)) of a solid at points of the world, in the precision of the step.");
+  bind_motion<T>(c);
 }
 
 }  // namespace neve::bind

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -40,4 +41,12 @@ class YieldingBodies(Protocol):
 
         exchanged: impulse [N s], its moment about the origin of the frame [N m s], work [J].
         """
+        ...
+
+    def save(self) -> dict[str, Array]:
+        """Return all that `restore` needs to go on with the same bits."""
+        ...
+
+    def restore(self, arrays: Mapping[str, Array]) -> None:
+        """Put the solids back to where `save` found them."""
         ...

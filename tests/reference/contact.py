@@ -124,7 +124,7 @@ def follow(v, path, x, bodies, dt, dx):
 
 
 def first_touch(body, x, way, skin):
-    """Return the share of the step at which x, moving by `way` relative to the body, is in its skin; the normal.
+    """Return at which share of the step x, moving by `way` relative to the body, meets its skin; the normal.
 
     Sphere tracing: phi is never more than the way that is free. (None, None) if the way ends before.
     """
