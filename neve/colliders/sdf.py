@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 
 FORMAT = 1
 """Version of what is kept in the cache; another one is never read."""
-BAND_CELLS = 2.0
-"""Cells of the snow's grid on either side of the surface in which the distances are fine."""
+BAND_CELLS, BAND_SAMPLES = 1, 4
+"""The distances are fine within so many cells of snow, and so many of their own spacings, of the surface."""
 USUAL = 256 * 2**20
 """Bytes that a grid may take whose `detail` is left out."""
 MOST = 4 * 2**30
@@ -36,7 +36,7 @@ MOST = 4 * 2**30
 BRICK_CELLS, BRICK_BYTES, NODE_BYTES = 8, 16 * 9**3, 16
 RAYS = 2000
 """Faces through which the thickness of a body is measured."""
-THIN_SHARE = 0.02
+THIN_SHARE = 0.05
 """Share of the surface that may lie on parts thinner than what the spacing resolves."""
 
 
@@ -77,7 +77,7 @@ def solid_mesh(part: MeshFile, dx: float, name: str) -> SolidMesh:
     surface = read_mesh(part, name)
     warn_if_small(surface, part, dx, name)
     spacing = _spacing(surface, part, dx, name)
-    return of_triangles(surface, spacing, max(BAND_CELLS * dx, 2 * spacing), part.thickness)
+    return of_triangles(surface, spacing, _band(spacing, dx), part.thickness)
 
 
 def of_triangles(surface: Triangles, spacing: float, band: float, thickness: float = 0.0) -> SolidMesh:
@@ -136,7 +136,7 @@ def _spacing(surface: Triangles, part: MeshFile, dx: float, name: str) -> float:
     """Return the spacing of the samples [m]: `detail`, or half a cell, less for thin parts, if affordable."""
 
     def needed(spacing: float) -> float:
-        return grid_bytes(surface, spacing, max(BAND_CELLS * dx, 2 * spacing), part.thickness)
+        return grid_bytes(surface, spacing, _band(spacing, dx), part.thickness)
 
     if part.detail is not None:
         if needed(part.detail) > MOST:
@@ -157,6 +157,11 @@ def _spacing(surface: Triangles, part: MeshFile, dx: float, name: str) -> float:
             stacklevel=2,
         )
     return spacing
+
+
+def _band(spacing: float, dx: float) -> float:
+    """Return how far from the surface distances are fine [m]; beyond, their spacing is eight times as large."""
+    return max(BAND_CELLS * dx, BAND_SAMPLES * spacing)
 
 
 def _affordable(spacing: float, needed: Callable[[float], float], most: float) -> float:
