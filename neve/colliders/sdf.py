@@ -8,6 +8,7 @@ import warnings
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,6 +56,11 @@ class SolidMesh:
     sdf: SdfGrid
     thickness: float
     spacing: float
+
+    @cached_property
+    def reach(self) -> float:
+        """Distance of the farthest point of the body from its frame's origin [m]."""
+        return float(np.linalg.norm(self.vertices, axis=1).max()) + 0.5 * self.thickness
 
     @property
     def vertices(self) -> Array:
@@ -160,7 +166,7 @@ def _spacing(surface: Triangles, part: MeshFile, dx: float, name: str) -> float:
 
 
 def _band(spacing: float, dx: float) -> float:
-    """Return how far from the surface distances are fine [m]; beyond, their spacing is eight times as large."""
+    """Return how far from the surface distances are fine [m]; beyond, they are eight times as far apart."""
     return max(BAND_CELLS * dx, BAND_SAMPLES * spacing)
 
 

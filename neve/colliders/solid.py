@@ -70,7 +70,7 @@ class Solid:
             return float(np.hypot(self.half[0], self.half[2]))
         if self.shape == "box":
             return float(np.linalg.norm(self.half))
-        return float(self.mesh.reach) if self.shape == "mesh" else np.inf
+        return self.mesh.reach if self.mesh else np.inf
 
 
 def solid_of(collider: Collider, name: str, dx: float) -> Solid:
