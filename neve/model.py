@@ -117,7 +117,7 @@ def affordable(xi_theta: float) -> float:
 def _add(native: _core.Model, solid: Solid) -> None:
     """Tell the core of `solid`."""
     if solid.mesh:
-        native.add_mesh_solid(solid.mesh.sdf, solid.mode, solid.mu_c)
+        native.add_mesh_solid(solid.mesh.sdf, solid.mode, solid.mu_c, solid.mesh.usual_thickness)
     elif solid.terrain:
         native.add_terrain_solid(solid.terrain, solid.mode, solid.mu_c)
     else:
