@@ -73,11 +73,6 @@ class SolidMesh:
         return self.surface.faces
 
     @property
-    def reach(self) -> float:
-        """Distance of the farthest corner from the origin of the frame [m]."""
-        return float(np.linalg.norm(self.vertices, axis=1).max()) + 0.5 * self.thickness
-
-    @property
     def usual_thickness(self) -> float:
         """Twice the volume over the area: the thickness of a plate, a third of a ball's diameter [m]."""
         return self.thickness or 2.0 * self.surface.tree.volume / self.surface.area

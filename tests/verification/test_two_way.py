@@ -56,8 +56,8 @@ def test_sticky_body_in_snow():
 
     One step of dt -> 0, stress-free snow all around a small sticky ball: U' is the velocity at which what
     the ball loses is what the nodes gain, m (U' - U) + sum_i m_i U' = 0, so U' = m U / (m + sum m_i): the
-    nodes' masses are read from the grid. By symmetry nothing turns it by more than the nodes' asymmetry; Newton
-    stops at 1e-6 of the first residual.
+    nodes' masses are read from the grid. By symmetry nothing turns it by more than the nodes' asymmetry;
+    Newton stops at 1e-6 of the first residual.
     """
     body = ball(0.13, 300.0, x=(0.0, 0.0, -0.15), v=(0.0, 0.0, -3.0))
     body.solid.__dict__["mode"] = "sticky"
@@ -127,8 +127,8 @@ def test_body_at_rest_carries_its_weight():
 def test_angular_momentum():
     """Snow and a turning body together keep their angular momentum about the origin.
 
-    APIC keeps it in its transfers, impulses act on both at one point, and moving along v keeps x cross v. What
-    is left are the ways of the few particles that turn within a step, which are not along their v at its
+    APIC keeps it in its transfers, impulses act on both at one point, and moving along v keeps x cross v.
+    What is left are the ways of the few particles that turn within a step, which are not along their v at its
     end: for each at most m |v|^2 dt a step. Allowed: 1e-4 of what was exchanged.
     """
     body = block((0.2, 0.3, 0.2), 400.0, x=(0.03, -0.02, 0.13), v=(1.0, 0.3, -4.0), w=(2.0, 1.0, 3.0))
