@@ -39,6 +39,7 @@ class Model:
         self.colliders = tuple(colliders)
         self.solids = tuple(solids)
         self.rigid = rigid
+        self.solid_speed = 0.0
         self.native = self.core.Model(
             numerics.dx,
             numerics.spline,
@@ -56,6 +57,8 @@ class Model:
             if solid.moved_by == "engine":
                 self.native.yield_solid(i)
         self.limit_press(1.0)
+        for i, collider in enumerate(self.colliders):
+            self._place(i, pose(collider, 0.0))
         self.place_solids(0.0)
 
     def poses(self, time: float) -> list[Pose]:
@@ -64,13 +67,22 @@ class Model:
         return scripted + (self.rigid.poses() if self.rigid else [])
 
     def place_solids(self, time: float) -> None:
-        """Put every collider where its script has it at `time` [s], and every rigid body where it is."""
-        poses = self.poses(time)
-        for i, p in enumerate(poses):
-            self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
+        """Put what moves where its script has it at `time` [s], and every rigid body where it is.
+
+        Sets `solid_speed`, a bound on the speed of their surfaces [m/s].
+        """
+        self.solid_speed = 0.0
+        for i, collider in enumerate(self.colliders):
+            if self.solids[i].moved_by != "rest":
+                self._place(i, pose(collider, time))
         if self.rigid:
+            for i, p in enumerate(self.rigid.poses(), len(self.colliders)):
+                self._place(i, p)
             self.native.expect_bodies(self.rigid.mobility(), self.rigid.free_acceleration())
-        self.solid_speed = max(map(_fastest, self.solids, poses), default=0.0)
+
+    def _place(self, i: int, p: Pose) -> None:
+        self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
+        self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p))
 
     def limit_press(self, strongest: float) -> None:
         """Set `press_limit`: how far a step may press snow, -dt tr grad v [1], before hardening stores more
@@ -95,10 +107,10 @@ class Model:
 
 def _fastest(solid: Solid, now: Pose) -> float:
     """Return a bound on the speed of the solid's surface [m/s]; of an endless one, the speed of its point."""
-    speed = float(np.linalg.norm(now.velocity))
+    speed = math.hypot(*now.velocity)
     if solid.shape in ("plane", "terrain"):
         return speed
-    return speed + float(np.linalg.norm(now.omega)) * solid.reach
+    return speed + math.hypot(*now.omega) * solid.reach
 
 
 @lru_cache
