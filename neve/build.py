@@ -47,7 +47,7 @@ def build(scene: Scene) -> tuple[Model, State]:
 def make_model(scene: Scene) -> Model:
     """Return the constants of the scene's run, without sampling any snow."""
     around, rigid = _colliders(scene), None
-    if scene.bodies:
+    if scene.bodies or scene.robots:
         from neve.colliders.rigid import RigidBodies
 
         rigid = RigidBodies(scene, around)

@@ -18,8 +18,9 @@ from neve import _core
 from neve.build import build, make_model
 from neve.colliders.motion import Pose
 from neve.colliders.solid import Solid
+from neve.colliders.yielding import LostBody
 from neve.diagnostics import Diagnostics, diagnose
-from neve.mpm.blowup import require_finite, require_progress
+from neve.mpm.blowup import Blowup, require_finite, require_progress
 from neve.mpm.caution import careful_step
 from neve.mpm.solver import STAGES, measure_volumes, sort
 from neve.mpm.time_step import fitted, largest
@@ -143,7 +144,10 @@ class Simulation:
             return
         started = perf_counter()
         exchanged = self._take_exchanged()
-        self.model.rigid.advance(dt, exchanged[len(self.model.colliders) :], self.time - dt)
+        try:
+            self.model.rigid.advance(dt, exchanged[len(self.model.colliders) :], self.time - dt)
+        except LostBody as lost:
+            raise Blowup(str(lost)) from None
         self.stats.stage_seconds["bodies"] += perf_counter() - started
 
     def _take_exchanged(self) -> NDArray[np.float64]:

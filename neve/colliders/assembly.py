@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.engine import engine
+from neve.colliders.engine import engine, quaternion
+from neve.colliders.hulls import add_mesh, add_terrain, lift_of
 from neve.colliders.inertia import bulk_of
 from neve.colliders.motion import pose, turn
+from neve.colliders.parts import Place
+from neve.colliders.robots import Loaded, add_robot, place_joints
 from neve.colliders.solid import Solid
 from neve.scene.bodies import DENSITY, Motor, RigidBody
 from neve.scene.scene import Collider, Rigid, Scene
@@ -19,18 +22,9 @@ from neve.scene.scene import Collider, Rigid, Scene
 Array = NDArray[np.float64]
 
 TIME_CONSTANT = 0.002
-"""Time in which a contact pushes out what has sunk in [s]: twice the longest step of the engine."""
+"""Time in which a contact pushes out what has sunk in [s]: four of the longest steps of the engine."""
 RESPONSE = 0.05
 """Time in which a motor without a gain brings the bare body near its target [s]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Place:
-    """Say where the frame of a solid sits in the engine: on which body, and how in that body's frame."""
-
-    body: int
-    position: Array
-    rotation: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +42,11 @@ class Assembly:
 
     Attributes:
         model: mujoco.MjModel
-        places: of each solid of bodies and robots, in their order
+        places: of each solid of bodies, in their order; those of robots follow
+        robots: what was read of each robot
         scripted: colliders that move, each with its number among the engine's mocap bodies and its geom
         controls: what actuators are told
+        start: places of the joints at the start
         speeds: velocities of the degrees of freedom at the start
     """
 
@@ -58,6 +54,8 @@ class Assembly:
     places: list[Place] = field(default_factory=list)
     scripted: list[tuple[Collider, int, int]] = field(default_factory=list)
     controls: list[Control] = field(default_factory=list)
+    robots: list[Loaded] = field(default_factory=list)
+    start: Array = field(default_factory=lambda: np.zeros(0))
     speeds: Array = field(default_factory=lambda: np.zeros(0))
 
 
@@ -84,10 +82,13 @@ def assemble(scene: Scene, colliders: Sequence[Solid], bodies: Sequence[Solid]) 
     frames: list[_Frame] = []
     for body, solid in zip(scene.bodies, bodies, strict=True):
         frames.append(_add_body(spec, body, solid, frames))
-    made = Assembly(model=spec.compile())
+    robots = [add_robot(spec, robot, f"robots.{i}") for i, robot in enumerate(scene.robots)]
+    made = Assembly(model=spec.compile(), robots=robots)
+    made.start = place_joints(made.model, robots)
     _find_places(made, bodies, scene.bodies, frames)
     _find_scripted(made, scene.colliders, colliders)
-    _tune_motors(made, scene.bodies, bodies)
+    _tune_motors(made, _motors(scene.bodies, bodies, robots))
+    made.controls += _controls(made.model, scene.bodies, bodies, robots)
     made.speeds = _speeds(made.model, scene.bodies, bodies, frames)
     return made
 
@@ -123,8 +124,11 @@ def _geom(spec: Any, solid: Solid) -> dict[str, Any]:
         return {"type": kinds.mjGEOM_BOX, "size": solid.half}
     if solid.shape == "sphere":
         return {"type": kinds.mjGEOM_SPHERE, "size": [a, 0.0, 0.0]}
-    assert solid.shape == "cylinder"
-    return {"type": kinds.mjGEOM_CYLINDER, "size": [a, c, 0.0]}
+    if solid.shape == "cylinder":
+        return {"type": kinds.mjGEOM_CYLINDER, "size": [a, c, 0.0]}
+    if solid.shape == "terrain":
+        return {"type": kinds.mjGEOM_HFIELD, "hfieldname": add_terrain(spec, solid)}
+    return {"type": kinds.mjGEOM_MESH, "meshname": add_mesh(spec, solid)}
 
 
 def _add_geom(
@@ -133,12 +137,12 @@ def _add_geom(
     """Add the shape of `solid`, without mass, to a body of the engine at `place` in its frame."""
     body.add_geom(
         name=solid.name,
-        pos=place[0],
+        pos=place[0] + place[1] @ lift_of(solid),
         quat=quaternion(place[1]),
         mass=0.0,
         friction=[friction, 0.005, 0.0001],
         solref=[TIME_CONSTANT, 1.0],
-        contype=1 if meets else 0,
+        contype=EVERY if meets else 0,
         conaffinity=EVERY if meets else 0,
         **_geom(spec, solid),
     )
@@ -231,25 +235,33 @@ def _find_scripted(made: Assembly, colliders: Sequence[Collider], solids: Sequen
             made.scripted.append((collider, int(body.mocapid[0]), int(body.geomadr[0])))
 
 
-def _tune_motors(made: Assembly, bodies: Sequence[Rigid], solids: Sequence[Solid]) -> None:
-    """Set the gains of the motors, from the inertia of the joint at the start where none is given.
+def _motors(
+    bodies: Sequence[Rigid], solids: Sequence[Solid], robots: Sequence[Loaded]
+) -> Iterator[tuple[str, Motor]]:
+    """Yield the full name of each joint that has a motor here, which is also that of its actuator."""
+    for body, solid in zip(bodies, solids, strict=True):
+        if body.motor:
+            yield solid.name, body.motor
+    for loaded in robots:
+        for joint, motor in loaded.motors:
+            yield f"{loaded.name}.{joint}", motor
+
+
+def _tune_motors(made: Assembly, motors: Iterable[tuple[str, Motor]]) -> None:
+    """Set the gains of motors, from the inertia of the joint at the start where none is given.
 
     A speed is reached as 1 - exp(-t gain / I), within 5 % at t = 3 I / gain; a place, critically damped, as
     1 - (1 + w t) exp(-w t), w^2 = gain / I, within 5 % at w t = 4.74.
     """
-    mujoco = engine()
-    model = made.model
+    mujoco, model = engine(), made.model
     data = mujoco.MjData(model)
+    data.qpos[:] = made.start
     mujoco.mj_forward(model, data)
     inertia = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, inertia)
-    for body, solid in zip(bodies, solids, strict=True):
-        if body.motor is None:
-            continue
-        joint, actuator = model.joint(solid.name), model.actuator(solid.name)
-        _set_gain(actuator, body.motor, float(inertia[joint.dofadr[0], joint.dofadr[0]]))
-        unit = np.pi / 180 if body.joint == "hinge" and body.motor.kind == "position" else 1.0
-        made.controls.append(_control(int(actuator.id), body.motor, unit))
+    for name, motor in motors:
+        dof = model.joint(name).dofadr[0]
+        _set_gain(model.actuator(name), motor, float(inertia[dof, dof]))
 
 
 def _set_gain(actuator: Any, motor: Motor, inertia: float) -> None:
@@ -267,10 +279,20 @@ def _set_gain(actuator: Any, motor: Motor, inertia: float) -> None:
         actuator.biasprm[2] = -2.0 * np.sqrt(gain * inertia)
 
 
-def _control(actuator: int, motor: Motor, unit: float) -> Control:
-    keys = [(key.t, key.value) for key in motor.keyframes] or [(0.0, motor.target)]
-    times, values = np.array(keys).T
-    return Control(actuator, times, unit * values)
+def _controls(
+    model: Any, bodies: Sequence[Rigid], solids: Sequence[Solid], robots: Sequence[Loaded]
+) -> Iterator[Control]:
+    """Yield what the motors of bodies and the actuators of robots are told."""
+    for body, solid in zip(bodies, solids, strict=True):
+        if body.motor is None:
+            continue
+        unit = np.pi / 180 if body.joint == "hinge" and body.motor.kind == "position" else 1.0
+        keys = [(key.t, key.value) for key in body.motor.keyframes] or [(0.0, body.motor.target)]
+        times, values = np.array(keys).T
+        yield Control(int(model.actuator(solid.name).id), times, unit * values)
+    for loaded in robots:
+        for name, times, values in loaded.controls:
+            yield Control(int(model.actuator(f"{loaded.name}.{name}").id), times, values)
 
 
 def _speeds(model: Any, bodies: Sequence[Rigid], solids: Sequence[Solid], frames: Sequence[_Frame]) -> Array:
@@ -287,11 +309,3 @@ def _speeds(model: Any, bodies: Sequence[Rigid], solids: Sequence[Solid], frames
             axis = np.array(body.axis) / np.linalg.norm(body.axis)
             speeds[first] = axis @ (spin if body.joint == "hinge" else velocity)
     return speeds
-
-
-def quaternion(matrix: Array) -> Array:
-    """Return the quaternion (w, x, y, z) of a rotation `matrix` (3, 3)."""
-    mujoco = engine()
-    found = np.zeros(4)
-    mujoco.mju_mat2Quat(found, np.ascontiguousarray(matrix).reshape(9))
-    return found

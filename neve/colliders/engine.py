@@ -6,6 +6,9 @@ import logging
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 
 @lru_cache
 def engine() -> Any:
@@ -23,3 +26,10 @@ def engine() -> Any:
 
 def _tell(text: str) -> None:
     logging.getLogger("neve").warning("rigid bodies: %s", text.strip().splitlines()[0])
+
+
+def quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the quaternion (w, x, y, z) of a rotation `matrix` (3, 3)."""
+    found = np.zeros(4)
+    engine().mju_mat2Quat(found, np.ascontiguousarray(matrix).reshape(9))
+    return found

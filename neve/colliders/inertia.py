@@ -43,6 +43,8 @@ def bulk_of(solid: Solid) -> Bulk:
     """Return volume, centre of mass and inertia of a box, sphere, cylinder or closed mesh."""
     a, b, c = (float(h) for h in solid.half)
     if solid.mesh:
+        if solid.mesh.thickness > 0:
+            return bulk_of_sheet(solid.mesh.vertices, solid.mesh.faces, solid.mesh.thickness)
         return bulk_of_mesh(solid.mesh.vertices, solid.mesh.faces)
     if solid.shape == "box":
         volume, squares = 8 * a * b * c, np.array([a * a, b * b, c * c]) / 3
@@ -74,3 +76,23 @@ def bulk_of_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> Bulk:
     second = sum(np.einsum("n,ni,nj->ij", V, p, p) for p in (a, b, c, s)) / 20.0
     second = sign * (second - volume * np.outer(center, center))
     return Bulk(abs(volume), origin + center, np.trace(second) * np.eye(3) - second)
+
+
+def bulk_of_sheet(vertices: NDArray[Any], faces: NDArray[Any], thickness: float) -> Bulk:
+    """Return volume, centre of mass and inertia of a sheet around triangles: area times `thickness` [m].
+
+    Over a triangle of area A with corners a, b, c and s = a + b + c: int x = A s / 3, int x x^T =
+    A (a a^T + b b^T + c c^T + s s^T) / 12; across it, n n^T A t^2 / 12. Edges and folds are left out.
+    """
+    v = np.asarray(vertices, dtype=np.float64)
+    origin = v.mean(axis=0)
+    a, b, c = (v[np.asarray(faces)[:, i]] - origin for i in range(3))
+    s = a + b + c
+    across = 0.5 * np.cross(b - a, c - a)
+    A = np.linalg.norm(across, axis=1)
+    area = float(A.sum())
+    center = (A[:, None] * s).sum(axis=0) / (3.0 * area)
+    second = sum(np.einsum("n,ni,nj->ij", A, p, p) for p in (a, b, c, s)) / 12.0
+    second += np.einsum("ni,nj,n->ij", across, across, 1.0 / A) * thickness**2 / 12.0
+    second = thickness * (second - area * np.outer(center, center))
+    return Bulk(thickness * area, origin + center, np.trace(second) * np.eye(3) - second)

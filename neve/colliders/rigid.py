@@ -9,24 +9,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.assembly import Assembly, assemble, quaternion
-from neve.colliders.engine import engine
+from neve.colliders.assembly import Assembly, assemble
+from neve.colliders.engine import engine, quaternion
 from neve.colliders.motion import Pose, pose
+from neve.colliders.overlap import require_apart
+from neve.colliders.parts import parts_of
 from neve.colliders.solid import Solid, solid_of_body
+from neve.colliders.yielding import LostBody
 from neve.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-LONGEST = 1e-3
+LONGEST = 5e-4
 """Longest step of the engine [s]."""
 USUAL = 1e-4
 """What the engine takes for the length of its step before the first one [s]."""
 FARTHEST = 1e10
 """Places and velocities beyond this are lost, as they are for the engine [m, m/s, rad/s]."""
-
-
-class LostBody(RuntimeError):
-    """Say which body has no finite place or velocity any more, and when. One sentence."""
 
 
 class RigidBodies:
@@ -38,17 +37,31 @@ class RigidBodies:
     """
 
     def __init__(self, scene: Scene, colliders: Sequence[Solid]) -> None:
-        """Assemble the bodies of `scene`, which also touch `colliders`, the solids of `scene.colliders`."""
+        """Assemble the bodies of `scene`, which also touch `colliders`, the solids of `scene.colliders`.
+
+        Errors: SceneError for a robot that cannot be read, and for bodies inside one another.
+        """
         self._mj = engine()
-        self.solids = tuple(solid_of_body(body, f"bodies.{i}") for i, body in enumerate(scene.bodies))
-        """The solids that the engine moves: all bodies, in the order of the scene."""
-        self._assembly: Assembly = assemble(scene, colliders, self.solids)
+        bodies = tuple(
+            solid_of_body(body, f"bodies.{i}", scene.numerics.dx) for i, body in enumerate(scene.bodies)
+        )
+        self._assembly: Assembly = assemble(scene, colliders, bodies)
         self._model = self._assembly.model
+        parts = [
+            part
+            for loaded in self._assembly.robots
+            for part in parts_of(self._model, loaded, scene.numerics.dx)
+        ]
+        self._assembly.places += [place for _, place in parts]
+        self.solids = (*bodies, *(solid for solid, _ in parts))
+        """The solids that the engine moves: all bodies, then the parts of all robots that collide."""
         self._data = self._mj.MjData(self._model)
         self._signature = int(self._mj.mjtState.mjSTATE_INTEGRATION)
         self._model.opt.timestep = USUAL
+        self._data.qpos[:] = self._assembly.start
         self._data.qvel[:] = self._assembly.speeds
         self._refresh()
+        require_apart(self._model, self._data)
 
     def poses(self) -> list[Pose]:
         """Return where the frame of each solid is and how it moves."""

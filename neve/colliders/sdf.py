@@ -91,6 +91,16 @@ def solid_mesh(part: MeshFile, dx: float, name: str) -> SolidMesh:
     return of_triangles(surface, spacing, _band(spacing, dx), part.thickness)
 
 
+def filled(surface: Triangles, dx: float) -> SolidMesh:
+    """Return the body inside a closed `surface`, as fine as a snow grid of spacing `dx` [m] asks for."""
+
+    def needed(spacing: float) -> float:
+        return grid_bytes(surface, spacing, _band(spacing, dx))
+
+    spacing = _affordable(_wish(thinnest(surface), dx), needed, USUAL)
+    return of_triangles(surface, spacing, _band(spacing, dx))
+
+
 def of_triangles(surface: Triangles, spacing: float, band: float, thickness: float = 0.0) -> SolidMesh:
     """Return the body inside `surface`, or around it if it has a `thickness` [m].
 
@@ -157,8 +167,7 @@ def _spacing(surface: Triangles, part: MeshFile, dx: float, name: str) -> float:
                 f"least {least:.2g}"
             )
         return part.detail
-    thin = part.thickness or thinnest(surface)
-    wish = min(0.5 * dx, max(0.5 * thin, 0.125 * dx))
+    wish = _wish(part.thickness or thinnest(surface), dx)
     spacing = _affordable(wish, needed, USUAL)
     if spacing > wish:
         warnings.warn(
@@ -173,6 +182,11 @@ def _spacing(surface: Triangles, part: MeshFile, dx: float, name: str) -> float:
 def _band(spacing: float, dx: float) -> float:
     """Return how far from the surface distances are fine [m]; beyond, they are eight times as far apart."""
     return max(BAND_CELLS * dx, BAND_SAMPLES * spacing)
+
+
+def _wish(thin: float, dx: float) -> float:
+    """Return half a cell of `dx` [m], or half of how `thin` the body is, but an eighth of a cell at least."""
+    return min(0.5 * dx, max(0.5 * thin, 0.125 * dx))
 
 
 def _affordable(spacing: float, needed: Callable[[float], float], most: float) -> float:

@@ -18,6 +18,7 @@ from neve.scene.scene import (
     Rigid,
     RigidBox,
     RigidCylinder,
+    RigidMesh,
     RigidSphere,
     Sphere,
     Terrain,
@@ -95,8 +96,13 @@ def solid_of(collider: Collider, name: str, dx: float) -> Solid:
     )
 
 
-def solid_of_body(body: Rigid, name: str) -> Solid:
-    """Return the solid of `body`, which the rigid-body engine moves; `name` tells it in messages."""
+def solid_of_body(body: Rigid, name: str, dx: float) -> Solid:
+    """Return the solid of `body`, which the engine moves, for a snow grid of spacing `dx` [m].
+
+    `name` tells it in messages.
+
+    Errors: SceneError for a mesh that cannot be used.
+    """
     return Solid(
         name=name,
         shape=body.shape,
@@ -106,6 +112,7 @@ def solid_of_body(body: Rigid, name: str) -> Solid:
         color=body.color,
         visible=body.visible,
         moved_by="engine",
+        mesh=solid_mesh(body, dx, name) if isinstance(body, RigidMesh) else None,
     )
 
 

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+class LostBody(RuntimeError):
+    """Say which body has no finite place or velocity any more, and when. One sentence."""
+
+
 class YieldingBodies(Protocol):
     """Solids that the snow moves: n of them, in one order everywhere.
 

@@ -15,6 +15,7 @@ from urllib.parse import unquote
 
 from neve.io.atomic import sweep, write_bytes
 from neve.io.errors import cannot_read, cannot_write
+from neve.scene.bodies import ROBOTS
 from neve.scene.files import NamedFile, named_files
 from neve.scene.load import to_toml
 from neve.scene.scene import Scene
@@ -106,9 +107,15 @@ def _asset(file: NamedFile) -> Asset:
 
 def companions(path: Path) -> list[Path]:
     """Return the files that the file `path` names in turn and that are there, absolute, each once."""
-    if path.suffix.lower() != ".gltf":
+    if path.suffix.lower() in ROBOTS:
+        from neve.colliders.robots import files_of  # needs the rigid-body engine
+
+        names: Sequence[str | Path] = files_of(path)
+    elif path.suffix.lower() == ".gltf":
+        names = _of_gltf(_bytes(path))
+    else:
         return []
-    found = (Path(os.path.normpath(path.parent / name)) for name in _of_gltf(_bytes(path)))
+    found = (Path(os.path.normpath(path.parent / name)) for name in names)
     return [p for p in dict.fromkeys(found) if p != path and p.is_file()]
 
 

@@ -20,13 +20,22 @@ from neve.scene.fields import (
     Switch,
     Whole,
     entry,
+    file_entry,
     norm,
     wrong,
 )
+from neve.scene.meshes import MeshFile, check_file
+
+ROBOTS = (".xml", ".urdf")
+"""What a robot file may end in."""
 
 CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
 ROTATION = "Rotation vector (axis times angle) from the body's own axes to the world's, at the start."
 ZERO = (0.0, 0.0, 0.0)
+MODES = (
+    '"separate": snow may leave the surface, and slides with friction; "slip": snow stays on the surface and '
+    'slides with friction; "sticky": snow moves with the surface.'
+)
 DENSITY = 1000.0
 """Density of a body that says nothing about its mass [kg/m3]."""
 
@@ -94,13 +103,7 @@ class RigidBody(Part):
     mass: Real | None = entry(
         None, "Mass, spread evenly through the body. Excludes `density`.", "kg", gt=0, le=1e12
     )
-    mode: Literal["separate", "slip", "sticky"] = entry(
-        "separate",
-        '"separate": snow may leave the surface, and slides with friction; "slip": snow stays on the surface '
-        'and slides with friction; "sticky": snow moves with the surface.',
-        "",
-        CONTACT,
-    )
+    mode: Literal["separate", "slip", "sticky"] = entry("separate", MODES, "", CONTACT)
     mu_c: Real = entry(
         0.5, "Coulomb friction between snow and this body; not used when sticky.", "1", ge=0, le=100
     )
@@ -206,8 +209,64 @@ class RigidCylinder(RigidBody):
     rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
 
 
-Rigid = Annotated[RigidBox | RigidSphere | RigidCylinder, Field(discriminator="shape")]
+class RigidMesh(MeshFile, RigidBody):
+    """Place a body from a mesh file that snow moves."""
+
+    shape: Literal["mesh"] = entry("mesh", "A triangle mesh from a file.")
+    center: Point3 = entry(ZERO, "Where the origin of the file goes at the start.", "m")
+    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
+
+
+Rigid = Annotated[RigidBox | RigidSphere | RigidCylinder | RigidMesh, Field(discriminator="shape")]
 """Any body that snow moves; its `shape` says which."""
+
+
+class Control(Part):
+    """Say what an actuator of a robot is told at one moment."""
+
+    t: Real = entry(0.0, "The moment.", "s", ge=0)
+    actuator: str = entry("", "Name of the actuator; in a URDF file, which has none, that of a joint.", "")
+    value: Coordinate = entry(
+        0.0,
+        "What it is told, in the unit of the actuator; a joint of a URDF file: where to go [rad or m], or, "
+        "if it has no limits, how fast [rad/s or m/s].",
+        "1",
+    )
+
+
+class Robot(Part):
+    """Place a robot or a vehicle that is described in a file."""
+
+    file: str = file_entry("An MJCF (.xml) or URDF file, relative to the scene file.", ROBOTS)
+    position: Point3 = entry(ZERO, "Where the origin of the file goes.", "m")
+    rotation: Angle3 = entry(
+        ZERO, "Rotation vector (axis times angle) from the file's axes to the world's.", "degrees"
+    )
+    free: Switch = entry(
+        False, "Whether to let a base move freely that the file holds fixed, as most URDF files do.", ""
+    )
+    start: str = entry(
+        "", "Name of the file's keyframe that holds the joints and controls at the start; left out, none.", ""
+    )
+    mode: Literal["separate", "slip", "sticky"] = entry("separate", MODES, "", CONTACT)
+    mu_c: Real = entry(
+        0.5, "Coulomb friction between snow and the robot; not used when sticky.", "1", ge=0, le=100
+    )
+    color: Color | None = entry(
+        None, "Red, green and blue in the film; left out, each part's colour in the file.", "1"
+    )
+    visible: Switch = entry(True, "Whether the film shows the robot.", "")
+    controls: tuple[Control, ...] = entry(
+        (),
+        "What the actuators are told; for each of them at increasing times, straight lines between, constant "
+        "before the first and after the last. An actuator that is told nothing gets 0.",
+        "",
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Robot:
+        check_file(self.file, ROBOTS, "a robot")
+        return self
 
 
 def check_times(keyframes: tuple[Target, ...], key: str) -> None:

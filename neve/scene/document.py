@@ -9,7 +9,17 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from neve.scene.allowed import allowed, choices, part, source, unit
-from neve.scene.bodies import Motor, RigidBody, RigidBox, RigidCylinder, RigidSphere, Target
+from neve.scene.bodies import (
+    Control,
+    Motor,
+    RigidBody,
+    RigidBox,
+    RigidCylinder,
+    RigidMesh,
+    RigidSphere,
+    Robot,
+    Target,
+)
 from neve.scene.colliders import Body, Box, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
 from neve.scene.complaint import shown
 from neve.scene.load import PRESETS
@@ -117,8 +127,15 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ('[[bodies]] with shape = "box"', "A box or a plate.", RigidBox),
     ('[[bodies]] with shape = "sphere"', "A ball.", RigidSphere),
     ('[[bodies]] with shape = "cylinder"', "A cylinder around its own z axis.", RigidCylinder),
+    (
+        '[[bodies]] with shape = "mesh"',
+        "A body from a closed mesh. Its other keys are those of mesh files.",
+        RigidMesh,
+    ),
     ("[bodies.motor]", "What drives the joint of a body.", Motor),
     ("[[bodies.motor.keyframes]]", "What a motor aims at, and when.", Target),
+    ("[[robots]]", "Robots and vehicles from files, which snow moves too.", Robot),
+    ("[[robots.controls]]", "What the actuators of a robot are told, and when.", Control),
     ("[camera]", "Camera of the film.", Camera),
     ("[light]", "Light of the film.", Light),
     ("[run]", "Length of the run.", Run),

@@ -7,7 +7,18 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from neve.scene.bodies import Motor, Rigid, RigidBody, RigidBox, RigidCylinder, RigidSphere, Target
+from neve.scene.bodies import (
+    Control,
+    Motor,
+    Rigid,
+    RigidBody,
+    RigidBox,
+    RigidCylinder,
+    RigidMesh,
+    RigidSphere,
+    Robot,
+    Target,
+)
 from neve.scene.colliders import Body, Box, Collider, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
 from neve.scene.fields import (
     Color,
@@ -42,10 +53,11 @@ from neve.scene.sources import (
 )
 
 __all__ = [
-    "Body", "Box", "Camera", "Collider", "Cylinder", "Keyframe", "Light", "Mesh", "MeshFile", "Motor",
-    "Numerics", "Overrides", "Part", "Plane", "Profile", "Rigid", "RigidBody", "RigidBox", "RigidCylinder",
-    "RigidSphere", "Run", "Scene", "Snow", "SnowBox", "SnowCylinder", "SnowLayer", "SnowMesh", "SnowSource",
-    "SnowSphere", "SnowText", "Source", "Sphere", "Target", "Terrain", "Variation", "World",
+    "Body", "Box", "Camera", "Collider", "Control", "Cylinder", "Keyframe", "Light", "Mesh", "MeshFile",
+    "Motor", "Numerics", "Overrides", "Part", "Plane", "Profile", "Rigid", "RigidBody", "RigidBox",
+    "RigidCylinder", "RigidMesh", "RigidSphere", "Robot", "Run", "Scene", "Snow", "SnowBox",
+    "SnowCylinder", "SnowLayer", "SnowMesh", "SnowSource", "SnowSphere", "SnowText", "Source", "Sphere",
+    "Target", "Terrain", "Variation", "World",
 ]  # fmt: skip
 
 
@@ -205,6 +217,7 @@ class Scene(Part):
     sources: tuple[Source, ...] = entry((), "Where snow is at the start: one or more.", "")
     colliders: tuple[Collider, ...] = entry((), "Bodies that snow meets.", "")
     bodies: tuple[Rigid, ...] = entry((), "Bodies that snow moves.", "")
+    robots: tuple[Robot, ...] = entry((), "Robots and vehicles from files, which snow moves too.", "")
     camera: Camera = entry(Camera(), "Camera of the film.", "")
     light: Light = entry(Light(), "Light of the film.", "")
     run: Run = entry(Run(), "Length of the run.", "")

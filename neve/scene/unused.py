@@ -27,7 +27,7 @@ def unused(scene: Scene) -> Iterator[str]:
         if source.profile:
             yield from _of_profile(source.profile, f"sources.{i}.profile")
         yield from _of_strength(scene, source, f"sources.{i}")
-    for kind, bodies in (("colliders", scene.colliders), ("bodies", scene.bodies)):
+    for kind, bodies in (("colliders", scene.colliders), ("bodies", scene.bodies), ("robots", scene.robots)):
         for i, body in enumerate(bodies):
             if body.mode == "sticky":
                 modes = f'{kind}.{i}.mode = "separate" or "slip"'

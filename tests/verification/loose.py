@@ -9,17 +9,18 @@ from neve.scene.load import scene_from
 G = 9.81
 
 
-def bodies_of(bodies, colliders=(), gravity=(0.0, 0.0, -G)):
-    """The engine with these tables of `[[bodies]]` and `[[colliders]]`."""
+def bodies_of(bodies, colliders=(), gravity=(0.0, 0.0, -G), robots=()):
+    """The engine with these tables of `[[bodies]]`, `[[colliders]]` and `[[robots]]`."""
     scene = scene_from(
         {
             "sources": [{"shape": "box", "center": [0.0, 0.0, -50.0]}],
             "world": {"gravity": list(gravity)},
             "bodies": list(bodies),
             "colliders": list(colliders),
+            "robots": list(robots),
         }
     )
-    return RigidBodies(scene, [solid_of(c, f"colliders.{i}") for i, c in enumerate(scene.colliders)])
+    return RigidBodies(scene, [solid_of(c, f"colliders.{i}", 0.05) for i, c in enumerate(scene.colliders)])
 
 
 def run(rigid, dt, steps, exchanged=None, done=0):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neve.colliders.inertia import bulk_of, bulk_of_mesh
+from neve.colliders.inertia import bulk_of, bulk_of_mesh, bulk_of_sheet
 from neve.colliders.motion import turn
 from neve.colliders.solid import Solid
 
@@ -59,3 +59,13 @@ def test_mesh_inside_out_weighs_the_same():
     assert inward.volume == out.volume == pytest.approx(8.0)
     assert inward.inertia == pytest.approx(out.inertia)
     assert np.linalg.eigvalsh(inward.inertia).min() > 0
+
+
+def test_sheet_weighs_like_a_plate():
+    """A square of two triangles and a thickness has volume, centre and moments of the plate, to rounding."""
+    corners = np.array([[0, 0, 1], [0.6, 0, 1], [0.6, 0.4, 1], [0, 0.4, 1]], dtype=float)
+    found = bulk_of_sheet(corners, np.array([[0, 1, 2], [0, 2, 3]]), 0.1)
+    plate = bulk_of(Solid("bodies.0", "box", np.array([0.3, 0.2, 0.05])))
+    assert found.volume == pytest.approx(plate.volume, rel=1e-13)
+    assert found.center == pytest.approx([0.3, 0.2, 1.0], rel=1e-13)
+    assert found.inertia == pytest.approx(plate.inertia, abs=1e-16)

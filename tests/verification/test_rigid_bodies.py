@@ -25,7 +25,7 @@ def test_free_fall(dt):
     rigid = bodies_of([BOX])
     steps = round(0.1 / dt) if dt > 1e-4 else 500
     (pose,) = run(rigid, dt, steps)
-    t, h = steps * dt, min(dt, 1e-3)
+    t, h = steps * dt, min(dt, 5e-4)
     assert pose.velocity == pytest.approx([0.0, 0.0, -G * t], abs=20 * steps * EPS)
     assert pose.position == pytest.approx([1.0, 2.0, 3.0 - 0.5 * G * t * (t + h)], abs=20 * steps * EPS)
 
@@ -143,7 +143,7 @@ def test_pendulum_swings_with_its_period():
     assert np.abs(energies).max() < w * h * (0.5 * INERTIA * (0.2 * w) ** 2)
 
 
-@pytest.mark.parametrize("dt", [1e-4, 1e-3])
+@pytest.mark.parametrize("dt", [1e-4, 5e-4])
 def test_motor_reaches_its_speed(dt):
     """dw/dt = gain (target - w) / I, taken implicitly: w_n = target (1 - (1 + h gain / I)^-n) to rounding."""
     motor = {"kind": "velocity", "target": 6.0, "gain": 2.0}
@@ -181,8 +181,8 @@ def test_motor_follows_its_keyframes_within_its_limit():
 def test_limits_stop_a_hinge():
     """A gate that is pushed stops at its limit, within what a stop of 2 ms gives way at 3 rad/s.
 
-    A spring and damper that are critical in continuous time, in steps of half their time constant, throw
-    back some percent of the speed: 5 % at most.
+    A critical spring and damper would push until 2 v / w + x = 0, with x = u t exp(-w t) at w t = 2, when
+    v = -u exp(-2): a stop, which cannot pull, throws back up to 14 % of the speed u.
     """
     rigid = bodies_of([hinged(limits=[-20.0, 45.0], spin=[0.0, 3.0, 0.0])], gravity=[0, 0, 0])
     angles = []
@@ -190,7 +190,7 @@ def test_limits_stop_a_hinge():
         (pose,) = run(rigid, 1e-3, 1, done=i)
         angles.append(np.degrees(np.arctan2(-pose.position[0], -pose.position[2])))
     assert 45.0 - 1e-3 < max(angles) < 45.0 + np.degrees(3.0 * 0.002)
-    assert abs(pose.omega[1]) < 0.05 * 3.0
+    assert abs(pose.omega[1]) < 1.05 * np.exp(-2) * 3.0
 
 
 def test_motor_inside_a_free_pair_keeps_momentum():
