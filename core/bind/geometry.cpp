@@ -219,8 +219,8 @@ void bind_sdf(nb::module_& m) {
       .def_ro("band", &SdfGrid::band)
       .def_ro("thickness", &SdfGrid::thickness)
       .def_ro("openness", &SdfGrid::openness,
-              "Of the samples in bricks more than a spacing off the surface, the share whose winding number "
-              "is more than 0.25 from a whole number: 0 for a closed mesh.")
+              "Of the samples between a spacing and the band (or three spacings) off the surface, the share "
+              "whose winding number is more than 0.25 from a whole number: 0 for a closed mesh.")
       .def_prop_ro(
           "low", [](const SdfGrid& s) { return triple(s.low); }, nb::rv_policy::move,
           "Bounds of the body [m].")

@@ -185,6 +185,7 @@ class SdfBuilder {
   // phi at all samples of one brick; and how many lie off the surface, and how many of those are neither in nor out.
   Share fill_distances(std::size_t n) {
     const Index& at = places_[n];
+    const double near = std::max(grid_.band, 3 * grid_.spacing);
     Share share;
     Value v{};
     for (int i = 0; i < side; ++i) {
@@ -194,7 +195,8 @@ class SdfBuilder {
           const Point x = place(cells * at[0] + i, cells * at[1] + j, cells * at[2] + k);
           v = j == 0 && turn == 0 ? value(x) : value_beside(v, x);
           quad(n, i, j, k)[0] = static_cast<float>(v.phi);
-          if (!(v.nearest.distance() > grid_.spacing)) continue;
+          const double d = v.nearest.distance();
+          if (!(d > grid_.spacing && d < near)) continue;
           ++share.near;
           if (std::fabs(v.winding - std::round(v.winding)) > 0.25) ++share.open;
         }
