@@ -54,6 +54,12 @@ def turn(vector: Array) -> Array:
     return np.asarray(np.eye(3) + np.sin(angle) * k + 2.0 * np.sin(0.5 * angle) ** 2 * (k @ k))
 
 
+def cross(a: Array, b: Array) -> Array:
+    """Return a x b of single vectors (3,): np.cross takes thirty times as long for so few numbers."""
+    (a0, a1, a2), (b0, b1, b2) = a.tolist(), b.tolist()
+    return np.array((a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0))
+
+
 def rotation_vector(matrix: Array) -> Array:
     """Return the rotation vector [rad] (3,) of a rotation `matrix` (3, 3), at most half a turn long."""
     q = quaternion_of(matrix)

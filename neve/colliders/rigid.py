@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from neve.colliders.assembly import Assembly, assemble
 from neve.colliders.engine import engine, quaternion
-from neve.colliders.motion import Pose, pose
+from neve.colliders.motion import Pose, cross, pose
 from neve.colliders.overlap import require_apart
 from neve.colliders.parts import parts_of
 from neve.colliders.solid import Solid, solid_of_body
@@ -209,7 +209,7 @@ class RigidBodies:
         for place, x, wrench in zip(self._assembly.places, self._positions, wrenches, strict=True):
             force, torque = wrench[:3], wrench[3:]
             data.xfrc_applied[place.body, :3] += force
-            data.xfrc_applied[place.body, 3:] += torque + np.cross(x - data.xipos[place.body], force)
+            data.xfrc_applied[place.body, 3:] += torque + cross(x - data.xipos[place.body], force)
 
     def _look(self) -> None:
         """Do the first half of a step of the engine: places, velocities, contacts, and what these aim at.
@@ -230,7 +230,7 @@ class RigidBodies:
             surface = np.zeros(3)
             for geom, sign in zip(contact.geom, (-1.0, 1.0), strict=True):
                 if at := motions.get(int(geom)):
-                    surface += sign * (at.velocity + np.cross(at.omega, contact.pos - at.position))
+                    surface += sign * (at.velocity + cross(at.omega, contact.pos - at.position))
             rows = slice(contact.efc_address, contact.efc_address + min(contact.dim, 3))
             along = contact.frame.reshape(3, 3)[: min(contact.dim, 3)] @ surface
             data.efc_aref[rows] -= data.efc_KBIP[rows, 1] * along

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -62,7 +63,7 @@ class Solid:
     mesh: SolidMesh | None = None
     terrain: HeightField | None = None
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """Distance of the farthest point of its surface from the origin of its frame [m]."""
         if self.shape == "sphere":
