@@ -19,8 +19,19 @@ class Light:
 
     def __init__(self, sun: Triple, sun_color: Triple, sky_color: Triple) -> None: ...
 
+class Mesh:
+    """Triangles, ready to be drawn: closed or not, turned out or in."""
+
+    def __init__(self, vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> None: ...
+    @staticmethod
+    def terrain(heights: NDArray[np.float32], size: tuple[float, float]) -> Mesh:
+        """Make the ground of heights (nx, ny) [m] over a rectangle around the origin, and on to the horizon."""
+
 class Body:
-    """A collider, drawn. rotation: nine numbers, row by row; half: its half extents [m]."""
+    """A collider, drawn.
+
+    rotation: nine numbers, row by row; half: its half extents [m]; mesh: for the shape "mesh".
+    """
 
     def __init__(
         self,
@@ -29,7 +40,8 @@ class Body:
         rotation: list[float],
         half: Triple,
         color: Triple,
-        natural: bool = False,
+        stuff: Literal["ground", "paint", "metal", "rubber", "wood", "stone"] = "paint",
+        mesh: Mesh | None = None,
     ) -> None: ...
 
 class Density:

@@ -1,6 +1,8 @@
 // Python's door to the pictures: neve._look.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -68,28 +70,61 @@ class Threads {
   int before_ = 1;
 };
 
+template <class T>
+T word(const std::string& given, std::initializer_list<std::pair<const char*, T>> known, const char* what) {
+  std::string all;
+  for (const auto& [name, value] : known) {
+    if (given == name) return value;
+    all += std::string(all.empty() ? "" : ", ") + name;
+  }
+  throw nb::value_error((std::string(what) + " is one of " + all).c_str());
+}
+
+using SharedMesh = std::shared_ptr<Mesh>;
+
 Body make_body(const std::string& shape, const Triple& position, const std::vector<float>& rotation,
-               const Triple& half, const Triple& color, bool natural) {
+               const Triple& half, const Triple& color, const std::string& stuff, SharedMesh mesh) {
   if (rotation.size() != 9) throw nb::value_error("rotation has nine numbers, row by row");
   const std::vector<float>& r = rotation;
-  Body body{Shape::plane,
-            vec(position),
-            {{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}},
-            vec(half),
-            vec(color),
-            natural,
-            0};
-  if (shape == "plane")
-    body.bound = 1e30f;
-  else if (shape == "box")
-    body.shape = Shape::box, body.bound = length(body.half);
-  else if (shape == "sphere")
-    body.shape = Shape::sphere, body.bound = body.half.x;
-  else if (shape == "cylinder")
-    body.shape = Shape::cylinder, body.bound = std::hypot(body.half.x, body.half.z);
-  else
-    throw nb::value_error("shape is plane, box, sphere or cylinder");
-  return body;
+  const auto which = word<Shape>(shape,
+                                 {{"plane", Shape::plane},
+                                  {"box", Shape::box},
+                                  {"sphere", Shape::sphere},
+                                  {"cylinder", Shape::cylinder},
+                                  {"mesh", Shape::mesh}},
+                                 "shape");
+  if ((which == Shape::mesh) != bool(mesh)) throw nb::value_error("mesh is given for the shape mesh");
+  const auto made = word<Stuff>(stuff,
+                                {{"ground", Stuff::ground},
+                                 {"paint", Stuff::paint},
+                                 {"metal", Stuff::metal},
+                                 {"rubber", Stuff::rubber},
+                                 {"wood", Stuff::wood},
+                                 {"stone", Stuff::stone}},
+                                "stuff");
+  return place(which, vec(position), {{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}}, vec(half),
+               vec(color), made, std::move(mesh));
+}
+
+SharedMesh make_mesh(
+    const nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& vertices,
+    const nb::ndarray<const int32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& faces) {
+  std::vector<neve::Point> points(vertices.shape(0));
+  for (size_t v = 0; v < points.size(); ++v) points[v] = {vertices(v, 0), vertices(v, 1), vertices(v, 2)};
+  std::vector<std::array<int32_t, 3>> corners(faces.shape(0));
+  for (size_t f = 0; f < corners.size(); ++f) corners[f] = {faces(f, 0), faces(f, 1), faces(f, 2)};
+  nb::gil_scoped_release release;
+  return std::make_shared<Mesh>(points, corners);
+}
+
+SharedMesh make_terrain(
+    const nb::ndarray<const float, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>& heights,
+    const std::array<float, 2>& size) {
+  const size_t nx = heights.shape(0), ny = heights.shape(1);
+  if (nx < 2 || ny < 2) throw nb::value_error("heights has two samples a side or more");
+  Heights ground{{heights.data(), heights.data() + nx * ny}, int(nx), int(ny), size[0], size[1]};
+  nb::gil_scoped_release release;
+  return std::make_shared<Mesh>(std::move(ground));
 }
 
 /// A painter that two Python threads can share: one picture at a time.
@@ -177,13 +212,18 @@ NB_MODULE(_look, m) {
             new (self) Light{normalize(vec(sun)), vec(sun_color), vec(sky_color)};
           },
           "sun"_a, "sun_color"_a, "sky_color"_a);
+  nb::class_<Mesh>(m, "Mesh", "Triangles, ready to be drawn.")
+      .def(nb::new_(&make_mesh), "vertices"_a, "faces"_a)
+      .def_static("terrain", &make_terrain, "heights"_a, "size"_a);
   nb::class_<Body>(m, "Body", "A collider, drawn.")
       .def(
           "__init__",
           [](Body* self, const std::string& shape, const Triple& position, const std::vector<float>& rotation,
-             const Triple& half, const Triple& color,
-             bool natural) { new (self) Body(make_body(shape, position, rotation, half, color, natural)); },
-          "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "natural"_a = false);
+             const Triple& half, const Triple& color, const std::string& stuff, SharedMesh mesh) {
+            new (self) Body(make_body(shape, position, rotation, half, color, stuff, std::move(mesh)));
+          },
+          "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "stuff"_a = "paint",
+          "mesh"_a = nb::none());
   nb::class_<SharedPainter>(m, "Painter", "Draw one frame after the other with the same camera and light.")
       .def(
           "__init__",

@@ -24,7 +24,7 @@ class Backdrop {
   const Sky& sky() const { return sky_; }
 
   /// Take in the bodies of this frame: describe the pixels that show something that was not there before.
-  void place(const std::vector<Body>& bodies) {
+  void place(const std::vector<Body>& bodies, const Raster& meshes) {
     std::vector<uint8_t> moved(bodies.size(), 1);
     bool any = bodies.size() != bodies_.size();
     for (size_t b = 0; b < bodies.size(); ++b) {
@@ -34,6 +34,16 @@ class Backdrop {
     bodies_ = bodies;
     if (!any && known_) return;
     known_ = true;
+    front_.assign(meshes.empty() ? 0 : size_, Front{});
+    if (!meshes.empty()) {
+#pragma omp parallel for schedule(dynamic)
+      for (int first = 0; first < camera_.height; first += Raster::band)
+        meshes.draw(first, std::min(first + Raster::band, camera_.height), 1,
+                    [&](int r, int c, float depth, uint32_t body, uint32_t triangle) {
+                      Front& front = front_[pixel(r, c)];
+                      if (depth < front.depth) front = {depth, body, triangle};
+                    });
+    }
 #pragma omp parallel for schedule(dynamic, 8)
     for (int r = 0; r < camera_.height; ++r) place_row(r, moved);
   }
@@ -56,7 +66,7 @@ class Backdrop {
 
   /// Light of the set in pixel (r, c).
   Vec3 light(int r, int c) const {
-    const size_t p = size_t(r) * size_t(camera_.width) + size_t(c);
+    const size_t p = pixel(r, c);
     const SetPoint& set = point_[p];
     const int body = body_[p];
     if (body < 0) return set.rest;
@@ -64,7 +74,7 @@ class Backdrop {
   }
 
   /// The body in the middle of pixel (r, c); -1 is the sky.
-  int body(int r, int c) const { return body_[size_t(r) * size_t(camera_.width) + size_t(c)]; }
+  int body(int r, int c) const { return body_[pixel(r, c)]; }
 
   /// Light of one body (or of the sky, -1) along the ray through a point of the picture [px]: the edges of
   /// bodies.
@@ -75,7 +85,7 @@ class Backdrop {
     const Hit hit = meet(self, camera_.eye, ray);
     if (hit.t > 1e20f) return sky_point(sky_, light_, ray).rest;
     const SetPoint set = set_point(self, hit, camera_, light_, sky_, ray);
-    return compose(set, arrival(self, camera_.eye + ray * hit.t, hit.normal));
+    return compose(set, arrival(self, camera_.eye + ray * hit.t, hit));
   }
 
  private:
@@ -99,30 +109,89 @@ class Backdrop {
   }
   size_t at(int i, int j) const { return size_t(i) * size_t(columns_) + size_t(j); }
 
+  size_t pixel(int r, int c) const { return size_t(r) * size_t(camera_.width) + size_t(c); }
+
+  /// The triangle in front in the middle of a pixel.
+  struct Front {
+    float depth = 1e30f;
+    uint32_t body = 0, triangle = 0;
+    bool operator==(const Front&) const = default;
+  };
   struct Nearest {
     int body = -1;
     Hit hit;
   };
-  Nearest nearest(Vec3 ray) const {
+  /// Meet what is nearest along a ray; front: in the place of the meshes, where that is known.
+  Nearest nearest(Vec3 ray, const Front* front) const {
     Nearest found;
     for (size_t b = 0; b < bodies_.size(); ++b) {
+      if (front && bodies_[b].shape == Shape::mesh) continue;
       const Hit hit = meet(bodies_[b], camera_.eye, ray);
       if (hit.t < found.hit.t) found = {int(b), hit};
     }
+    if (front && front->depth < found.hit.t) {
+      const Hit hit = meet_triangle(bodies_[front->body], front->triangle, camera_.eye, ray);
+      found = {int(front->body), hit};
+      found.hit.t = front->depth;
+    }
     return found;
+  }
+  /// What is in the middle of pixel (r, c), which may lie off the picture.
+  Nearest nearest(int r, int c) const {
+    const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
+    const bool known = !front_.empty() && r < camera_.height && c < camera_.width;
+    return nearest(ray, known ? &front_[pixel(r, c)] : nullptr);
   }
 
   void place_row(int r, const std::vector<uint8_t>& moved) {
     for (int c = 0; c < camera_.width; ++c) {
-      const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
-      const Nearest found = nearest(ray);
-      const size_t p = size_t(r) * size_t(camera_.width) + size_t(c);
-      if (found.body == body_[p] && (found.body < 0 || !moved[size_t(found.body)])) continue;
+      const Nearest found = nearest(r, c);
+      const size_t p = pixel(r, c);
+      const bool mesh = found.body >= 0 && bodies_[size_t(found.body)].shape == Shape::mesh;
+      // Whether a mesh has an edge in the pixel depends on what is beside it.
+      if (found.body == body_[p] && (found.body < 0 || !(moved[size_t(found.body)] || mesh))) continue;
       body_[p] = int16_t(found.body);
-      point_[p] = found.body < 0
-                      ? sky_point(sky_, light_, ray)
-                      : set_point(bodies_[size_t(found.body)], found.hit, camera_, light_, sky_, ray);
+      const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
+      if (found.body < 0)
+        point_[p] = sky_point(sky_, light_, ray);
+      else if (mesh && edge(r, c, front_[p]))
+        point_[p] = blended(bodies_[size_t(found.body)], found.hit, r, c);
+      else
+        point_[p] = set_point(bodies_[size_t(found.body)], found.hit, camera_, light_, sky_, ray);
     }
+  }
+
+  /// Say whether a pixel beside this one shows a triangle of the same mesh that is turned or off this one's plane.
+  bool edge(int r, int c, const Front& here) const {
+    const auto differs = [&](int i, int j) {
+      if (i < 0 || j < 0 || i >= camera_.height || j >= camera_.width) return false;
+      const Front& there = front_[pixel(i, j)];
+      if (there.body != here.body || there.triangle == here.triangle || there.depth > 1e20f) return false;
+      const Body& body = bodies_[here.body];
+      const Triangle& mine = body.mesh->triangles()[here.triangle];
+      const Point a = mine.area_vector(), b = body.mesh->triangles()[there.triangle].area_vector();
+      const double square = dot(a, a);
+      if (dot(a, b) < 0.92 * std::sqrt(square * dot(b, b))) return true;
+      const Vec3 beside = camera_.eye + camera_.through(float(j) + 0.5f, float(i) + 0.5f) * there.depth;
+      const Point from = to_point(body.turn.to_local(beside - body.position)) - mine.a;
+      return std::abs(dot(a, from)) > 1.5 * std::sqrt(square) * double(there.depth / camera_.focal);
+    };
+    return differs(r - 1, c) || differs(r + 1, c) || differs(r, c - 1) || differs(r, c + 1);
+  }
+
+  /// Describe a pixel that an edge within one mesh crosses: the mean over its samples.
+  SetPoint blended(const Body& self, const Hit& middle, int r, int c) const {
+    constexpr int n = Samples::per_axis;
+    SetPoint sum{};
+    for (int s = 0; s < n * n; ++s) {
+      Vec3 ray = camera_.through(float(c) + (float(s % n) + 0.5f) / n, float(r) + (float(s / n) + 0.5f) / n);
+      Hit hit = meet(self, camera_.eye, ray);
+      if (hit.t > 1e20f) hit = middle, ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
+      const SetPoint set = set_point(self, hit, camera_, light_, sky_, ray);
+      sum.sun += set.sun, sum.sky += set.sky, sum.rest += set.rest;
+    }
+    constexpr float part = 1.0f / (n * n);
+    return {sum.sun * part, sum.sky * part, sum.rest * part};
   }
 
   void look_at_cells(int i, const Samples& samples, std::vector<uint8_t>& shows) const {
@@ -141,14 +210,14 @@ class Backdrop {
   }
   Node light_node(int i, int j) const {
     const Vec3 ray = camera_.through(float(j * cell) + 0.5f, float(i * cell) + 0.5f);
-    const Nearest found = nearest(ray);
+    const Nearest found = nearest(i * cell, j * cell);
     if (found.body < 0) return {};
     const Vec3 point = camera_.eye + ray * found.hit.t;
-    return {arrival(bodies_[size_t(found.body)], point, found.hit.normal), point, found.body};
+    return {arrival(bodies_[size_t(found.body)], point, found.hit), point, found.body};
   }
-  Arrival arrival(const Body& self, Vec3 point, Vec3 normal) const {
-    return {sun_arrival(*snow_, light_, point), sun_past(bodies_, &self, point, light_.sun),
-            sky_arrival(*snow_, bodies_, self, point, normal)};
+  Arrival arrival(const Body& self, Vec3 point, const Hit& hit) const {
+    return {sun_arrival(*snow_, light_, point), sun_past(bodies_, self, point, hit, light_.sun),
+            sky_arrival(*snow_, bodies_, self, point, hit.normal)};
   }
 
   /// Interpolate what arrives at pixel (r, c) from the four nodes around it, or find it anew where they
@@ -167,10 +236,10 @@ class Backdrop {
     if (snow && past && sky) return here;
     const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
     const Body& self = bodies_[size_t(body)];
-    const Hit hit = meet(self, camera_.eye, ray);
+    const Hit hit = self.shape == Shape::mesh ? nearest(r, c).hit : meet(self, camera_.eye, ray);
     const Vec3 point = camera_.eye + ray * hit.t;
     if (!snow) here.snow = sun_arrival(*snow_, light_, point);
-    if (!past) here.bodies = sun_past(bodies_, &self, point, light_.sun);
+    if (!past) here.bodies = sun_past(bodies_, self, point, hit, light_.sun);
     if (!sky) here.sky = sky_arrival(*snow_, bodies_, self, point, hit.normal);
     return here;
   }
@@ -203,6 +272,7 @@ class Backdrop {
   bool known_ = false;
   std::vector<Body> bodies_;
   std::vector<Node> node_;
+  std::vector<Front> front_;  // empty without meshes
   const Density* snow_ = nullptr;
 };
 

@@ -104,11 +104,21 @@ inline float ground_light(const Density& snow, Vec3 p, Vec3 normal, float start)
          cone_light(snow, p, normalize({normal.x, normal.y, std::min(normal.z, 0.0f) - 0.5f}), start);
 }
 
-/// Share of the sun left by all bodies but `self`.
-inline float sun_past(std::span<const Body> bodies, const Body* self, Vec3 p, Vec3 sun) {
+/// Share of the sun left to a grain of snow by all bodies. clear: how far off meshes begin to count [m]: grains
+/// sink into them a little.
+inline float sun_past(std::span<const Body> bodies, Vec3 p, Vec3 sun, float clear) {
+  float seen = 1.0f;
+  for (const Body& body : bodies) seen *= sun_past(body, p, sun, clear);
+  return seen;
+}
+
+/// Share of the sun left to a point of `self` by all bodies. Only meshes throw shadows on themselves.
+inline float sun_past(std::span<const Body> bodies, const Body& self, Vec3 p, const Hit& hit, Vec3 sun) {
+  if (dot(hit.normal, sun) <= 0) return 1.0f;  // it has none to lose
   float seen = 1.0f;
   for (const Body& body : bodies)
-    if (&body != self) seen *= sun_past(body, p, sun);
+    if (&body != &self || body.shape == Shape::mesh)
+      seen *= sun_past(body, p + hit.lift, sun, &body == &self ? 1e-3f * body.mesh->shade() : 0.0f);
   return seen;
 }
 
@@ -116,7 +126,7 @@ inline float sun_past(std::span<const Body> bodies, const Body* self, Vec3 p, Ve
 inline float sky_past(std::span<const Body> bodies, const Body* self, Vec3 p, Vec3 normal) {
   float seen = 1.0f;
   for (const Body& body : bodies)
-    if (&body != self) seen *= sky_past(body, p, normal);
+    seen *= &body == self ? sky_past_self(body, p, normal) : sky_past(body, p, normal);
   return seen;
 }
 

@@ -29,8 +29,9 @@ class Painter {
     const Density snow(particles.x, particles.volume, particles.cell_size);
     const Cluster cluster(std::cbrt(particles.volume), particles.x.size(), camera_);
     grains_ = Projection(snow, particles.x, particles.J_P, camera_, cluster, Samples::per_axis).grains();
-    draw_samples(samples_, bodies, grains_, camera_);
-    backdrop_.place(bodies);
+    const Raster meshes(bodies, camera_);
+    draw_samples(samples_, bodies, meshes, grains_, camera_);
+    backdrop_.place(bodies, meshes);
     backdrop_.illuminate(snow, samples_);
     light_visible(snow, bodies, particles.x);
     develop(rgb);

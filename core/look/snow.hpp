@@ -27,7 +27,7 @@ inline Lit light_particle(const Density& snow, std::span<const Body> bodies, con
   // Light is asked for just above the surface, and higher for grains that lie deeper.
   const float cover = snow.sample(p);
   const Vec3 above = p + lit.normal * (h * (0.8f + 0.6f * saturate(cover - 0.3f)));
-  const float past = sun_past(bodies, nullptr, p, light.sun);
+  const float past = sun_past(bodies, p, light.sun, h);
   const SunPath path = sun_path(snow, above, light.sun, 0.25f, 1.8f);
   const float direct = std::exp(-path.far - (0.55f - 0.3f * saturate(cover)) * path.near),
               through = std::exp(-0.38f * (path.near + path.far));

@@ -3,8 +3,8 @@
 #pragma once
 #include <bit>
 
-#include "look/bodies.hpp"
 #include "look/grains.hpp"
+#include "look/raster.hpp"
 
 namespace neve::look {
 
@@ -59,7 +59,7 @@ inline void splat_grain(Samples& samples, const Grain& grain, uint32_t index, in
   }
 }
 
-/// Cast a ray at the bodies through every sample of a row.
+/// Cast a ray at the bodies, but for meshes, through every sample of a row.
 inline void cast_row(Samples& samples, std::span<const Body> bodies, const Camera& camera, int r) {
   constexpr float pixel = 1.0f / Samples::per_axis;
   Key* row = samples.row(r);
@@ -79,6 +79,7 @@ inline void cast_row(Samples& samples, std::span<const Body> bodies, const Camer
       }
       continue;
     }
+    if (body.shape == Shape::mesh) continue;
     const Vec3 at = camera.project(body.position);
     float left = 0, right = float(samples.width);
     if (at.z > 2.0f * body.bound) {  // far enough for its ball to have a width on the film
@@ -95,8 +96,8 @@ inline void cast_row(Samples& samples, std::span<const Body> bodies, const Camer
 }
 
 /// Draw bodies and grains into the z-buffer.
-inline void draw_samples(Samples& samples, std::span<const Body> bodies, std::span<const Grain> grains,
-                         const Camera& camera) {
+inline void draw_samples(Samples& samples, std::span<const Body> bodies, const Raster& meshes,
+                         std::span<const Grain> grains, const Camera& camera) {
   const int bands = samples.bands();
   std::vector<std::vector<uint32_t>> in_band(static_cast<size_t>(bands));
   for (uint32_t g = 0; g < grains.size(); ++g) {
@@ -110,6 +111,10 @@ inline void draw_samples(Samples& samples, std::span<const Body> bodies, std::sp
   for (int b = 0; b < bands; ++b) {
     const int first = b * Samples::band, last = std::min(first + Samples::band, samples.height);
     for (int r = first; r < last; ++r) cast_row(samples, bodies, camera, r);
+    meshes.draw(first, last, Samples::per_axis, [&](int r, int c, float depth, uint32_t body, uint32_t) {
+      Key& key = samples.row(r)[c];
+      key = std::min(key, make_key(depth, first_body + body));
+    });
     for (uint32_t g : in_band[size_t(b)]) splat_grain(samples, grains[g], g, first, last);
   }
 }

@@ -50,6 +50,7 @@ class Preview:
             math.cos(elevation) * math.sin(azimuth),
             math.sin(elevation),
         )
+        self._meshes: dict[int, tuple[object, _look.Mesh]] = {}
         self._painter = _look.Painter(
             _look.Camera(camera.position, camera.target, camera.up, camera.fov, width, height),
             _look.Light(
@@ -74,21 +75,39 @@ class Preview:
         """
         places = np.ascontiguousarray(x, dtype=np.float32)
         ratio = np.ones(0, np.float32) if J_P is None else np.ascontiguousarray(J_P, dtype=np.float32)
-        drawn = [_body(solid, pose) for solid, pose in bodies if solid.visible]
+        drawn = [self._body(solid, pose) for solid, pose in bodies if solid.visible]
         picture: npt.NDArray[np.uint8] = self._painter.draw(
             places, ratio, self.volume, self.cell_size, drawn, self.threads
         )
         return picture
 
+    def _body(self, solid: Solid, pose: Pose) -> _look.Body:
+        """Translate a solid and its pose for the renderer."""
+        ground = solid.shape in ("plane", "terrain") and solid.color is None
+        x, y, z = (float(a) for a in pose.position)
+        a, b, c = (float(h) for h in solid.half)
+        rotation = [float(r) for r in np.asarray(pose.rotation).ravel()]
+        stuff = "ground" if ground else "paint"
+        color = solid.color or STEEL
+        if solid.shape in ("mesh", "terrain"):
+            return _look.Body("mesh", (x, y, z), rotation, (a, b, c), color, stuff, self._mesh(solid))
+        return _look.Body(solid.shape, (x, y, z), rotation, (a, b, c), color, stuff)
+
+    def _mesh(self, solid: Solid) -> _look.Mesh:
+        """Return the triangles of a mesh or terrain, made ready once for all frames and bodies that share them."""
+        what = solid.terrain if solid.shape == "terrain" else solid.mesh
+        if id(what) not in self._meshes:
+            if solid.shape == "terrain":
+                heights = np.ascontiguousarray(what.heights, np.float32)
+                mesh = _look.Mesh.terrain(heights, tuple(what.size))
+            else:
+                mesh = _look.Mesh(
+                    np.ascontiguousarray(what.vertices, np.float64),
+                    np.ascontiguousarray(what.faces, np.int32),
+                )
+            self._meshes[id(what)] = what, mesh
+        return self._meshes[id(what)][1]
+
 
 def _scaled(color: tuple[float, float, float], factor: float) -> tuple[float, float, float]:
     return (color[0] * factor, color[1] * factor, color[2] * factor)
-
-
-def _body(solid: Solid, pose: Pose) -> _look.Body:
-    """Translate a solid and its pose for the renderer."""
-    natural = solid.shape == "plane" and solid.color is None
-    x, y, z = (float(a) for a in pose.position)
-    a, b, c = (float(h) for h in solid.half)
-    rotation = [float(r) for r in np.asarray(pose.rotation).ravel()]
-    return _look.Body(solid.shape, (x, y, z), rotation, (a, b, c), solid.color or STEEL, natural)

@@ -1,0 +1,136 @@
+// What a picture asks of the triangles of a mesh: normals that are smooth where the surface is, and how closely a ray
+// towards the sun passes by.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "geometry/mesh.hpp"
+#include "look/vec.hpp"
+
+namespace neve::look {
+
+inline Point to_point(Vec3 a) { return {a.x, a.y, a.z}; }
+inline Vec3 to_vec(const Point& a) { return {float(a.x), float(a.y), float(a.z)}; }
+
+using Corners3 = std::array<Vec3, 3>;
+
+/// Return a normal for each corner of each triangle: the mean of those triangles around the corner that turn away from
+/// this one by less than the crease angle, weighted by their area. Corners at one place are one corner.
+inline std::vector<Corners3> corner_normals(const std::vector<Triangle>& triangles) {
+  constexpr double crease =
+      0.80;  // cosine of the largest angle between triangles of one smooth surface: 37 degrees
+  struct Corner {
+    Point at;
+    uint32_t triangle, corner;
+  };
+  std::vector<Corner> corners;
+  std::vector<Point> unit(triangles.size());
+  corners.reserve(3 * triangles.size());
+  for (uint32_t t = 0; t < triangles.size(); ++t) {
+    const Triangle& triangle = triangles[t];
+    corners.push_back({triangle.a, t, 0});
+    corners.push_back({triangle.b, t, 1});
+    corners.push_back({triangle.c, t, 2});
+    const Point n = triangle.area_vector();
+    unit[t] = n * (1.0 / std::sqrt(dot(n, n)));
+  }
+  const auto before = [](const Corner& a, const Corner& b) {
+    if (a.at.x != b.at.x) return a.at.x < b.at.x;
+    if (a.at.y != b.at.y) return a.at.y < b.at.y;
+    if (a.at.z != b.at.z) return a.at.z < b.at.z;
+    return a.triangle < b.triangle;
+  };
+  std::sort(corners.begin(), corners.end(), before);
+  std::vector<Corners3> normals(triangles.size());
+  for (size_t first = 0, end = 0; first < corners.size(); first = end) {
+    const Point at = corners[first].at;
+    while (end < corners.size() && corners[end].at.x == at.x && corners[end].at.y == at.y &&
+           corners[end].at.z == at.z)
+      ++end;
+    for (size_t i = first; i < end; ++i) {
+      Point sum{};
+      for (size_t j = first; j < end; ++j)
+        if (dot(unit[corners[i].triangle], unit[corners[j].triangle]) >= crease)
+          sum = sum + triangles[corners[j].triangle].area_vector();
+      normals[corners[i].triangle][corners[i].corner] = to_vec(sum * (1.0 / std::sqrt(dot(sum, sum))));
+    }
+  }
+  return normals;
+}
+
+/// How closely a ray passes by triangles.
+class NearMiss {
+ public:
+  /// direction: of unit length; start: where the ray begins to count [m].
+  NearMiss(const TriangleMesh& mesh, const Point& origin, const Point& direction, double start)
+      : mesh_(mesh), ray_(origin, direction), origin_(origin), direction_(direction), start_(start) {}
+
+  /// Return the least angle [rad, small] between the ray and anything seen from its origin, at most `widest`: zero if
+  /// the ray meets a triangle. It is the distance of the nearest miss over the way to it.
+  double angle(double widest) {
+    best_ = widest;
+    uint32_t stack[BvhBuilder::deepest];
+    int top = 0;
+    if (least(mesh_.nodes()[0]) < best_) stack[top++] = 0;
+    while (top > 0 && best_ > 0) {
+      const uint32_t at = stack[--top];
+      const BvhNode& node = mesh_.nodes()[at];
+      if (least(node) >= best_) continue;
+      if (node.leaf()) {
+        for (uint32_t i = node.first; i < node.first + node.count; ++i) visit(mesh_.triangles()[i]);
+        continue;
+      }
+      uint32_t near = at + 1, far = node.first;
+      double near_least = least(mesh_.nodes()[near]), far_least = least(mesh_.nodes()[far]);
+      if (far_least < near_least) std::swap(near, far), std::swap(near_least, far_least);
+      if (far_least < best_) stack[top++] = far;
+      if (near_least < best_) stack[top++] = near;
+    }
+    return best_;
+  }
+
+ private:
+  /// No point of the node's box is seen closer to the ray than this.
+  double least(const BvhNode& node) const {
+    Point middle, half;
+    for (int k = 0; k < 3; ++k) {
+      middle[k] = 0.5 * (double(node.low[k]) + double(node.high[k]));
+      half[k] = 0.5 * (double(node.high[k]) - double(node.low[k]));
+    }
+    const Point to = middle - origin_;
+    const double radius = std::sqrt(dot(half, half)), along = dot(to, direction_);
+    if (along + radius < start_) return Bounds::inf;
+    const double aside = std::sqrt(std::fmax(dot(to, to) - along * along, 0.0)) - radius;
+    return aside > 0 ? aside / (along + radius) : 0.0;
+  }
+
+  void visit(const Triangle& t) {
+    Ray::Meeting at;
+    if (ray_.meets(t, Bounds::inf, at) && at.t > start_) {
+      best_ = 0;
+      return;
+    }
+    pass(t.a, t.b), pass(t.b, t.c), pass(t.c, t.a);
+  }
+
+  /// Take in the place of an edge that is nearest to the ray's line.
+  void pass(const Point& a, const Point& b) {
+    const Point to = a - origin_, way = b - a;
+    const double along = dot(to, direction_), onward = dot(way, direction_);
+    const Point aside = to - direction_ * along, across = way - direction_ * onward;
+    const double length2 = dot(across, across);
+    const double s = length2 > 0 ? std::clamp(-dot(aside, across) / length2, 0.0, 1.0) : 0.0;
+    const double t = along + s * onward;
+    if (t <= start_) return;
+    const Point miss = aside + across * s;
+    const double miss2 = dot(miss, miss);
+    if (miss2 < best_ * best_ * t * t) best_ = std::sqrt(miss2) / t;
+  }
+
+  const TriangleMesh& mesh_;
+  Ray ray_;
+  Point origin_, direction_;
+  double start_, best_ = 0;
+};
+
+}  // namespace neve::look
