@@ -25,12 +25,13 @@ class Mesh:
     def __init__(self, vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> None: ...
     @staticmethod
     def terrain(heights: NDArray[np.float32], size: tuple[float, float]) -> Mesh:
-        """Make the ground of heights (nx, ny) [m] over a rectangle around the origin, and on to the horizon."""
+        """Make the ground of heights (nx, ny) [m] over a rectangle, and on to the horizon."""
 
 class Body:
     """A collider, drawn.
 
     rotation: nine numbers, row by row; half: its half extents [m]; mesh: for the shape "mesh".
+    stuff: ground, paint, metal, rubber, wood or stone.
     """
 
     def __init__(
@@ -40,7 +41,7 @@ class Body:
         rotation: list[float],
         half: Triple,
         color: Triple,
-        stuff: Literal["ground", "paint", "metal", "rubber", "wood", "stone"] = "paint",
+        stuff: str = "paint",
         mesh: Mesh | None = None,
     ) -> None: ...
 

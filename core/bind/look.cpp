@@ -122,7 +122,8 @@ SharedMesh make_terrain(
     const std::array<float, 2>& size) {
   const size_t nx = heights.shape(0), ny = heights.shape(1);
   if (nx < 2 || ny < 2) throw nb::value_error("heights has two samples a side or more");
-  Heights ground{{heights.data(), heights.data() + nx * ny}, int(nx), int(ny), size[0], size[1]};
+  Heights ground{{heights.data(), heights.data() + nx * ny}, int(nx), int(ny), size[0], size[1], 0};
+  ground.high = *std::max_element(ground.height.begin(), ground.height.end());
   nb::gil_scoped_release release;
   return std::make_shared<Mesh>(std::move(ground));
 }

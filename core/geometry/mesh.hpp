@@ -54,6 +54,7 @@ class TriangleMesh {
   }
 
   const std::vector<Triangle>& triangles() const { return triangles_; }
+  const std::vector<BvhNode>& nodes() const { return nodes_; }
   const Bounds& bounds() const { return bounds_; }
   double area() const { return area_; }        // [m2]
   double volume() const { return volume_; }    // [m3], not below zero; of an open mesh a guess

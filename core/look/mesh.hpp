@@ -20,11 +20,18 @@ class RoughDistance {
     nx_ = count(size.x), ny_ = count(size.y), nz_ = count(size.z);
     value_.resize(size_t(nx_) * size_t(ny_) * size_t(nz_));
 #pragma omp parallel for schedule(dynamic, 4)
-    for (int r = 0; r < nx_ * ny_; ++r)
+    for (int r = 0; r < nx_ * ny_; ++r) {
+      double far = Bounds::inf;  // of the sample before from the surface [m]
+      float side = 1;
       for (int k = 0; k < nz_; ++k) {
-        const Vec3 p = low_ + Vec3{float(r / ny_), float(r % ny_), float(k)} * step_;
-        value_[size_t(r) * size_t(nz_) + size_t(k)] = float(mesh.signed_distance(to_point(p)));
+        const Point p = to_point(low_ + Vec3{float(r / ny_), float(r % ny_), float(k)} * step_);
+        // No farther than a step more than before; and on the same side if a step does not reach the surface.
+        const bool near = far < 1.001 * step_ || k == 0;
+        far = mesh.nearest(p, far + 1.001 * step_).distance();
+        if (near) side = TriangleMesh::winds(mesh.winding(p)) ? -1.0f : 1.0f;
+        value_[size_t(r) * size_t(nz_) + size_t(k)] = side * float(far);
       }
+    }
   }
 
   float at(Vec3 p) const {
@@ -52,6 +59,7 @@ struct Heights {
   std::vector<float> height;  // [m]
   int nx = 0, ny = 0;
   float size_x = 1, size_y = 1;  // [m]
+  float high = 0;                // largest height [m]
 
   float at(int i, int j) const { return height[size_t(i) * size_t(ny) + size_t(j)]; }
   /// Height over the tangent plane below p [m].
@@ -65,6 +73,19 @@ struct Heights {
     const float sx = mix(h10 - h00, h11 - h01, b) / dx, sy = mix(h01 - h00, h11 - h10, a) / dy;
     const float height = mix(mix(h00, h01, b), mix(h10, h11, b), a);
     return (p.z - height) / std::sqrt(1.0f + sx * sx + sy * sy);
+  }
+  /// Angle by which a ray clears the ground [rad], at most `widest`; the first cell's own ground does not count.
+  float miss(Vec3 p, Vec3 d, float start, float widest) const {
+    const float cell = std::min(size_x / float(nx - 1), size_y / float(ny - 1));
+    float least = widest, t = std::max(start, cell);
+    for (int step = 0; step < 400 && least > 0; ++step) {
+      const Vec3 q = p + d * t;
+      if (q.z > high && d.z >= 0) break;
+      const float away = over(q);
+      least = std::min(least, away / t);
+      t += std::max(0.7f * away, 0.5f * cell);
+    }
+    return std::max(least, 0.0f);
   }
 };
 
@@ -120,6 +141,7 @@ class Mesh {
   }
   /// Angle between the ray and the nearest miss [rad], zero for a hit, at most `widest`.
   float miss(Vec3 p, Vec3 unit_direction, float start, float widest) const {
+    if (terrain()) return heights_.miss(p, unit_direction, start, widest);
     return float(NearMiss(mesh_, to_point(p), to_point(unit_direction), start).angle(widest));
   }
 

@@ -66,8 +66,7 @@ inline Finish frozen_ground(Vec3 p, Vec3 normal, float reach, float pixel) {
   Vec3 color = mix(soil, rime, frost) * (1.0f + 0.15f * crust.value);
   const float steep = 1.0f - smoothstep(0.70f, 0.88f, normal.z + 0.06f * crust.value);
   if (steep > 0) {
-    const Relief layer =
-        fractal(p.z + 0.15f * drift.value * reach, 0.2f * (p.x + p.y), 0.05f * reach, 5, 0.6f, pixel, 211);
+    const Relief layer = fractal(p.x + 0.6f * p.z, p.y - 0.8f * p.z, 0.05f * reach, 5, 0.6f, pixel, 211);
     color = mix(color, rock * (1.0f + 0.45f * layer.value + 0.15f * crust.value), steep);
   }
   const float bump = 0.0011f * reach;

@@ -12,7 +12,9 @@ import numpy.typing as npt
 import neve._look as _look
 
 if TYPE_CHECKING:
+    from neve._core import HeightField
     from neve.colliders.motion import Pose
+    from neve.colliders.sdf import SolidMesh
     from neve.colliders.solid import Solid
     from neve.scene.scene import Scene
 
@@ -94,17 +96,18 @@ class Preview:
         return _look.Body(solid.shape, (x, y, z), rotation, (a, b, c), color, stuff)
 
     def _mesh(self, solid: Solid) -> _look.Mesh:
-        """Return the triangles of a mesh or terrain, made ready once for all frames and bodies that share them."""
-        what = solid.terrain if solid.shape == "terrain" else solid.mesh
+        """Return the triangles of a mesh or terrain, made ready once for all frames and bodies of it."""
+        what: HeightField | SolidMesh | None = solid.mesh or solid.terrain
         if id(what) not in self._meshes:
-            if solid.shape == "terrain":
-                heights = np.ascontiguousarray(what.heights, np.float32)
-                mesh = _look.Mesh.terrain(heights, tuple(what.size))
+            if solid.mesh is not None:
+                vertices = np.ascontiguousarray(solid.mesh.vertices, np.float64)
+                mesh = _look.Mesh(vertices, np.ascontiguousarray(solid.mesh.faces, np.int32))
+            elif solid.terrain is not None:
+                across, along = (float(side) for side in solid.terrain.size)
+                heights = np.ascontiguousarray(solid.terrain.heights, np.float32)
+                mesh = _look.Mesh.terrain(heights, (across, along))
             else:
-                mesh = _look.Mesh(
-                    np.ascontiguousarray(what.vertices, np.float64),
-                    np.ascontiguousarray(what.faces, np.int32),
-                )
+                raise ValueError(f"{solid.name} is a {solid.shape} without its surface")
             self._meshes[id(what)] = what, mesh
         return self._meshes[id(what)][1]
 
