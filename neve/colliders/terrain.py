@@ -70,7 +70,9 @@ def _array(path: Path, told: str) -> _Map:
     """Read the array heights[x, y] of a NumPy file."""
     try:
         values = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
+    except MemoryError:
+        raise
+    except Exception as error:  # whatever a damaged file makes its reader stumble over
         raise _unreadable(told, error) from None
     if not isinstance(values, np.ndarray) or values.dtype.kind not in "iuf":
         raise SceneError(f"{told} holds no numbers: a height map is an array of whole or real numbers")
@@ -87,9 +89,14 @@ def _picture(path: Path, told: str) -> _Map:
             warnings.simplefilter("ignore")
             with Image.open(path) as image:
                 tags = dict(getattr(image, "tag_v2", {}))
-                mode, rows = image.mode, np.asarray(image)
-    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+                mode, pixels = image.mode, image.width * image.height
+                rows = np.asarray(image) if pixels <= MOST else np.zeros((0, 0))
+    except MemoryError:
+        raise
+    except Exception as error:  # whatever a damaged file makes its reader stumble over
         raise _unreadable(told, error) from None
+    if pixels > MOST:
+        raise SceneError(f"{told} has {pixels:.3g} pixels, more than {MOST:.3g}: use a smaller map")
     if mode not in ("L", "I", "F") and not mode.startswith("I;16"):
         raise SceneError(
             f"{told} is a picture in colours: a height map has one channel, of 8 or 16 bits or of reals"

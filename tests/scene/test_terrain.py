@@ -129,6 +129,16 @@ def test_bad_maps_are_one_sentence(tmp_path: Path) -> None:
         assert text.endswith(".")
 
 
+def test_large_maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A map of more samples than are allowed is told before it is unpacked, a picture as an array."""
+    monkeypatch.setattr("neve.colliders.terrain.MOST", 10)
+    np.save(tmp_path / "a.npy", HEIGHTS)
+    picture(HEIGHTS, tmp_path / "a.png", np.uint8)
+    for name, words in {"a.npy": "12 heights, more than 10", "a.png": "12 pixels, more than 10"}.items():
+        with pytest.raises(SceneError, match=words):
+            height_field(Terrain(file=str(tmp_path / name), size=(1.0, 1.0)), NAME)
+
+
 def test_names_of_maps() -> None:
     """A map that is missing, or of another kind, is told when the scene is read."""
     for keys, words in (
