@@ -197,6 +197,14 @@ WORKS: Mapping[str, str] = {
   year    = {2018},
   doi     = {10.1145/3197517.3201337}
 }""",
+    "todorov2012": """@inproceedings{todorov2012,
+  author    = {Todorov, Emanuel and Erez, Tom and Tassa, Yuval},
+  title     = {{MuJoCo}: A physics engine for model-based control},
+  booktitle = {2012 {IEEE/RSJ} International Conference on Intelligent Robots and Systems},
+  pages     = {5026--5033},
+  year      = {2012},
+  doi       = {10.1109/IROS.2012.6386109}
+}""",
 }
 
 # Method -> works that describe it. A method's name is the word that chooses it in a scene, or its table.
@@ -219,6 +227,7 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "fractal": ("perlin1985",),
     "clods": ("worley1996",),
     "mesh": ("jacobson2013", "barill2018"),
+    "bodies": ("todorov2012",),
 }
 
 
@@ -235,6 +244,8 @@ def methods(scene: Scene) -> list[str]:
     names += [n.pattern for n in noises if n and (n.stiffness or n.strength or n.density)]
     if any(part.shape == "mesh" for part in (*scene.sources, *scene.colliders, *scene.bodies)):
         names.append("mesh")
+    if scene.bodies or scene.robots:
+        names.append("bodies")
     return list(dict.fromkeys(names))
 
 

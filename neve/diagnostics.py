@@ -1,4 +1,4 @@
-"""Sums over the snow: mass, momentum, energies."""
+"""Sums over the snow and over the bodies that it moves: mass, momentum, energies."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ class Diagnostics:
     velocity field that each particle carries around itself, with transfers that have one), elastic, potential
     (-m g . x); numbers of particles and of allocated blocks. `work` [J] is what
     colliders have done on the snow so far: impulse times the velocity of the collider's surface.
+    Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic and bodies_potential [J].
     """
 
     mass: float
@@ -34,6 +35,9 @@ class Diagnostics:
     work: float
     particles: int
     blocks: int
+    bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    bodies_kinetic: float = 0.0
+    bodies_potential: float = 0.0
 
 
 class Balance(NamedTuple):
@@ -74,6 +78,8 @@ def diagnose(model: Model, state: State, grid: Grid, exchanged: NDArray[np.float
     """Add up the state; `exchanged` is that of the Simulation."""
     t = model.core.totals(model.native, state)
     px, py, pz = t.momentum
+    rigid = model.rigid
+    bx, by, bz = (float(p) for p in rigid.momentum) if rigid else (0.0, 0.0, 0.0)
     return Diagnostics(
         mass=t.mass,
         momentum=(px, py, pz),
@@ -84,4 +90,7 @@ def diagnose(model: Model, state: State, grid: Grid, exchanged: NDArray[np.float
         work=float(exchanged[:, 6].sum()),
         particles=int(state.count),
         blocks=int(grid.blocks),
+        bodies_momentum=(bx, by, bz),
+        bodies_kinetic=rigid.kinetic if rigid else 0.0,
+        bodies_potential=rigid.potential if rigid else 0.0,
     )

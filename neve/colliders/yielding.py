@@ -28,6 +28,21 @@ class YieldingBodies(Protocol):
 
     solids: tuple[Solid, ...]
 
+    @property
+    def momentum(self) -> Array:
+        """Sum of m v over the bodies [kg m/s], (3,)."""
+        ...
+
+    @property
+    def kinetic(self) -> float:
+        """Kinetic energy of the bodies [J]."""
+        ...
+
+    @property
+    def potential(self) -> float:
+        """Energy of the bodies in the field of gravity [J]."""
+        ...
+
     def poses(self) -> list[Pose]:
         """Return where the solids are now and how they move."""
         ...

@@ -27,6 +27,11 @@ COLUMNS = (
     "potential",
     "affine",  # kinetic energy of the velocity field that each particle carries around itself
     "work",  # of the colliders on the snow since the start
+    "bodies_momentum_x",  # of the bodies that snow moves [kg m/s]
+    "bodies_momentum_y",
+    "bodies_momentum_z",
+    "bodies_kinetic",  # their energies [J]
+    "bodies_potential",
     "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
     "particles",
     "blocks",  # grid blocks of 4x4x4 nodes in use

@@ -142,6 +142,7 @@ class LogOutput:
         moved = moment.frame > 0  # the initial state took no step
         seconds = {**(stats.stage_seconds if moved else {}), **moment.clock.take()}
         x, y, z = (float(component) for component in totals.momentum)
+        u, v, w = (float(component) for component in totals.bodies_momentum)
         excess = self._watch.excess(totals, moment.frame)
         self._log.append(
             {
@@ -161,6 +162,11 @@ class LogOutput:
                 "potential": float(totals.potential),
                 "affine": float(totals.affine),
                 "work": float(totals.work),
+                "bodies_momentum_x": u,
+                "bodies_momentum_y": v,
+                "bodies_momentum_z": w,
+                "bodies_kinetic": float(totals.bodies_kinetic),
+                "bodies_potential": float(totals.bodies_potential),
                 "excess": excess,
                 "particles": int(totals.particles),
                 "blocks": int(totals.blocks),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from neve.scene.bodies import Rigid, RigidBox, RigidCylinder, RigidSphere
 from neve.scene.colliders import Box, Collider, Cylinder, Sphere
 from neve.scene.fields import norm, rounded_down, rounded_up
 from neve.scene.scene import Scene
@@ -34,7 +35,9 @@ def advice(scene: Scene) -> list[str]:
         ]
     found += _long_step(scene)
     for i, collider in enumerate(scene.colliders):
-        found += _thin_collider(scene, collider, f"colliders.{i}")
+        found += _thin_body(scene, collider, f"colliders.{i}")
+    for i, body in enumerate(scene.bodies):
+        found += _thin_body(scene, body, f"bodies.{i}")
     return [*found, *unused(scene)]
 
 
@@ -108,16 +111,16 @@ def _long_step(scene: Scene) -> Iterator[str]:
         )
 
 
-def _thin_collider(scene: Scene, collider: Collider, name: str) -> Iterator[str]:
+def _thin_body(scene: Scene, body: Collider | Rigid, name: str) -> Iterator[str]:
     dx = scene.numerics.dx
-    if isinstance(collider, Box):
-        key, length = "size", min(collider.size)
-    elif isinstance(collider, Sphere | Cylinder):
-        key, length = "radius", 2 * collider.radius
+    if isinstance(body, Box | RigidBox):
+        key, length = "size", min(body.size)
+    elif isinstance(body, Sphere | Cylinder | RigidSphere | RigidCylinder):
+        key, length = "radius", 2 * body.radius
     else:
         return
-    if isinstance(collider, Cylinder) and collider.height < length:
-        key, length = "height", collider.height
+    if isinstance(body, Cylinder | RigidCylinder) and body.height < length:
+        key, length = "height", body.height
     if length < COLLIDER_CELLS * dx * (1 - 1e-9):
         yield (
             f"{name}.{key} makes this body {length:g} m thin, only {length / dx:.2g} cells of numerics.dx = "

@@ -32,6 +32,13 @@ def unused(scene: Scene) -> Iterator[str]:
             if body.mode == "sticky":
                 modes = f'{kind}.{i}.mode = "separate" or "slip"'
                 yield from _set_in_vain(body, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
+    for i, loose in enumerate(scene.bodies):
+        name = f"bodies.{i}"
+        if loose.joint == "free":
+            joints = f'{name}.joint = "hinge" or "slide"'
+            yield from _set_in_vain(loose, name, "axis", 'joint = "free"', joints)
+        if not loose.contacts:
+            yield from _set_in_vain(loose, name, "friction", "contacts = false", f"{name}.contacts = true")
 
 
 def _of_transfer(numerics: Numerics) -> Iterator[str]:

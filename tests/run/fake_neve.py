@@ -107,6 +107,9 @@ class Simulation:
             potential=9.81 * (m * s.x[:, 2]).sum(),
             particles=s.count,
             blocks=self.blocks,
+            bodies_momentum=(0.0, 0.0, 0.0),
+            bodies_kinetic=0.0,
+            bodies_potential=0.0,
         )
 
 

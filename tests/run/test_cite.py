@@ -65,6 +65,12 @@ def test_scene_cites_meshes(scene_file):
         assert "@article{barill2018," in bibtex(scene)
 
 
+def test_scene_cites_the_engine_of_its_bodies(scene_file):
+    """Who has bodies that snow moves cites what moves them; colliders do without."""
+    assert "bodies" not in methods(load(scene_file))
+    assert "{todorov2012," in bibtex(load(scene_file, ['bodies=[{shape="box"}]']))
+
+
 def test_scene_cites_its_laws(scene_file):
     """The law and, where snow crushes and tears, the plasticity: one paper each, and no other's."""
     hard, elastic = (load(scene_file, ["snow.law=hencky", f"snow.plasticity={p}"]) for p in ("snow", "none"))

@@ -80,6 +80,11 @@ DOUBTFUL: list[tuple[dict[str, Any], str, dict[str, Any]]] = [
         r"colliders\.0\.height makes",
         {"colliders": [{"shape": "cylinder", "radius": 0.5, "height": 0.1}]},
     ),
+    (
+        {"sources": [BALL], "bodies": [{"shape": "sphere", "radius": 0.04}]},
+        r"bodies\.0\.radius makes this body 0\.08 m thin, only 1\.6 cells",
+        {"bodies": [{"shape": "sphere", "radius": 0.05}]},
+    ),
 ]
 
 

@@ -94,6 +94,18 @@ IDLE: list[tuple[dict[str, Any], str, dict[str, Any], dict[str, Any]]] = [
         {"sources": [BOX], "colliders": [{"shape": "plane", "mode": "slip", "mu_c": 0.2}]},
         {"sources": [BOX], "colliders": [{"shape": "plane", "mode": "sticky", "mu_c": 0.5}]},
     ),
+    (
+        {"sources": [BOX], "bodies": [BOX | {"axis": [1.0, 0.0, 0.0]}]},
+        r'bodies\.0\.axis = .* with joint = "free": set bodies\.0\.joint = "hinge" or "slide", or',
+        {"sources": [BOX], "bodies": [BOX | {"axis": [1.0, 0.0, 0.0], "joint": "hinge"}]},
+        {"sources": [BOX], "bodies": [BOX]},
+    ),
+    (
+        {"sources": [BOX], "bodies": [BOX | {"friction": 0.9, "contacts": False}]},
+        r"bodies\.0\.friction = 0\.9 .* with contacts = false: set bodies\.0\.contacts = true, or .* 0\.5",
+        {"sources": [BOX], "bodies": [BOX | {"friction": 0.9}]},
+        {"sources": [BOX], "bodies": [BOX | {"contacts": False}]},
+    ),
 ]
 
 

@@ -75,8 +75,14 @@ class FreeBodies:
         return sum(b.mass * b.v for b in self.bodies)
 
     @property
-    def energy(self):
+    def kinetic(self):
         return sum(0.5 * b.mass * b.v @ b.v + 0.5 * b.w @ b.I @ b.w for b in self.bodies)
+
+    energy = kinetic
+
+    @property
+    def potential(self):
+        return -sum(b.mass * b.x @ self.gravity for b in self.bodies)
 
 
 def simulate_with(scene, bodies):

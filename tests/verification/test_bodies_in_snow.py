@@ -26,7 +26,8 @@ def scene(bodies, gravity=(0.0, 0.0, -G), sources=(HEAP,), colliders=({"shape": 
 
 def total(sim):
     """Momentum of snow and bodies together [kg m/s]."""
-    return np.array(sim.diagnostics().momentum) + sim.model.rigid.momentum
+    now = sim.diagnostics()
+    return np.add(now.momentum, now.bodies_momentum)
 
 
 @pytest.mark.parametrize("density", [20.0, 8000.0])
