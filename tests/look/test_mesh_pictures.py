@@ -63,7 +63,7 @@ PLACE = ((0.1, 0.0, 0.7), (20.0, 10.0, 35.0))
 
 @pytest.mark.parametrize("kind", PAIRS)
 def test_a_mesh_is_drawn_as_the_analytic_body(kind):
-    """A sphere of 5120 triangles lies within 0.1 % of the ball (an edge of 2 pi / 80 sags by 1 - cos pi / 80),
+    """A sphere of 5120 triangles lies within 0.1 % of the ball (a chord of 2 pi / 80 sags 1 - cos pi / 80),
     less than a tenth of a pixel; a box of 12 triangles is the box. So the outlines agree but for pixels that
     lie on them: one in a hundred. What is inside has the same light to 2 % of white on average: same normals
     and paint, and a convex body throws no shadow on itself."""
