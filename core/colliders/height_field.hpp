@@ -16,8 +16,8 @@ namespace neve {
 // ground, however deep.
 //
 // phi = (z - h) n_z, n along (-dh/dx, -dh/dy, 1): the distance to the tangent plane, exact for planes. Where the
-// ground's steepest slope is s, the distance is between |z - h| / sqrt(1 + s^2) and |z - h|, and so is |phi|. Slopes are
-// central differences at the samples, bilinear between, so that the normal turns smoothly over two spacings.
+// ground's steepest slope is s, the distance is between |z - h| / sqrt(1 + s^2) and |z - h|, and so is |phi|. Slopes
+// are central differences at the samples, bilinear between: the normal turns smoothly over two spacings.
 class HeightField {
  public:
   // `heights`: nx rows along x of ny heights along y [m]; the first and the last lie on the edges of the rectangle.

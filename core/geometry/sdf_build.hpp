@@ -8,8 +8,8 @@
 namespace neve {
 
 // phi is the distance to the nearest triangle, negative where the winding number says inside (TriangleMesh::winds);
-// with a thickness it is the distance less half of that, whatever is inside. Normals are central differences of phi over
-// a spacing each way, which rounds edges off by that much.
+// with a thickness it is the distance less half of that, whatever is inside. Normals are central differences of phi
+// over a spacing each way, which rounds edges off by that much.
 class SdfBuilder {
  public:
   // Errors: std::invalid_argument for sizes that are not above zero or a grid of more than 2^27 bricks.
