@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.engine import engine, quaternion
+from neve.colliders.engine import engine, quaternion, reason
 from neve.colliders.hulls import add_mesh, add_terrain, lift_of
 from neve.colliders.inertia import bulk_of
 from neve.colliders.motion import pose, turn
@@ -17,6 +18,7 @@ from neve.colliders.parts import Place
 from neve.colliders.robots import Loaded, add_robot, place_joints
 from neve.colliders.solid import Solid
 from neve.scene.bodies import DENSITY, Motor, RigidBody
+from neve.scene.errors import SceneError
 from neve.scene.scene import Collider, Rigid, Scene
 
 Array = NDArray[np.float64]
@@ -25,6 +27,9 @@ TIME_CONSTANT = 0.002
 """Time in which a contact pushes out what has sunk in [s]: four of the longest steps of the engine."""
 RESPONSE = 0.05
 """Time in which a motor without a gain brings the bare body near its target [s]."""
+
+LIGHTEST = 1e-14
+"""Least mass and moments of inertia of a body [kg, kg m2]: the engine refuses 1e-15."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +80,8 @@ def assemble(scene: Scene, colliders: Sequence[Solid], bodies: Sequence[Solid]) 
     """Return the engine's model of everything solid in `scene`.
 
     `colliders` and `bodies` are the solids of `scene.colliders` and `scene.bodies`, in their order.
+
+    Errors: SceneError for a robot that cannot be read, and for a body that the engine cannot take.
     """
     spec = _new_spec(scene.world.gravity)
     for collider, solid in zip(scene.colliders, colliders, strict=True):
@@ -83,7 +90,7 @@ def assemble(scene: Scene, colliders: Sequence[Solid], bodies: Sequence[Solid]) 
     for body, solid in zip(scene.bodies, bodies, strict=True):
         frames.append(_add_body(spec, body, solid, frames))
     robots = [add_robot(spec, robot, f"robots.{i}") for i, robot in enumerate(scene.robots)]
-    made = Assembly(model=spec.compile(), robots=robots)
+    made = Assembly(model=_compiled(spec), robots=robots)
     made.start = place_joints(made.model, robots)
     _find_places(made, bodies, scene.bodies, frames)
     _find_scripted(made, scene.colliders, colliders)
@@ -111,6 +118,14 @@ def _new_spec(gravity: tuple[float, float, float]) -> Any:
     spec.compiler.degree = False
     spec.compiler.conflict = mujoco.mjtConflict.mjCONFLICT_WARNING
     return spec
+
+
+def _compiled(spec: Any) -> Any:
+    try:
+        return spec.compile()
+    except (ValueError, engine().FatalError) as error:
+        part = re.search(r"Element name '([^']+)'", str(error))
+        raise SceneError(f"{part[1] if part else 'a body'} cannot be moved: {reason(error)}") from None
 
 
 def _geom(spec: Any, solid: Solid) -> dict[str, Any]:
@@ -171,6 +186,12 @@ def _add_body(spec: Any, body: Rigid, solid: Solid, frames: Sequence[_Frame]) ->
     density = DENSITY if body.density is None else body.density
     mass = density * bulk.volume if body.mass is None else body.mass
     moments, axes = bulk.principal()
+    moments *= mass / bulk.volume
+    if min(mass, *moments) < LIGHTEST:
+        raise SceneError(
+            f"{solid.name} has a mass of {mass:.3g} kg and moments of inertia from {min(moments):.3g} kg m2: "
+            f"the rigid-body engine needs {LIGHTEST:g} at least, so make it larger or heavier"
+        )
     R = turn(np.radians(body.rotation))
     center = np.array(body.center)
     frame = _Frame(center + R @ bulk.center, R @ axes)
@@ -185,7 +206,7 @@ def _add_body(spec: Any, body: Rigid, solid: Solid, frames: Sequence[_Frame]) ->
         quat=quaternion(place[1]),
         mass=mass,
         ipos=np.zeros(3),
-        inertia=moments * (mass / bulk.volume),
+        inertia=moments,
         explicitinertial=True,
     )
     _add_geom(spec, made, solid, frame.inside(center, R), body.friction, body.contacts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from functools import lru_cache
 from typing import Any
 
@@ -33,3 +34,14 @@ def quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     found = np.zeros(4)
     engine().mju_mat2Quat(found, np.ascontiguousarray(matrix).reshape(9))
     return found
+
+
+def reason(error: Exception) -> str:
+    """Return the engine's message as the end of one sentence."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    text = re.sub(r"^(XML )?Error: ", "", lines[0] if lines else type(error).__name__).rstrip(".")
+    where = next((match for line in lines[1:] if (match := re.search(r"line \d+", line, re.I))), None)
+    where = where or re.search(r"Line number=(\d+)", " ".join(lines[1:]))
+    place = f" (line {re.sub(r'[^0-9]', '', where[0])})" if where else ""
+    begin = text[:1] if text[1:2].isupper() else text[:1].lower()  # XML stays XML
+    return f"{begin}{text[1:]}{place}"

@@ -9,9 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.colliders.inside import windings
 from neve.colliders.solid import Solid
+from neve.colliders.triangles import Triangles
+from neve.scene.errors import SceneError
 
 Array = NDArray[np.float64]
+
+CELLS = 64
+"""Cells along each edge of the box around a mesh, by which it is weighed if its triangles do not tell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +46,16 @@ class Bulk:
 
 
 def bulk_of(solid: Solid) -> Bulk:
-    """Return volume, centre of mass and inertia of a box, sphere, cylinder or closed mesh."""
+    """Return volume, centre of mass and inertia of a box, sphere, cylinder or mesh.
+
+    Errors: SceneError for a mesh without an inside.
+    """
     a, b, c = (float(h) for h in solid.half)
     if solid.mesh:
         if solid.mesh.thickness > 0:
             return bulk_of_sheet(solid.mesh.vertices, solid.mesh.faces, solid.mesh.thickness)
+        if not _winds_once(solid.mesh.surface):
+            return measured_bulk(solid.mesh.surface, solid.name)
         return bulk_of_mesh(solid.mesh.vertices, solid.mesh.faces)
     if solid.shape == "box":
         volume, squares = 8 * a * b * c, np.array([a * a, b * b, c * c]) / 3
@@ -55,6 +66,11 @@ def bulk_of(solid: Solid) -> Bulk:
     else:
         raise ValueError(f"{solid.name}: a {solid.shape} has no mass")
     return Bulk(volume, np.zeros(3), volume * np.diag(squares.sum() - squares))
+
+
+def _winds_once(surface: Triangles) -> bool:
+    """Whether sums over the triangles are integrals over the inside: closed, no overlaps, none inside out."""
+    return not surface.open_edges and bool(np.all(windings(surface, surface.low, surface.high, 24)[1] == 1))
 
 
 def bulk_of_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> Bulk:
@@ -96,3 +112,20 @@ def bulk_of_sheet(vertices: NDArray[Any], faces: NDArray[Any], thickness: float)
     second += np.einsum("ni,nj,n->ij", across, across, 1.0 / A) * thickness**2 / 12.0
     second = thickness * (second - area * np.outer(center, center))
     return Bulk(thickness * area, origin + center, np.trace(second) * np.eye(3) - second)
+
+
+def measured_bulk(surface: Triangles, name: str) -> Bulk:
+    """Return volume, centre of mass and inertia of where `surface` winds round.
+
+    For triangles that do not tell by themselves: of parts that overlap, that are inside out, or with small
+    holes. Sums over CELLS^3 cells of the box around it, each whole or not at all.
+
+    Errors: SceneError if there is no inside; `name` tells the body.
+    """
+    size = surface.high - surface.low
+    x, _ = windings(surface, surface.low, surface.high, CELLS)
+    if not len(x):
+        raise SceneError(f"{name} has no volume to weigh: close its mesh, or set {name}.thickness")
+    dV, center = float(np.prod(size / CELLS)), x.mean(axis=0)
+    second = dV * (x - center).T @ (x - center)
+    return Bulk(dV * len(x), center, np.trace(second) * np.eye(3) - second)

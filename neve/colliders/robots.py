@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.engine import engine, quaternion
+from neve.colliders.engine import engine, quaternion, reason
 from neve.colliders.motion import turn
 from neve.scene.bodies import Motor, Robot
 from neve.scene.complaint import nearest
@@ -102,27 +101,17 @@ def _read(path: Path, told: str) -> Any:
     try:
         return engine().MjSpec.from_file(str(path))
     except (ValueError, OSError, engine().FatalError) as error:
-        raise SceneError(f"{told} cannot be read as a robot: {_reason(error)}") from None
+        raise SceneError(f"{told} cannot be read as a robot: {reason(error)}") from None
 
 
 def _compiled(child: Any, told: str) -> Any:
     try:
         model = child.compile()
     except (ValueError, OSError, engine().FatalError) as error:
-        raise SceneError(f"{told} cannot be used as a robot: {_reason(error)}") from None
+        raise SceneError(f"{told} cannot be used as a robot: {reason(error)}") from None
     if model.nflex:
         raise SceneError(f"{told} has flexible parts (flex), which bodies of Neve are not: take them out")
     return model
-
-
-def _reason(error: Exception) -> str:
-    """Return the engine's message as the end of one sentence."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    text = re.sub(r"^(XML )?Error: ", "", lines[0] if lines else type(error).__name__).rstrip(".")
-    where = next((match for line in lines[1:] if (match := re.search(r"line \d+", line, re.I))), None)
-    where = where or re.search(r"Line number=(\d+)", " ".join(lines[1:]))
-    place = f" (line {re.sub(r'[^0-9]', '', where[0])})" if where else ""
-    return f"{text[:1].lower()}{text[1:]}{place}"
 
 
 def _find_meshes(child: Any, folder: Path, told: str) -> None:

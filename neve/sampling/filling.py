@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.colliders.inside import windings
 from neve.colliders.sdf import SolidMesh, solid_mesh
 from neve.scene.errors import SceneError
 from neve.scene.scene import Numerics, SnowMesh
@@ -72,17 +73,10 @@ def _volume(mesh: SolidMesh, low: Array, high: Array) -> float:
     surface = mesh.surface
     if mesh.thickness > 0 or surface.open_edges > 0:
         return measured_volume(mesh, low, high)
-    shares = (np.arange(OVERLAP_POINTS) + 0.5) / OVERLAP_POINTS
-    points = np.stack(np.meshgrid(shares, shares, shares, indexing="ij"), axis=-1).reshape(-1, 3)
-    winding = np.rint(surface.tree.winding(low + points * (high - low)))
-    inside = winding != 0
-    if not inside.any() or np.all(winding[inside] == 1):
+    _, winding = windings(surface, low, high, OVERLAP_POINTS)
+    if np.all(winding == 1):
         return surface.volume
-    return (
-        surface.volume / float(winding[inside].mean())
-        if winding.sum() > 0
-        else measured_volume(mesh, low, high)
-    )
+    return surface.volume / float(winding.mean()) if winding.sum() > 0 else measured_volume(mesh, low, high)
 
 
 def measured_volume(mesh: SolidMesh, low: Array, high: Array) -> float:

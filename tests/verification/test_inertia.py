@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from neve.colliders.inertia import bulk_of, bulk_of_mesh, bulk_of_sheet
+from neve.colliders.inertia import bulk_of, bulk_of_mesh, bulk_of_sheet, measured_bulk
 from neve.colliders.motion import turn
 from neve.colliders.solid import Solid
+from neve.colliders.triangles import tidied
+from neve.scene.errors import SceneError
 
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 SIDES = np.array(
@@ -69,3 +71,30 @@ def test_sheet_weighs_like_a_plate():
     assert found.volume == pytest.approx(plate.volume, rel=1e-13)
     assert found.center == pytest.approx([0.3, 0.2, 1.0], rel=1e-13)
     assert found.inertia == pytest.approx(plate.inertia, abs=1e-16)
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["overlap", "inside out"])
+def test_parts_weigh_once_each(turned):
+    """Of two cubes of edge 2, one half in the other, space counts once; one that is inside out beside the
+    other has its mass too. The divergence theorem finds 16, or 0.
+
+    64 cells span 3, or 5: each face may be off by half a cell along x, two of them 5 / 64 of an edge of 2, or
+    4 %; of the mean of x^2, which is mostly that of the shift, a little more: 5 %.
+    """
+    shift = np.array([3.0, 0.0, 0.0] if turned else [1.0, 0.0, 0.0])
+    other = SIDES[:, ::-1] if turned else SIDES
+    surface = tidied(np.concatenate([CORNERS, CORNERS + shift]), np.concatenate([SIDES, other + 8]))
+    found = measured_bulk(surface, "bodies.0")
+    volume = 16.0 if turned else 12.0
+    assert found.volume == pytest.approx(volume, rel=0.04)
+    assert found.center == pytest.approx(shift / 2, abs=0.04)
+    assert found.inertia[0, 0] == pytest.approx(volume * 2 / 3, rel=0.04)
+    length2 = 1 / 3 + 9 / 4 if turned else 9 / 12  # mean of x^2 about the middle
+    assert found.inertia[2, 2] == pytest.approx(volume * (1 / 3 + length2), rel=0.05)
+
+
+def test_mesh_without_inside_is_told():
+    """A cube with a second one, turned inside out, in its place bounds nothing: one sentence says so."""
+    surface = tidied(np.concatenate([CORNERS, CORNERS + 1e-9]), np.concatenate([SIDES, SIDES[:, ::-1] + 8]))
+    with pytest.raises(SceneError, match=r"bodies\.0 has no volume to weigh"):
+        measured_bulk(surface, "bodies.0")

@@ -5,6 +5,7 @@ import pytest
 from verification.loose import G, bodies_of, exchange, run
 
 from neve.colliders.motion import turn
+from neve.scene.errors import SceneError
 
 EPS = np.finfo(float).eps
 BOX = {"shape": "box", "size": [0.2, 0.3, 0.5], "rotation": [20.0, -40.0, 70.0], "center": [1.0, 2.0, 3.0]}
@@ -251,3 +252,18 @@ def test_mobility_knows_of_motors():
     bare = bodies_of([hinged()], gravity=[0, 0, 0])
     run(rigid, 1e-4, 1)
     assert rigid.mobility() == pytest.approx(bare.mobility() / 4.0, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("shape", "said"),
+    [
+        ({"shape": "sphere", "radius": 1e-3, "density": 1.0}, "bodies.0 has a mass of 4.19e-09 kg"),
+        ({**BOX, "mass": 1e-15}, "bodies.0 has a mass of 1e-15 kg"),
+    ],
+)
+def test_body_too_light_for_the_engine_is_told(shape, said):
+    """What the engine would refuse with a message of its own is one sentence of ours."""
+    with pytest.raises(SceneError) as told:
+        bodies_of([shape])
+    assert said in str(told.value)
+    assert "\n" not in str(told.value)
