@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 INK, PAPER, GRID = "#1d2733", "#ffffff", "#e3e8ee"
 COLOURS = ("#1769aa", "#d0661c", "#2b8a5f", "#8150a8", "#b8304a", "#5d6b7a", "#a07a00")
+MOST_TICKS = 8
+"""A logarithmic axis has a tick at each point of a plot, if there are no more than these."""
 STYLE: Any = {
     "svg.hashsalt": "neve",
     "svg.fonttype": "none",
@@ -78,7 +80,9 @@ def draw(plot: Plot) -> Any:
     if plot.x_scale == "log":
         axes.xaxis.set_minor_formatter("")
         axes.xaxis.set_major_formatter("{x:g}")
-        axes.set_xticks(sorted({float(x) for curve in plot.curves for x in curve.x}))
+        ticks = sorted({float(x) for curve in plot.curves for x in curve.x})
+        if len(ticks) <= MOST_TICKS:
+            axes.set_xticks(ticks)
     if plot.equal:
         axes.set_aspect("equal", adjustable="datalim")
     if any(curve.label for curve in plot.curves):

@@ -9,6 +9,7 @@ from neve.validate import (
     bar,
     cam_clay,
     collapse,
+    crater,
     cut,
     discs,
     oedometer,
@@ -17,6 +18,7 @@ from neve.validate import (
     repose,
     settlement,
     slide,
+    wheel,
 )
 from neve.validate.result import Result
 
@@ -44,6 +46,8 @@ CASES = {
         Case("repose", "Slope of a heap", "23", repose.case),
         Case("cut", "A vertical cut", "24", cut.case),
         Case("cam_clay", "Yield and crushing of cohesive snow", "25", cam_clay.case),
+        Case("crater", "A ball falls on snow", "own", crater.case),
+        Case("wheel", "A wheel drives over snow", "own", wheel.case),
         Case("real_snow", "Against real snow", "13.1", real_snow.case),
     )
 }

@@ -26,6 +26,7 @@ def simulation(
     sources: Sequence[Table],
     colliders: Sequence[Table] = (),
     *,
+    bodies: Sequence[Table] = (),
     snow: Table | None = None,
     gravity: tuple[float, float, float] = ZERO,
     **numerics: Any,
@@ -40,6 +41,7 @@ def simulation(
         "snow": dict(snow or {}),
         "sources": [dict(source) for source in sources],
         "colliders": [dict(collider) for collider in colliders],
+        "bodies": [dict(body) for body in bodies],
     }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)  # one cell thick on purpose: the walls make it a plane
