@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import json
 import platform
-import statistics
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -19,10 +18,12 @@ from time import perf_counter
 from typing import Any
 
 from neve import _core
+from neve.bench_bodies import Share, measure_bodies
 from neve.mpm.solver import STAGES
 from neve.scene.errors import SceneError
 from neve.scene.scene import Camera, Numerics, Plane, Scene, SnowBox
 from neve.simulation import Simulation
+from neve.spread import Spread
 
 DX = 0.02
 """Grid spacing of all cases [m]."""
@@ -40,20 +41,6 @@ class Block:
     steps: int  # of a batch
     batches: int
     warm: int  # steps before the first batch
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Hold the median of several measurements, the least and the largest."""
-
-    median: float
-    least: float
-    largest: float
-
-    @classmethod
-    def of(cls, values: Sequence[float]) -> Spread:
-        """Return the spread of `values`."""
-        return cls(statistics.median(values), min(values), max(values))
 
 
 @dataclass
@@ -198,12 +185,13 @@ def preview() -> Iterator[Once]:
         yield Once(f"preview {name}", sim.state.count, _core.threads(), Spread.of(times[1:]))
 
 
-CASES: dict[str, Callable[[], Iterator[Speed | Once]]] = {
+CASES: dict[str, Callable[[], Iterator[Speed | Once | Share]]] = {
     **{name: lambda name=name: iter([measure(name, BLOCKS[name])]) for name in BLOCKS},  # type: ignore[misc]
     "20k_frame": lambda: iter([measure("20k_frame", FRAME)]),
     "matrix": matrix,
     "sampling": sampling,
     "preview": preview,
+    "bodies": lambda: iter([measure_bodies()]),
 }
 USUAL = ("20k", "20k_frame", "200k", "1m")
 
@@ -224,7 +212,7 @@ def run(cases: Sequence[str], as_json: bool = False) -> None:
         "python": platform.python_version(),
         **_core.build_info(),
     }
-    results: list[Speed | Once] = []
+    results: list[Speed | Once | Share] = []
     if not as_json:
         print(", ".join(f"{key} {value}" for key, value in machine.items()))
     for name in cases or USUAL:
@@ -239,8 +227,10 @@ def run(cases: Sequence[str], as_json: bool = False) -> None:
         print()
 
 
-def told(result: Speed | Once) -> str:
+def told(result: Speed | Once | Share) -> str:
     """Put a result into lines for people."""
+    if not isinstance(result, Speed | Once):
+        return result.told()
     if isinstance(result, Once):
         s, n = result.seconds, result.particles
         return f"{result.case}: {n:,} particles in {s.median:.3f} s ({s.least:.3f}-{s.largest:.3f})"

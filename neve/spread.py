@@ -1,0 +1,21 @@
+"""Tell several measurements of one thing: their median, the least and the largest."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Hold the median of several measurements, the least and the largest."""
+
+    median: float
+    least: float
+    largest: float
+
+    @classmethod
+    def of(cls, values: Sequence[float]) -> Spread:
+        """Return the spread of `values`."""
+        return cls(statistics.median(values), min(values), max(values))
