@@ -31,7 +31,7 @@ class Body:
     """A collider, drawn.
 
     rotation: nine numbers, row by row; half: its half extents [m]; mesh: for the shape "mesh".
-    stuff: ground, paint, metal, rubber, wood or stone.
+    stuff: ground, paint, metal, rubber, wood or stone. rest: it is there in every frame, which saves time.
     """
 
     def __init__(
@@ -43,6 +43,7 @@ class Body:
         color: Triple,
         stuff: str = "paint",
         mesh: Mesh | None = None,
+        rest: bool = False,
     ) -> None: ...
 
 class Density:

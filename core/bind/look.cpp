@@ -83,7 +83,8 @@ T word(const std::string& given, std::initializer_list<std::pair<const char*, T>
 using SharedMesh = std::shared_ptr<Mesh>;
 
 Body make_body(const std::string& shape, const Triple& position, const std::vector<float>& rotation,
-               const Triple& half, const Triple& color, const std::string& stuff, SharedMesh mesh) {
+               const Triple& half, const Triple& color, const std::string& stuff, SharedMesh mesh,
+               bool rest) {
   if (rotation.size() != 9) throw nb::value_error("rotation has nine numbers, row by row");
   const std::vector<float>& r = rotation;
   const auto which = word<Shape>(shape,
@@ -103,7 +104,7 @@ Body make_body(const std::string& shape, const Triple& position, const std::vect
                                  {"stone", Stuff::stone}},
                                 "stuff");
   return place(which, vec(position), {{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}}, vec(half),
-               vec(color), made, std::move(mesh));
+               vec(color), made, rest, std::move(mesh));
 }
 
 SharedMesh make_mesh(
@@ -220,11 +221,11 @@ NB_MODULE(_look, m) {
       .def(
           "__init__",
           [](Body* self, const std::string& shape, const Triple& position, const std::vector<float>& rotation,
-             const Triple& half, const Triple& color, const std::string& stuff, SharedMesh mesh) {
-            new (self) Body(make_body(shape, position, rotation, half, color, stuff, std::move(mesh)));
+             const Triple& half, const Triple& color, const std::string& stuff, SharedMesh mesh, bool rest) {
+            new (self) Body(make_body(shape, position, rotation, half, color, stuff, std::move(mesh), rest));
           },
           "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "stuff"_a = "paint",
-          "mesh"_a = nb::none());
+          "mesh"_a = nb::none(), "rest"_a = false);
   nb::class_<SharedPainter>(m, "Painter", "Draw one frame after the other with the same camera and light.")
       .def(
           "__init__",

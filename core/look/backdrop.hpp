@@ -1,6 +1,6 @@
 // The set in every pixel: which body or sky is there and how it takes the light. What does not move is
-// described once per film; sun and sky are found anew in each frame, on a coarse lattice where they vary
-// slowly.
+// described once per film, and so is what bodies at rest leave of sun and sky; what snow and moving bodies leave of
+// them is found anew in each frame, on a coarse lattice where it varies slowly.
 #pragma once
 #include <array>
 
@@ -18,49 +18,65 @@ class Backdrop {
         size_(size_t(camera.width) * size_t(camera.height)),
         body_(size_, unknown),
         point_(size_),
+        past_(size_),
         rows_((camera.height - 1) / cell + 2),
-        columns_((camera.width - 1) / cell + 2) {}
+        columns_((camera.width - 1) / cell + 2),
+        node_(size_t(rows_) * size_t(columns_)) {}
 
   const Sky& sky() const { return sky_; }
+  const std::vector<Body>& bodies() const { return bodies_; }
+
+  /// Forget what bodies at rest leave of sun and sky: they are not where they were.
+  void forget() {
+    known_ = false;
+    std::fill(past_.begin(), past_.end(), Past{});
+    std::fill(node_.begin(), node_.end(), Node{});
+  }
 
   /// Take in the bodies of this frame: describe the pixels that show something that was not there before.
-  void place(const std::vector<Body>& bodies, const Raster& meshes) {
+  /// still, moving: the meshes that rest and the others.
+  void place(const std::vector<Body>& bodies, const Raster& still, const Raster& moving) {
     std::vector<uint8_t> moved(bodies.size(), 1);
-    bool any = bodies.size() != bodies_.size();
+    any_ = !known_ || bodies.size() != bodies_.size();
+    bool plain = any_;  // whether a body that is no mesh has moved
     for (size_t b = 0; b < bodies.size(); ++b) {
       moved[b] = b >= bodies_.size() || !(bodies[b] == bodies_[b]);
-      any = any || moved[b];
+      any_ = any_ || moved[b];
+      plain = plain || (moved[b] && bodies[b].shape != Shape::mesh);
     }
     bodies_ = bodies;
-    if (!any && known_) return;
-    known_ = true;
-    front_.assign(meshes.empty() ? 0 : size_, Front{});
-    if (!meshes.empty()) {
-#pragma omp parallel for schedule(dynamic)
-      for (int first = 0; first < camera_.height; first += Raster::band)
-        meshes.draw(first, std::min(first + Raster::band, camera_.height), 1,
-                    [&](int r, int c, float depth, uint32_t body, uint32_t triangle) {
-                      Front& front = front_[pixel(r, c)];
-                      if (depth < front.depth) front = {depth, body, triangle};
-                    });
+    if (!any_) return;
+    const bool meshes = !still.empty() || !moving.empty();
+    if (!known_) {
+      still_front_.assign(meshes ? size_ : 0, Front{});
+      find_front(still, still_front_);
     }
+    known_ = true;
+    std::vector<Front> before = std::move(front_);
+    front_ = still_front_;
+    if (meshes) front_.resize(size_);
+    find_front(moving, front_);
+    plain = plain || before.size() != front_.size();
 #pragma omp parallel for schedule(dynamic, 8)
-    for (int r = 0; r < camera_.height; ++r) place_row(r, moved);
+    for (int r = 0; r < camera_.height; ++r) place_row(r, moved, plain, before);
   }
 
   /// Find sun and sky on the lattice wherever one of the cells around a node shows the set.
   void illuminate(const Density& snow, const Samples& samples) {
     snow_ = &snow;
-    std::vector<uint8_t> shows(size_t(rows_) * size_t(columns_), 0);
-    node_.assign(shows.size(), Node{});
+    std::vector<uint8_t> shows(node_.size(), 0);
 #pragma omp parallel
     {
 #pragma omp for schedule(dynamic, 4)
       for (int i = 0; i < rows_ - 1; ++i) look_at_cells(i, samples, shows);
 #pragma omp for schedule(dynamic, 4)
       for (int i = 0; i < rows_; ++i)
-        for (int j = 0; j < columns_; ++j)
-          if (node_shows(shows, i, j)) node_[at(i, j)] = light_node(i, j);
+        for (int j = 0; j < columns_; ++j) {
+          Node& node = node_[at(i, j)];
+          if (any_) node.placed = false;
+          node.shown = node_shows(shows, i, j);
+          if (node.shown) light_node(node, i, j);
+        }
     }
   }
 
@@ -76,16 +92,18 @@ class Backdrop {
   /// The body in the middle of pixel (r, c); -1 is the sky.
   int body(int r, int c) const { return body_[pixel(r, c)]; }
 
-  /// Light of one body (or of the sky, -1) along the ray through a point of the picture [px]: the edges of
-  /// bodies.
-  Vec3 light_along(int body, float column, float row) const {
-    const Vec3 ray = camera_.through(column, row);
-    if (body < 0) return sky_point(sky_, light_, ray).rest;
-    const Body& self = bodies_[size_t(body)];
-    const Hit hit = meet(self, camera_.eye, ray);
-    if (hit.t > 1e20f) return sky_point(sky_, light_, ray).rest;
-    const SetPoint set = set_point(self, hit, camera_, light_, sky_, ray);
-    return compose(set, arrival(self, camera_.eye + ray * hit.t, hit));
+  /// Light of one body (or of the sky, -1) in sample (i, j) of pixel (r, c), whose middle shows something else: what a
+  /// pixel beside it shows of the body, or the light along the sample's own ray.
+  Vec3 light_beside(int body, int r, int c, int i, int j) const {
+    constexpr int n = Samples::per_axis;
+    const int down = 2 * i < n ? -1 : 1, right = 2 * j < n ? -1 : 1;
+    if (body >= 0)
+      for (const auto& [a, b] : {std::array{0, right}, {down, 0}, {down, right}, {0, -right}, {-down, 0}}) {
+        const int row = r + a, column = c + b;
+        if (row < 0 || column < 0 || row >= camera_.height || column >= camera_.width) continue;
+        if (this->body(row, column) == body) return light(row, column);
+      }
+    return light_along(body, float(c) + (float(j) + 0.5f) / n, float(r) + (float(i) + 0.5f) / n);
   }
 
  private:
@@ -94,18 +112,46 @@ class Backdrop {
   // Between nodes that differ by more than this the light is found pixel by pixel.
   static constexpr float smooth = 0.06f;
 
-  /// What arrives at a point of the set: shares of the sun past the snow and past the bodies, and of the sky.
-  struct Arrival {
-    float snow = 1, bodies = 1, sky = 1;
+  /// Shares of sun and sky that bodies leave to a point.
+  struct Past {
+    float sun = -1, sky = -1;  // below zero: not known
   };
+  /// What arrives at a point of the set: shares of the sun past snow, bodies at rest and other bodies, and of the sky.
+  enum Share { snow_sun, snow_sky, rest_sun, rest_sky, moving_sun, moving_sky };
+  using Arrival = std::array<float, 6>;
   struct Node {
-    Arrival arrival;
+    Arrival arrival{1, 1, -1, -1, 1, 1};
     Vec3 point;
+    Hit hit;
     int body = unknown;
+    bool placed = false;  // whether body and hit are those of this frame
+    bool shown = false;   // whether what arrives is that of this frame
   };
 
-  static Vec3 compose(const SetPoint& set, Arrival a) {
-    return set.sun * (a.snow * a.bodies) + set.sky * a.sky + set.rest;
+  static Vec3 compose(const SetPoint& set, const Arrival& a) {
+    return set.sun * (a[snow_sun] * a[rest_sun] * a[moving_sun]) +
+           set.sky * (a[snow_sky] * a[rest_sky] * a[moving_sky]) + set.rest;
+  }
+  /// Find one of the shares at a point of `self`.
+  float arrival(Share share, const Body& self, Vec3 point, const Hit& hit) const {
+    switch (share) {
+      case snow_sun: return sun_arrival(*snow_, light_, point);
+      case snow_sky: return sky_arrival(*snow_, point, hit.normal);
+      case rest_sun:
+      case moving_sun: return sun_past(bodies_, share == rest_sun, self, point, hit, light_.sun);
+      default: return sky_past(bodies_, share == rest_sky, self, point, hit.normal);
+    }
+  }
+  Vec3 light_along(int body, float column, float row) const {
+    const Vec3 ray = camera_.through(column, row);
+    if (body < 0) return sky_point(sky_, light_, ray).rest;
+    const Body& self = bodies_[size_t(body)];
+    const Hit hit = meet(self, camera_.eye, ray);
+    if (hit.t > 1e20f) return sky_point(sky_, light_, ray).rest;
+    const Vec3 point = camera_.eye + ray * hit.t;
+    Arrival here;
+    for (int s = snow_sun; s <= moving_sky; ++s) here[size_t(s)] = arrival(Share(s), self, point, hit);
+    return compose(set_point(self, hit, camera_, light_, sky_, ray), here);
   }
   size_t at(int i, int j) const { return size_t(i) * size_t(columns_) + size_t(j); }
 
@@ -115,8 +161,18 @@ class Backdrop {
   struct Front {
     float depth = 1e30f;
     uint32_t body = 0, triangle = 0;
-    bool operator==(const Front&) const = default;
+    auto operator<=>(const Front&) const = default;
   };
+  void find_front(const Raster& meshes, std::vector<Front>& front) const {
+    if (meshes.empty()) return;
+#pragma omp parallel for schedule(dynamic)
+    for (int first = 0; first < camera_.height; first += Raster::band)
+      meshes.draw(first, std::min(first + Raster::band, camera_.height), 1,
+                  [&](int r, int c, float depth, uint32_t body, uint32_t triangle) {
+                    const Front found{depth, body, triangle};
+                    front[pixel(r, c)] = std::min(front[pixel(r, c)], found);
+                  });
+  }
   struct Nearest {
     int body = -1;
     Hit hit;
@@ -143,14 +199,28 @@ class Backdrop {
     return nearest(ray, known ? &front_[pixel(r, c)] : nullptr);
   }
 
-  void place_row(int r, const std::vector<uint8_t>& moved) {
+  /// plain: whether a body that is no mesh has moved; before: the triangles in front in the frame before.
+  void place_row(int r, const std::vector<uint8_t>& moved, bool plain, const std::vector<Front>& before) {
+    const auto same = [&](int i, int j) {
+      if (i < 0 || j < 0 || i >= camera_.height || j >= camera_.width) return true;
+      const Front& front = front_[pixel(i, j)];
+      return front == before[pixel(i, j)] && (front.depth > 1e20f || !moved[front.body]);
+    };
+    const auto all_same = [&](int c) {
+      for (int i = r - 1; i <= r + 1; ++i)
+        for (int j = c - 1; j <= c + 1; ++j)
+          if (!same(i, j)) return false;
+      return true;
+    };
     for (int c = 0; c < camera_.width; ++c) {
+      // Whether a mesh has an edge in the pixel depends on what is beside it.
+      if (!plain && (front_.empty() || all_same(c))) continue;
       const Nearest found = nearest(r, c);
       const size_t p = pixel(r, c);
       const bool mesh = found.body >= 0 && bodies_[size_t(found.body)].shape == Shape::mesh;
-      // Whether a mesh has an edge in the pixel depends on what is beside it.
       if (found.body == body_[p] && (found.body < 0 || !(moved[size_t(found.body)] || mesh))) continue;
       body_[p] = int16_t(found.body);
+      past_[p] = {};
       const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
       if (found.body < 0)
         point_[p] = sky_point(sky_, light_, ray);
@@ -179,13 +249,23 @@ class Backdrop {
     return differs(r - 1, c) || differs(r + 1, c) || differs(r, c - 1) || differs(r, c + 1);
   }
 
-  /// Describe a pixel that an edge within one mesh crosses: the mean over its samples.
+  /// Describe a pixel that an edge within one mesh crosses: the mean over its samples, each of which shows a triangle
+  /// that is in front in the middle of this pixel or of one beside it.
   SetPoint blended(const Body& self, const Hit& middle, int r, int c) const {
     constexpr int n = Samples::per_axis;
+    uint32_t triangles[9];
+    size_t count = 0;
+    for (int i = std::max(r - 1, 0); i <= std::min(r + 1, camera_.height - 1); ++i)
+      for (int j = std::max(c - 1, 0); j <= std::min(c + 1, camera_.width - 1); ++j) {
+        const Front& front = front_[pixel(i, j)];
+        if (front.depth < 1e20f && &bodies_[front.body] == &self &&
+            std::find(triangles, triangles + count, front.triangle) == triangles + count)
+          triangles[count++] = front.triangle;
+      }
     SetPoint sum{};
     for (int s = 0; s < n * n; ++s) {
       Vec3 ray = camera_.through(float(c) + (float(s % n) + 0.5f) / n, float(r) + (float(s / n) + 0.5f) / n);
-      Hit hit = meet(self, camera_.eye, ray);
+      Hit hit = meet_triangles(self, {triangles, count}, camera_.eye, ray);
       if (hit.t > 1e20f) hit = middle, ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
       const SetPoint set = set_point(self, hit, camera_, light_, sky_, ray);
       sum.sun += set.sun, sum.sky += set.sky, sum.rest += set.rest;
@@ -208,16 +288,22 @@ class Backdrop {
         if (shows[at(a, b)]) return true;
     return false;
   }
-  Node light_node(int i, int j) const {
-    const Vec3 ray = camera_.through(float(j * cell) + 0.5f, float(i * cell) + 0.5f);
-    const Nearest found = nearest(i * cell, j * cell);
-    if (found.body < 0) return {};
-    const Vec3 point = camera_.eye + ray * found.hit.t;
-    return {arrival(bodies_[size_t(found.body)], point, found.hit), point, found.body};
-  }
-  Arrival arrival(const Body& self, Vec3 point, const Hit& hit) const {
-    return {sun_arrival(*snow_, light_, point), sun_past(bodies_, self, point, hit, light_.sun),
-            sky_arrival(*snow_, bodies_, self, point, hit.normal)};
+  void light_node(Node& node, int i, int j) const {
+    if (!node.placed) {
+      const Nearest found = nearest(i * cell, j * cell);
+      const bool same = found.body >= 0 && found.body == node.body && bodies_[size_t(found.body)].rest &&
+                        found.hit == node.hit;
+      if (!same) node.arrival[rest_sun] = node.arrival[rest_sky] = -1;
+      const Vec3 ray = camera_.through(float(j * cell) + 0.5f, float(i * cell) + 0.5f);
+      node.point = camera_.eye + ray * found.hit.t, node.hit = found.hit, node.body = found.body;
+      node.placed = true;
+    }
+    if (node.body < 0) return;
+    const Body& self = bodies_[size_t(node.body)];
+    for (Share s : {snow_sun, snow_sky, rest_sun, rest_sky, moving_sun, moving_sky}) {
+      const bool kept = (s == rest_sun || s == rest_sky) && node.arrival[s] >= 0;
+      if (!kept) node.arrival[s] = arrival(s, self, node.point, node.hit);
+    }
   }
 
   /// Interpolate what arrives at pixel (r, c) from the four nodes around it, or find it anew where they
@@ -226,22 +312,30 @@ class Backdrop {
     const int i = r / cell, j = c / cell;
     const Corners nodes{&node_[at(i, j)], &node_[at(i, j + 1)], &node_[at(i + 1, j)],
                         &node_[at(i + 1, j + 1)]};
-    const bool same =
-        std::all_of(nodes.begin(), nodes.end(), [body](const Node* n) { return n->body == body; });
+    const bool same = std::all_of(nodes.begin(), nodes.end(),
+                                  [body](const Node* n) { return n->shown && n->body == body; });
     const float a = float(r % cell) / cell, b = float(c % cell) / cell;
-    Arrival here;
-    const bool snow = same && between(nodes, &Arrival::snow, snow_tolerance(nodes), a, b, here.snow);
-    const bool past = same && between(nodes, &Arrival::bodies, smooth, a, b, here.bodies);
-    const bool sky = same && between(nodes, &Arrival::sky, smooth, a, b, here.sky);
-    if (snow && past && sky) return here;
-    const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
     const Body& self = bodies_[size_t(body)];
-    const Hit hit = self.shape == Shape::mesh ? nearest(r, c).hit : meet(self, camera_.eye, ray);
-    const Vec3 point = camera_.eye + ray * hit.t;
-    if (!snow) here.snow = sun_arrival(*snow_, light_, point);
-    if (!past) here.bodies = sun_past(bodies_, self, point, hit, light_.sun);
-    if (!sky) here.sky = sky_arrival(*snow_, bodies_, self, point, hit.normal);
+    const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
+    Hit hit;
+    Arrival here;
+    for (Share s : {snow_sun, snow_sky, rest_sun, rest_sky, moving_sun, moving_sky}) {
+      if (same && between(nodes, s, s == snow_sun ? snow_tolerance(nodes) : smooth, a, b, here[s])) continue;
+      float* known = !self.rest      ? nullptr
+                     : s == rest_sun ? &past_[pixel(r, c)].sun
+                     : s == rest_sky ? &past_[pixel(r, c)].sky
+                                     : nullptr;
+      if (known && recall(*known, here[s])) continue;
+      if (hit.t > 1e20f) hit = self.shape == Shape::mesh ? nearest(r, c).hit : meet(self, camera_.eye, ray);
+      here[s] = arrival(s, self, camera_.eye + ray * hit.t, hit);
+      if (known) __atomic_store(known, &here[s], __ATOMIC_RELAXED);
+    }
     return here;
+  }
+  /// Several threads may come to know the same share at once.
+  static bool recall(const float& known, float& share) {
+    __atomic_load(&known, &share, __ATOMIC_RELAXED);
+    return share >= 0;
   }
 
   using Corners = std::array<const Node*, 4>;
@@ -254,10 +348,9 @@ class Backdrop {
   }
 
   /// Interpolate one share between four nodes; say whether they are as alike as they need to be.
-  static bool between(const Corners& nodes, float Arrival::* share, float tolerance, float a, float b,
-                      float& value) {
-    const float n00 = nodes[0]->arrival.*share, n01 = nodes[1]->arrival.*share;
-    const float n10 = nodes[2]->arrival.*share, n11 = nodes[3]->arrival.*share;
+  static bool between(const Corners& nodes, Share share, float tolerance, float a, float b, float& value) {
+    const float n00 = nodes[0]->arrival[share], n01 = nodes[1]->arrival[share];
+    const float n10 = nodes[2]->arrival[share], n11 = nodes[3]->arrival[share];
     value = mix(mix(n00, n01, b), mix(n10, n11, b), a);
     return std::max({n00, n01, n10, n11}) - std::min({n00, n01, n10, n11}) < tolerance;
   }
@@ -268,11 +361,13 @@ class Backdrop {
   size_t size_;
   std::vector<int16_t> body_;
   std::vector<SetPoint> point_;
-  int rows_, columns_;  // of the lattice
-  bool known_ = false;
-  std::vector<Body> bodies_;
+  mutable std::vector<Past> past_;  // what bodies at rest leave to pixels that show one of them
+  int rows_, columns_;              // of the lattice
   std::vector<Node> node_;
-  std::vector<Front> front_;  // empty without meshes
+  bool known_ = false;  // whether still_front_ is that of the bodies
+  bool any_ = false;    // whether anything has moved since the frame before
+  std::vector<Body> bodies_;
+  std::vector<Front> still_front_, front_;  // of the meshes at rest and of all; empty without any
   const Density* snow_ = nullptr;
 };
 

@@ -21,6 +21,7 @@ struct Body {
                // [m]
   Vec3 color;  // linear albedo
   Stuff stuff;
+  bool rest;  // it stays where it is: what it shows and hides is kept from frame to frame
   std::shared_ptr<const Mesh> mesh;  // of the shape of that name
   Vec3 middle;                       // of a ball that holds the body
   float bound;                       // its radius [m]
@@ -29,8 +30,8 @@ struct Body {
 
 /// Put a body in its place. mesh: for the shape of that name only.
 inline Body place(Shape shape, Vec3 position, const Rotation& turn, Vec3 half, Vec3 color, Stuff stuff,
-                  std::shared_ptr<const Mesh> mesh) {
-  Body body{shape, position, turn, half, color, stuff, std::move(mesh), position, 1e30f};
+                  bool rest, std::shared_ptr<const Mesh> mesh) {
+  Body body{shape, position, turn, half, color, stuff, rest, std::move(mesh), position, 1e30f};
   switch (shape) {
     case Shape::plane: break;
     case Shape::box: body.bound = length(half); break;
@@ -65,6 +66,13 @@ inline Hit meet(const Body& body, Vec3 origin, Vec3 direction) {
     case Shape::mesh: hit = body.mesh->meet(p, d); break;
   }
   return in_world(body, hit);
+}
+
+/// Meet the nearest of these triangles of a mesh.
+inline Hit meet_triangles(const Body& body, std::span<const uint32_t> triangles, Vec3 origin,
+                          Vec3 direction) {
+  return in_world(body, body.mesh->meet(triangles, body.turn.to_local(origin - body.position),
+                                        body.turn.to_local(direction)));
 }
 
 /// Meet one triangle of a mesh, known to lie on the ray.

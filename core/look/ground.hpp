@@ -84,13 +84,12 @@ inline float sun_arrival(const Density& snow, const Light& light, Vec3 point) {
   return snow.empty() ? 1.0f : std::exp(-sun_path(snow, point, light.sun, 0.3f, 0.0f).far);
 }
 
-/// Share of the sky that snow and bodies leave to a point of the set.
-inline float sky_arrival(const Density& snow, std::span<const Body> bodies, const Body& self, Vec3 point,
-                         Vec3 normal) {
+/// Share of the sky that the snow leaves to a point of the set.
+inline float sky_arrival(const Density& snow, Vec3 point, Vec3 normal) {
   const float open =
       snow_around(snow, point) ? sky_light(snow, point, normal, 0.35f, 0.1f) : 0.5f + 0.5f * normal.z;
   // What hides the sky is snow for the most part, which shines as well.
-  return mix(0.14f, open, saturate(open)) * sky_past(bodies, &self, point, normal);
+  return mix(0.14f, open, saturate(open));
 }
 
 }  // namespace neve::look

@@ -112,21 +112,31 @@ inline float sun_past(std::span<const Body> bodies, Vec3 p, Vec3 sun, float clea
   return seen;
 }
 
-/// Share of the sun left to a point of `self` by all bodies. Only meshes throw shadows on themselves.
-inline float sun_past(std::span<const Body> bodies, const Body& self, Vec3 p, const Hit& hit, Vec3 sun) {
+/// Share of the sun left to a point of `self` by all bodies that rest, or by all others. Only meshes throw shadows on
+/// themselves.
+inline float sun_past(std::span<const Body> bodies, bool rest, const Body& self, Vec3 p, const Hit& hit,
+                      Vec3 sun) {
   if (dot(hit.normal, sun) <= 0) return 1.0f;  // it has none to lose
   float seen = 1.0f;
   for (const Body& body : bodies)
-    if (&body != &self || body.shape == Shape::mesh)
+    if (body.rest == rest && (&body != &self || body.shape == Shape::mesh) && seen > 0.001f)
       seen *= sun_past(body, p + hit.lift, sun, &body == &self ? 1e-3f * body.mesh->shade() : 0.0f);
   return seen;
 }
 
-/// Share of the sky left by all bodies but `self`.
-inline float sky_past(std::span<const Body> bodies, const Body* self, Vec3 p, Vec3 normal) {
+/// Share of the sky left to a grain of snow by all bodies.
+inline float sky_past(std::span<const Body> bodies, Vec3 p, Vec3 normal) {
+  float seen = 1.0f;
+  for (const Body& body : bodies) seen *= sky_past(body, p, normal);
+  return seen;
+}
+
+/// Share of the sky left to a point of `self` by all bodies that rest, or by all others.
+inline float sky_past(std::span<const Body> bodies, bool rest, const Body& self, Vec3 p, Vec3 normal) {
   float seen = 1.0f;
   for (const Body& body : bodies)
-    seen *= &body == self ? sky_past_self(body, p, normal) : sky_past(body, p, normal);
+    if (body.rest == rest)
+      seen *= &body == &self ? sky_past_self(body, p, normal) : sky_past(body, p, normal);
   return seen;
 }
 

@@ -1,5 +1,7 @@
 // A mesh or a terrain as the picture needs it, in its own frame.
 #pragma once
+#include <span>
+
 #include "look/primitives.hpp"
 #include "look/triangles.hpp"
 #include "threads.hpp"
@@ -130,6 +132,19 @@ class Mesh {
     return at(triangle, float(way), float(u), float(v), d);
   }
 
+  /// Meet the nearest of these triangles.
+  Hit meet(std::span<const uint32_t> triangles, Vec3 p, Vec3 d) const {
+    const Ray ray(to_point(p), to_point(d));
+    Ray::Meeting nearest{1e30, 0, 0}, m;
+    Hit hit;
+    for (uint32_t triangle : triangles)
+      if (ray.meets(mesh_.triangles()[triangle], nearest.t, m)) {
+        nearest = m;
+        hit = at(triangle, float(m.t), float(m.u), float(m.v), d);
+      }
+    return hit;
+  }
+
   /// Rough signed distance [m].
   float distance(Vec3 p) const { return terrain() ? heights_.over(p) : rough_.at(p); }
   /// Distance to the surface [m], or `within` if that is shorter: exact where it is asked for near, else rough. A
@@ -142,7 +157,7 @@ class Mesh {
   /// Angle between the ray and the nearest miss [rad], zero for a hit, at most `widest`.
   float miss(Vec3 p, Vec3 unit_direction, float start, float widest) const {
     if (terrain()) return heights_.miss(p, unit_direction, start, widest);
-    return float(NearMiss(mesh_, to_point(p), to_point(unit_direction), start).angle(widest));
+    return float(NearMiss(mesh_, p, unit_direction, start).angle(widest));
   }
 
  private:

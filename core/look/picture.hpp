@@ -20,7 +20,12 @@ struct Particles {
 class Painter {
  public:
   Painter(const Camera& camera, const Light& light)
-      : camera_(camera), light_(light), backdrop_(camera, light), samples_(camera) {}
+      : camera_(camera),
+        light_(light),
+        backdrop_(camera, light),
+        meshes_(camera),
+        still_(camera),
+        samples_(camera) {}
 
   const Camera& camera() const { return camera_; }
 
@@ -29,15 +34,26 @@ class Painter {
     const Density snow(particles.x, particles.volume, particles.cell_size);
     const Cluster cluster(std::cbrt(particles.volume), particles.x.size(), camera_);
     grains_ = Projection(snow, particles.x, particles.J_P, camera_, cluster, Samples::per_axis).grains();
-    const Raster meshes(bodies, camera_);
-    draw_samples(samples_, bodies, meshes, grains_, camera_);
-    backdrop_.place(bodies, meshes);
+    if (!known_ || !same_at_rest(bodies, backdrop_.bodies())) {
+      meshes_ = Raster(bodies, camera_, true);
+      draw_still(still_, bodies, meshes_, camera_);
+      backdrop_.forget();
+      known_ = true;
+    }
+    const Raster moving(bodies, camera_, false);
+    draw_samples(samples_, still_, bodies, moving, grains_, camera_);
+    backdrop_.place(bodies, meshes_, moving);
     backdrop_.illuminate(snow, samples_);
     light_visible(snow, bodies, particles.x);
     develop(rgb);
   }
 
  private:
+  static bool same_at_rest(std::span<const Body> now, std::span<const Body> before) {
+    return std::equal(now.begin(), now.end(), before.begin(), before.end(),
+                      [](const Body& a, const Body& b) { return a.rest == b.rest && (!a.rest || a == b); });
+  }
+
   void light_visible(const Density& snow, std::span<const Body> bodies, std::span<const Vec3> x) {
     std::vector<uint8_t> seen(x.size(), 0);
 #pragma omp parallel for schedule(static)
@@ -99,8 +115,7 @@ class Painter {
         else if (body == middle)
           sum += set_light();
         else
-          sum +=
-              backdrop_.light_along(body, float(c) + (float(j) + 0.5f) / n, float(r) + (float(i) + 0.5f) / n);
+          sum += backdrop_.light_beside(body, r, c, i, j);
       }
     return sum * (1.0f / (n * n));
   }
@@ -120,7 +135,10 @@ class Painter {
   Light light_;
   FilmCurve curve_;
   Backdrop backdrop_;
+  Raster meshes_;  // of the bodies that rest
+  Samples still_;  // the bodies that rest
   Samples samples_;
+  bool known_ = false;  // whether there is anything in the two
   std::vector<Grain> grains_;
   std::vector<Lit> lit_;
 };

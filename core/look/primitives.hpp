@@ -8,6 +8,7 @@ struct Hit {
   float t = 1e30f;  // in lengths of the direction
   Vec3 normal;      // against the ray
   Vec3 lift{};      // from the point met to where a shadow ray may start [m]: off the triangles of a mesh
+  bool operator==(const Hit&) const = default;
 };
 
 /// Meet the slab |p| <= half on one axis: narrow [near, far], remember the axis entered last.

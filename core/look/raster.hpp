@@ -15,12 +15,15 @@ struct Flat {
   uint32_t body, triangle;
 };
 
-/// All triangles of all meshes that can be on the film, listed by bands of rows.
+/// The triangles of meshes that can be on the film, listed by bands of rows.
 class Raster {
  public:
   static constexpr int band = 16;  // pixels
 
-  Raster(std::span<const Body> bodies, const Camera& camera) : camera_(camera) {
+  explicit Raster(const Camera& camera) : camera_(camera) {}
+
+  /// rest: take the meshes that rest, or those that may move.
+  Raster(std::span<const Body> bodies, const Camera& camera, bool rest) : camera_(camera) {
     constexpr size_t chunk = 4096;
     struct Part {
       uint32_t body;
@@ -28,7 +31,7 @@ class Raster {
     };
     std::vector<Part> parts;
     for (uint32_t b = 0; b < bodies.size(); ++b) {
-      if (bodies[b].shape != Shape::mesh) continue;
+      if (bodies[b].shape != Shape::mesh || bodies[b].rest != rest) continue;
       const size_t n = bodies[b].mesh->triangles().size();
       for (size_t first = 0; first < n; first += chunk)
         parts.push_back({b, first, std::min(first + chunk, n)});

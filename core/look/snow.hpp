@@ -32,8 +32,7 @@ inline Lit light_particle(const Density& snow, std::span<const Body> bodies, con
   const float direct = std::exp(-path.far - (0.55f - 0.3f * saturate(cover)) * path.near),
               through = std::exp(-0.38f * (path.near + path.far));
   lit.sun = light.sun_color * (direct * past);
-  const float sky =
-      sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(bodies, nullptr, p, lit.normal);
+  const float sky = sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(bodies, p, lit.normal);
   // Snow gives back nearly all light, so its hollows light themselves.
   const float bright = sky / (1.0f - 0.60f * (1.0f - saturate(sky)));
   lit.around = light.sky_color * Vec3{0.68f, 0.79f, 0.94f} * bright;

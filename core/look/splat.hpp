@@ -59,15 +59,15 @@ inline void splat_grain(Samples& samples, const Grain& grain, uint32_t index, in
   }
 }
 
-/// Cast a ray at the bodies, but for meshes, through every sample of a row.
-inline void cast_row(Samples& samples, std::span<const Body> bodies, const Camera& camera, int r) {
+/// Cast a ray at the bodies that rest, or at the others, but not at meshes, through every sample of a row.
+inline void cast_row(Samples& samples, std::span<const Body> bodies, bool rest, const Camera& camera, int r) {
   constexpr float pixel = 1.0f / Samples::per_axis;
   Key* row = samples.row(r);
   const Vec3 start = camera.through(0.5f * pixel, (float(r) + 0.5f) * pixel),
              step = camera.right * (pixel / camera.focal);
-  std::fill(row, row + samples.pitch, nothing);
   for (uint32_t b = 0; b < bodies.size(); ++b) {
     const Body& body = bodies[b];
+    if (body.rest != rest) continue;
     if (body.shape == Shape::plane) {  // one division per sample
       const float height = dot(body.turn.z, camera.eye - body.position), fall = -dot(body.turn.z, start);
       const float change = -dot(body.turn.z, step);
@@ -95,9 +95,30 @@ inline void cast_row(Samples& samples, std::span<const Body> bodies, const Camer
   }
 }
 
-/// Draw bodies and grains into the z-buffer.
-inline void draw_samples(Samples& samples, std::span<const Body> bodies, const Raster& meshes,
-                         std::span<const Grain> grains, const Camera& camera) {
+/// Draw the bodies that rest, or the others, into rows [first, last).
+inline void draw_bodies(Samples& samples, std::span<const Body> bodies, bool rest, const Raster& meshes,
+                        const Camera& camera, int first, int last) {
+  for (int r = first; r < last; ++r) cast_row(samples, bodies, rest, camera, r);
+  meshes.draw(first, last, Samples::per_axis, [&](int r, int c, float depth, uint32_t body, uint32_t) {
+    Key& key = samples.row(r)[c];
+    key = std::min(key, make_key(depth, first_body + body));
+  });
+}
+
+/// Draw what rests into an empty z-buffer.
+inline void draw_still(Samples& samples, std::span<const Body> bodies, const Raster& meshes,
+                       const Camera& camera) {
+#pragma omp parallel for schedule(dynamic)
+  for (int b = 0; b < samples.bands(); ++b) {
+    const int first = b * Samples::band, last = std::min(first + Samples::band, samples.height);
+    std::fill(samples.row(first), samples.row(last - 1) + samples.pitch, nothing);
+    draw_bodies(samples, bodies, true, meshes, camera, first, last);
+  }
+}
+
+/// Draw grains and the bodies that do not rest over what does.
+inline void draw_samples(Samples& samples, const Samples& still, std::span<const Body> bodies,
+                         const Raster& meshes, std::span<const Grain> grains, const Camera& camera) {
   const int bands = samples.bands();
   std::vector<std::vector<uint32_t>> in_band(static_cast<size_t>(bands));
   for (uint32_t g = 0; g < grains.size(); ++g) {
@@ -110,11 +131,8 @@ inline void draw_samples(Samples& samples, std::span<const Body> bodies, const R
 #pragma omp parallel for schedule(dynamic)
   for (int b = 0; b < bands; ++b) {
     const int first = b * Samples::band, last = std::min(first + Samples::band, samples.height);
-    for (int r = first; r < last; ++r) cast_row(samples, bodies, camera, r);
-    meshes.draw(first, last, Samples::per_axis, [&](int r, int c, float depth, uint32_t body, uint32_t) {
-      Key& key = samples.row(r)[c];
-      key = std::min(key, make_key(depth, first_body + body));
-    });
+    std::copy(still.row(first), still.row(last - 1) + still.pitch, samples.row(first));
+    draw_bodies(samples, bodies, false, meshes, camera, first, last);
     for (uint32_t g : in_band[size_t(b)]) splat_grain(samples, grains[g], g, first, last);
   }
 }

@@ -62,46 +62,68 @@ inline std::vector<Corners3> corner_normals(const std::vector<Triangle>& triangl
 class NearMiss {
  public:
   /// direction: of unit length; start: where the ray begins to count [m].
-  NearMiss(const TriangleMesh& mesh, const Point& origin, const Point& direction, double start)
-      : mesh_(mesh), ray_(origin, direction), origin_(origin), direction_(direction), start_(start) {}
+  NearMiss(const TriangleMesh& mesh, Vec3 origin, Vec3 direction, float start)
+      : mesh_(mesh),
+        ray_(to_point(origin), to_point(direction)),
+        origin_(to_point(origin)),
+        direction_(to_point(direction)),
+        start_(start) {
+    const float o[3] = {origin.x, origin.y, origin.z}, d[3] = {direction.x, direction.y, direction.z};
+    for (int k = 0; k < 3; ++k) {
+      from_[k] = o[k], way_[k] = d[k];
+      inverse_[k] = 1.0f / (std::abs(d[k]) > 1e-18f ? d[k] : 1e-18f);
+    }
+  }
 
   /// Return the least angle [rad, small] between the ray and anything seen from its origin, at most `widest`: zero if
-  /// the ray meets a triangle. It is the distance of the nearest miss over the way to it.
+  /// the ray meets a triangle or comes closer than a hundredth of that. It is the distance of the nearest miss over
+  /// the way to it.
   double angle(double widest) {
     best_ = widest;
-    uint32_t stack[BvhBuilder::deepest];
+    struct Waiting {
+      uint32_t node;
+      float enters;
+      double best;
+    } stack[BvhBuilder::deepest];
+    const auto waiting = [&](uint32_t node) { return Waiting{node, enters(mesh_.nodes()[node]), best_}; };
     int top = 0;
-    if (least(mesh_.nodes()[0]) < best_) stack[top++] = 0;
-    while (top > 0 && best_ > 0) {
-      const uint32_t at = stack[--top];
-      const BvhNode& node = mesh_.nodes()[at];
-      if (least(node) >= best_) continue;
+    stack[top++] = waiting(0);
+    while (top > 0) {
+      Waiting at = stack[--top];
+      const BvhNode& node = mesh_.nodes()[at.node];
+      if (at.best != best_) at.enters = enters(node);
+      if (at.enters > out) continue;
       if (node.leaf()) {
         for (uint32_t i = node.first; i < node.first + node.count; ++i) visit(mesh_.triangles()[i]);
+        if (best_ < 0.01 * widest) return 0;
         continue;
       }
-      uint32_t near = at + 1, far = node.first;
-      double near_least = least(mesh_.nodes()[near]), far_least = least(mesh_.nodes()[far]);
-      if (far_least < near_least) std::swap(near, far), std::swap(near_least, far_least);
-      if (far_least < best_) stack[top++] = far;
-      if (near_least < best_) stack[top++] = near;
+      Waiting near = waiting(at.node + 1), far = waiting(node.first);
+      if (far.enters < near.enters) std::swap(near, far);
+      if (far.enters < out) stack[top++] = far;
+      if (near.enters < out) stack[top++] = near;
     }
     return best_;
   }
 
  private:
-  /// No point of the node's box is seen closer to the ray than this.
-  double least(const BvhNode& node) const {
-    Point middle, half;
+  static constexpr float out = 1e30f;
+
+  /// Where the ray enters the node's box [m], widened by all that the best angle spans at its far end: a point that
+  /// is seen closer to the ray lies no farther from it. More than `out` if it does not.
+  float enters(const BvhNode& node) const {
+    float end = 0;
+    for (int k = 0; k < 3; ++k)
+      end += std::max((node.low[k] - from_[k]) * way_[k], (node.high[k] - from_[k]) * way_[k]);
+    const float wide = float(best_) * end * 1.0001f;
+    float near = 0, far = out;
     for (int k = 0; k < 3; ++k) {
-      middle[k] = 0.5 * (double(node.low[k]) + double(node.high[k]));
-      half[k] = 0.5 * (double(node.high[k]) - double(node.low[k]));
+      const float a = (node.low[k] - wide - from_[k]) * inverse_[k],
+                  b = (node.high[k] + wide - from_[k]) * inverse_[k];
+      near = std::max(near, std::min(a, b));
+      far = std::min(far, std::max(a, b));
     }
-    const Point to = middle - origin_;
-    const double radius = std::sqrt(dot(half, half)), along = dot(to, direction_);
-    if (along + radius < start_) return Bounds::inf;
-    const double aside = std::sqrt(std::fmax(dot(to, to) - along * along, 0.0)) - radius;
-    return aside > 0 ? aside / (along + radius) : 0.0;
+    return end < float(start_) || near > far * 1.00001f ? 2 * out : near;
   }
 
   void visit(const Triangle& t) {
@@ -130,6 +152,7 @@ class NearMiss {
   const TriangleMesh& mesh_;
   Ray ray_;
   Point origin_, direction_;
+  float from_[3], way_[3], inverse_[3];
   double start_, best_ = 0;
 };
 

@@ -91,9 +91,17 @@ class Preview:
         rotation = [float(r) for r in np.asarray(pose.rotation).ravel()]
         stuff = "ground" if ground else "paint"
         color = solid.color or STEEL
-        if solid.shape in ("mesh", "terrain"):
-            return _look.Body("mesh", (x, y, z), rotation, (a, b, c), color, stuff, self._mesh(solid))
-        return _look.Body(solid.shape, (x, y, z), rotation, (a, b, c), color, stuff)
+        mesh = self._mesh(solid) if solid.shape in ("mesh", "terrain") else None
+        return _look.Body(
+            "mesh" if mesh else solid.shape,
+            (x, y, z),
+            rotation,
+            (a, b, c),
+            color,
+            stuff,
+            mesh,
+            rest=solid.moved_by == "rest",
+        )
 
     def _mesh(self, solid: Solid) -> _look.Mesh:
         """Return the triangles of a mesh or terrain, made ready once for all frames and bodies of it."""
