@@ -67,6 +67,7 @@ def _solid(model: Any, index: int, loaded: Loaded, name: str, dx: float) -> Soli
         mode=robot.mode,
         mu_c=robot.mu_c,
         color=robot.color or (r, g, b),
+        finish=robot.finish,
         visible=robot.visible,
         moved_by="engine",
         mesh=_mesh(model, index, dx) if shape == "mesh" else None,

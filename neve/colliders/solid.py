@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from neve.colliders.sdf import SolidMesh, solid_mesh
 from neve.colliders.terrain import height_field
+from neve.scene.fields import Finish
 from neve.scene.scene import (
     Box,
     Collider,
@@ -46,6 +47,7 @@ class Solid:
             sphere; else zero [m], (3,)
         mode, mu_c: as in the scene
         color: red, green and blue in the film, or None
+        finish: what the film shows it to be made of, or None
         visible: whether the film shows it
         moved_by: nobody ("rest"), keyframes or a constant velocity ("script"), or the rigid-body engine
         mesh: triangles and signed distance of a mesh
@@ -58,6 +60,7 @@ class Solid:
     mode: Literal["separate", "slip", "sticky"] = "separate"
     mu_c: float = 0.5
     color: Color | None = None
+    finish: Finish | None = None
     visible: bool = True
     moved_by: Literal["rest", "script", "engine"] = "rest"
     mesh: SolidMesh | None = None
@@ -90,6 +93,7 @@ def solid_of(collider: Collider, name: str, dx: float) -> Solid:
         mode=collider.mode,
         mu_c=collider.mu_c,
         color=collider.color,
+        finish=collider.finish,
         visible=collider.visible,
         moved_by="script" if moves else "rest",
         mesh=solid_mesh(collider, dx, name) if isinstance(collider, Mesh) else None,
@@ -111,6 +115,7 @@ def solid_of_body(body: Rigid, name: str, dx: float) -> Solid:
         mode=body.mode,
         mu_c=body.mu_c,
         color=body.color,
+        finish=body.finish,
         visible=body.visible,
         moved_by="engine",
         mesh=solid_mesh(body, dx, name) if isinstance(body, RigidMesh) else None,

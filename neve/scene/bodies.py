@@ -11,6 +11,7 @@ from neve.scene.fields import (
     Angle3,
     Color,
     Coordinate,
+    Finish,
     Length,
     Part,
     Point3,
@@ -146,6 +147,11 @@ class RigidBody(Part):
     )
     motor: Motor | None = entry(None, "What drives the joint; left out, nothing.", "")
     color: Color | None = entry(None, "Red, green and blue in the film; left out, a colour is chosen.", "1")
+    finish: Finish | None = entry(
+        None,
+        "What the surface in the film is made of; left out, paint.",
+        "",
+    )
     visible: Switch = entry(True, "Whether the film shows the body.", "")
 
     @model_validator(mode="after")
@@ -254,6 +260,11 @@ class Robot(Part):
     )
     color: Color | None = entry(
         None, "Red, green and blue in the film; left out, each part's colour in the file.", "1"
+    )
+    finish: Finish | None = entry(
+        None,
+        "What the surface in the film is made of; left out, paint.",
+        "",
     )
     visible: Switch = entry(True, "Whether the film shows the robot.", "")
     controls: tuple[Control, ...] = entry(

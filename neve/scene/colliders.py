@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from neve.scene.fields import (
     Angle3,
     Color,
+    Finish,
     Length,
     Part,
     Point3,
@@ -72,6 +73,12 @@ class Body(Part):
         "",
     )
     color: Color | None = entry(None, "Red, green and blue in the film; left out, a colour is chosen.", "1")
+    finish: Finish | None = entry(
+        None,
+        "What the surface in the film is made of; left out, paint, and frozen ground of a plane or terrain "
+        "without a colour.",
+        "",
+    )
     visible: Switch = entry(True, "Whether the film shows the body.", "")
 
     @model_validator(mode="after")

@@ -40,6 +40,7 @@ Angle3 = tuple[Coordinate, Coordinate, Coordinate]
 Size2 = tuple[Length, Length]
 Size3 = tuple[Length, Length, Length]
 Color = tuple[Fraction, Fraction, Fraction]
+Finish = Literal["paint", "metal", "rubber", "wood", "stone"]
 
 CHOICE = "our choice"
 """The source of a value that Neve's authors chose."""

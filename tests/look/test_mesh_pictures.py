@@ -1,5 +1,6 @@
 """Meshes and terrain in the picture: where the same analytic body is, with the same light and shadow."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +14,8 @@ from neve.look.preview import Preview
 from neve.scene.scene import Camera, Light, Numerics, Scene, SnowSphere
 
 SIZE = (320, 180)
+SMALL = (160, 90)
+FINISHES = ("paint", "metal", "rubber", "wood", "stone")
 CAMERA = Camera(position=(0.0, -6.0, 1.5), target=(0.0, 0.0, 0.5), fov=35)
 LIGHT = Light(sun_azimuth=200, sun_elevation=35)
 NONE = np.zeros((0, 3), np.float32)
@@ -33,8 +36,8 @@ def surface(mesh, flip=False):
     return SimpleNamespace(vertices=np.asarray(mesh.vertices), faces=faces[:, ::-1] if flip else faces)
 
 
-def mesh_solid(mesh, flip=False, color=RED):
-    return Solid(name="mesh", shape="mesh", mesh=surface(mesh, flip), color=color)
+def mesh_solid(mesh, flip=False, color=RED, **more):
+    return Solid(name="mesh", shape="mesh", mesh=surface(mesh, flip), color=color, **more)
 
 
 def ground_of(heights, size=(8.0, 8.0), color=None):
@@ -53,6 +56,7 @@ def red(image):
 
 
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=0.5)
+SMALL_BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.5)
 BOX = trimesh.creation.box((0.8, 0.6, 0.9))
 PAIRS = {
     "ball": (Solid(name="b", shape="sphere", half=np.full(3, 0.5), color=RED), BALL),
@@ -158,21 +162,38 @@ def test_same_bytes_for_any_number_of_threads(threads):
     x = np.linspace(-4, 4, 41)
     bodies = [
         ground_of(0.2 * np.sin(x)[:, None] * np.cos(x)),
-        at(mesh_solid(BALL), *PLACE),
+        at(mesh_solid(SMALL_BALL, moved_by="engine"), *PLACE),
         at(mesh_solid(BOX)),
     ]
-    assert np.array_equal(draw(bodies, crowd(), threads), draw(bodies, crowd(), 1))
+    many, one = (draw(bodies, crowd(), n, size=SMALL) for n in (threads, 1))
+    assert np.array_equal(many, one)
 
 
-def test_a_picture_does_not_depend_on_the_one_before():
-    """A ball passes before a box of triangles: what is kept from earlier frames does not show."""
+@pytest.mark.parametrize("moved_by", ["rest", "script"])
+def test_a_picture_does_not_depend_on_the_one_before(moved_by):
+    """A ball passes before a box of triangles: what is kept from earlier frames does not show, and that of
+    bodies at rest is dropped when they are found elsewhere after all."""
     stage = Scene(sources=(SnowSphere(),), camera=CAMERA, light=LIGHT, numerics=Numerics(dx=0.1))
-    box, ball = mesh_solid(BOX), mesh_solid(BALL, color=(0.1, 0.1, 0.6))
-    preview = Preview(stage, *SIZE)
-    for x in (-1.0, 0.2, 0.9, 0.3):
-        last = preview.draw(crowd(), [GROUND, at(box, *PLACE), at(ball, (x, -1.5, 0.6))])
-    alone = Preview(stage, *SIZE).draw(crowd(), [GROUND, at(box, *PLACE), at(ball, (0.3, -1.5, 0.6))])
+    box, ball = mesh_solid(BOX), mesh_solid(SMALL_BALL, color=(0.1, 0.1, 0.6), moved_by=moved_by)
+    preview = Preview(stage, *SMALL)
+    for x, fall in ((-1.0, 0.3), (0.2, 0.2), (0.2, 0.1), (0.3, 0.0)):
+        last = preview.draw(
+            crowd() + np.array((0, 0, fall)), [GROUND, at(box, *PLACE), at(ball, (x, -1.5, 0.6))]
+        )
+    alone = Preview(stage, *SMALL).draw(crowd(), [GROUND, at(box, *PLACE), at(ball, (0.3, -1.5, 0.6))])
     assert np.array_equal(last, alone)
+
+
+def test_finishes_differ():
+    """Each finish of one colour is another surface; one that is not heard would give the same bytes. Left out it
+    is paint; and a plane with a finish is no frozen ground."""
+    balls = [draw([GROUND, at(replace(PAIRS["ball"][0], finish=f), *PLACE)], size=SMALL) for f in FINISHES]
+    for i, one in enumerate(balls):
+        for other in balls[:i]:
+            assert np.abs(one.astype(int) - other).max() > 10
+    assert np.array_equal(draw([GROUND, at(PAIRS["ball"][0], *PLACE)], size=SMALL), balls[0])
+    floor = at(replace(GROUND[0], finish="stone"))
+    assert np.abs(draw([floor], size=SMALL).astype(int) - draw([GROUND], size=SMALL)).max() > 10
 
 
 def test_camera_inside_and_triangles_behind_it():
