@@ -185,8 +185,8 @@ def test_a_picture_does_not_depend_on_the_one_before(moved_by):
 
 
 def test_finishes_differ():
-    """Each finish of one colour is another surface; one that is not heard would give the same bytes. Left out it
-    is paint; and a plane with a finish is no frozen ground."""
+    """Each finish of one colour is another surface; one that is not heard would give the same bytes. Left out
+    it is paint; and a plane with a finish is no frozen ground."""
     balls = [draw([GROUND, at(replace(PAIRS["ball"][0], finish=f), *PLACE)], size=SMALL) for f in FINISHES]
     for i, one in enumerate(balls):
         for other in balls[:i]:
