@@ -55,7 +55,7 @@ def height_field(terrain: Terrain, name: str) -> HeightField:
             f"{told} has {found.values.size:.3g} heights, more than {MOST:.3g}: use a smaller map"
         )
     if lost := np.count_nonzero(~np.isfinite(found.values)):
-        raise SceneError(f"{told} has {lost} heights that are no finite numbers: fill the gaps of the map")
+        raise SceneError(f"{told} has gaps, {lost} in all, where the height is no finite number: fill them")
     pixel = found.pixel or (0.0, 0.0)
     if terrain.size is None and found.pixel is None:
         raise SceneError(f"{name}.size is missing, and {told} does not say how many metres a pixel is")

@@ -105,8 +105,8 @@ def test_bad_maps_are_one_sentence(tmp_path: Path) -> None:
     whole = picture(HEIGHTS, tmp_path / "cut.png", np.uint16)
     Path(whole).write_bytes(Path(whole).read_bytes()[:60])
     for name, words in {
-        "nan.npy": "has 1 heights that are no finite numbers",
-        "gap.tif": "has 1 heights that are no finite numbers",
+        "nan.npy": "has gaps, 1 in all, where the height is no finite number",
+        "gap.tif": "has gaps, 1 in all, where the height is no finite number",
         "line.npy": "has 1 axes: a height map has two axes",
         "thin.npy": "has 1 x 4 numbers: a height map has two axes, x and y, each of 2 numbers or more",
         "cube.npy": "has 3 axes",
