@@ -14,6 +14,7 @@ from neve.colliders.engine import engine, quaternion
 from neve.colliders.motion import Pose, cross, pose
 from neve.colliders.overlap import require_apart
 from neve.colliders.parts import parts_of
+from neve.colliders.resistance import damping, support
 from neve.colliders.solid import Solid, solid_of_body
 from neve.colliders.yielding import LostBody
 from neve.scene.scene import Scene
@@ -75,14 +76,17 @@ class RigidBodies:
         """Return A (6 n, 6 n) in dU = A dP: how impulses on the solids change their velocities in a step.
 
         U has six rows a solid: velocity of its frame's origin [m/s] and angular velocity [rad/s]; P: impulse
-        at the frame's origin [N s] and moment about it [N m s]. A = J (M + h D)^-1 J^T with the Jacobian J of
-        U and the mass matrix M of the joints; D is the damping of joints and motors, which the engine takes
-        implicitly, h the length of its last step. Contacts do not enter.
+        at the frame's origin [N s] and moment about it [N m s]. A = J (M + h D + K)^-1 J^T with the Jacobian
+        J of U and the mass matrix M of the joints; D is the damping of joints and motors, which the engine
+        takes implicitly, h the length of its last step. K is what contacts, limits and equalities add that
+        hold now (`support`): a body that lies on the ground gives way no more than the ground lets it.
         """
         J = self._jacobian
         moved = np.zeros_like(J)
-        if self._damping is not None:
-            moved[:] = np.linalg.solve(self._damped_inertia(), J.T).T
+        held = support(self._mj, self._model, self._data)
+        if self._damping is not None or held is not None:
+            inertia = self._damped_inertia() + (0.0 if held is None else held)
+            moved[:] = np.linalg.solve(inertia, J.T).T
         elif J.size:
             self._mj.mj_solveM(self._model, self._data, moved, J)
         A = J @ moved.T
@@ -92,13 +96,9 @@ class RigidBodies:
         """Return the accelerations that all but the snow gives the solids now (n, 6) [m/s2, rad/s2].
 
         Of frames' origins and of turning: gravity, contacts among bodies, motors as of the engine's next step
-        if that is as long as the last one. Asking changes nothing.
+        if that is as long as the last one.
         """
         mj, model, data = self._mj, self._model, self._data
-        kept = data.qacc_warmstart.copy()
-        mj.mj_fwdAcceleration(model, data)
-        mj.mj_fwdConstraint(model, data)
-        data.qacc_warmstart[:] = kept
         rates = np.array(data.qacc)
         if self._damping is not None:
             rates = np.linalg.solve(self._damped_inertia(), data.qfrc_smooth + data.qfrc_constraint)
@@ -243,7 +243,7 @@ class RigidBodies:
         """Return M + h D (nv, nv), with which the engine's last step changed velocities."""
         inertia = np.zeros((self._model.nv, self._model.nv))
         self._mj.mj_fullM(self._model, self._data, inertia)
-        return np.asarray(inertia + self._model.opt.timestep * self._damping)
+        return inertia if self._damping is None else inertia + self._model.opt.timestep * self._damping
 
     def _require_finite(self, time: float) -> None:
         state = np.concatenate((self._data.qpos, self._data.qvel))
@@ -266,6 +266,10 @@ class RigidBodies:
         self._look()
         self._set_controls(data.time)
         self._mj.mj_fwdActuation(model, data)
+        kept = data.qacc_warmstart.copy()  # of the engine's own last step
+        self._mj.mj_fwdAcceleration(model, data)
+        self._mj.mj_fwdConstraint(model, data)
+        data.qacc_warmstart[:] = kept
         self._damping = damping(self._mj, model, data)
         places = self._assembly.places
         self._positions = np.zeros((len(places), 3))
@@ -277,23 +281,3 @@ class RigidBodies:
             self._rotations[i] = R @ place.rotation
             rows = self._jacobian[6 * i : 6 * i + 6]
             self._mj.mj_jac(model, data, rows[:3], rows[3:], self._positions[i], place.body)
-
-
-def damping(mj: Any, model: Any, data: Any) -> Array | None:
-    """Return the damping D (nv, nv) of joints and of motors at their joints; None if there is none.
-
-    The force of an actuator falls by -biasprm[2] for each unit of its speed (MuJoCo's affine bias), unless
-    it is at its limit.
-    """
-    found = np.diag(model.dof_damping).copy()
-    for i in range(model.nu):
-        rate = -float(model.actuator_biasprm[i, 2])
-        low, high = model.actuator_forcerange[i]
-        held = model.actuator_forcelimited[i] and not low < data.actuator_force[i] < high
-        if model.actuator_biastype[i] == mj.mjtBias.mjBIAS_AFFINE and rate > 0.0 and not held:
-            moment = np.zeros(model.nv)
-            begin, count = data.moment_rowadr[i], data.moment_rownnz[i]
-            rows = slice(begin, begin + count)
-            moment[data.moment_colind[rows]] = data.actuator_moment[rows]
-            found += rate * np.outer(moment, moment)
-    return found if found.any() else None

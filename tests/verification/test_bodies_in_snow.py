@@ -78,6 +78,31 @@ def test_body_on_snow_carries_its_weight(density):
     assert np.abs(pose.velocity).max() < 0.05
 
 
+def test_light_body_on_the_ground_bears_snow():
+    """A box of a twentieth of the snow's density that lies on the ground bears the column of snow upon it.
+
+    Elastic snow between smooth walls, a hundred times the box's weight. If the snow took the box for one in
+    the air, it would sink past it: the ground would bear a quarter (measured). Allowed there: 5 %, half of the
+    lowest layer of cells. The column swings up and down, so that the mean force is its weight to a sixth.
+    """
+    walls = [
+        {"shape": "plane", "point": [-0.4 * a, -0.4 * b, 0], "normal": [a, b, 0], "mu_c": 0}
+        for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
+    ]
+    column = {"shape": "box", "size": [0.8, 0.8, 1.0], "center": [0, 0, 0.7]}
+    box = {"shape": "box", "size": [0.76, 0.76, 0.2], "center": [0, 0, 0.1], "density": 20}
+    snow = {"plasticity": "none", "E0": 5e5}
+    sim = Simulation(
+        scene([box], sources=[{**column, "snow": snow}], colliders=({"shape": "plane"}, *walls)), threads=1
+    )
+    weight = sim.diagnostics().mass * G
+    sim.advance(0.1)
+    sim.advance(0.2)
+    force = -sim.stats.exchanged[:, 2] / 0.2
+    assert force[-1] == pytest.approx(weight, rel=0.17)
+    assert abs(force[0]) < 0.05 * weight
+
+
 def test_snow_turns_a_gate():
     """Snow that is thrown at a hanging gate swings it about its hinge and no other way."""
     hinge = {"joint": "hinge", "axis": [0, 1, 0], "anchor": [-0.4, 0, 0.6], "limits": [-10, 80]}

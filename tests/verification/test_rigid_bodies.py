@@ -267,3 +267,24 @@ def test_body_too_light_for_the_engine_is_told(shape, said):
         bodies_of([shape])
     assert said in str(told.value)
     assert "\n" not in str(told.value)
+
+
+def test_ground_bears_a_light_body():
+    """What lies on the ground gives way to a push as the engine says, not like a body in the air.
+
+    The velocity with a push down of 100 times its weight, less that without, is A P after one step of the
+    engine: its constraints are linear as long as they hold. Rounding of its solver: 1e-6 of P / m.
+    """
+    box = {"shape": "box", "size": [0.4, 0.4, 0.1], "center": [0, 0, 0.05], "density": 20.0}
+    ground = [{"shape": "plane"}]
+    P = np.array([0.0, 0.0, -100 * 0.32 * G * 1e-4, 0.0, 0.0, 0.0])
+    pushed, alone = bodies_of([box], ground), bodies_of([box], ground)
+    for rigid in (pushed, alone):
+        run(rigid, 1e-4, 200)
+    expected = pushed.mobility() @ P
+    for rigid, push in ((pushed, P), (alone, 0 * P)):
+        rigid.advance(1e-4, exchange(push), 0.02)
+    change = pushed.poses()[0].velocity - alone.poses()[0].velocity
+    free = P[2] / 0.32
+    assert change[2] == pytest.approx(expected[2], abs=1e-6 * abs(free))
+    assert abs(change[2]) < 0.2 * abs(free)
