@@ -82,7 +82,7 @@ def test_light_body_on_the_ground_bears_snow():
     """A box of a twentieth of the snow's density that lies on the ground bears the column of snow upon it.
 
     Elastic snow between smooth walls, a hundred times the box's weight. If the snow took the box for one in
-    the air, it would sink past it: the ground would bear a quarter (measured). Allowed there: 5 %, half of the
+    the air, it would sink past it: the ground would bear a quarter (measured). Allowed there: 5 %, half the
     lowest layer of cells. The column swings up and down, so that the mean force is its weight to a sixth.
     """
     walls = [
