@@ -15,6 +15,34 @@ inline constexpr double skin_cells = 1e-4;
 // So far a particle inside a solid is moved towards its surface in one step.
 inline constexpr double push_cells = 0.1;
 
+// A ball around those points of a pack that count.
+template <class T>
+struct Ball {
+  Vec3<T> centre{};
+  T radius = -1;  // below zero: none counts
+};
+template <class R, class M>
+inline Ball<scalar_t<R>> ball_around(const Vec3<R>& x, const M& mask) {
+  using T = scalar_t<R>;
+  if (!any(mask)) return {};
+  const R far = splat<R>(std::numeric_limits<T>::max());
+  Ball<T> ball;
+  T square = 0;
+  for (int k = 0; k < 3; ++k) {
+    const T high = max_lane(select(mask, x[k], -far)), low = -max_lane(select(mask, -x[k], -far));
+    ball.centre[k] = (low + high) / 2;
+    square += (high - low) * (high - low) / 4;
+  }
+  ball.radius = std::sqrt(square) * T(1.0001);
+  return ball;
+}
+
+// Whether a mesh is farther than `reach` from all points in the ball: one look at its grid instead of one a lane.
+template <class T>
+inline bool is_clear(const Solid<T>& solid, const Ball<T>& ball, T reach) {
+  return solid.mesh && (ball.radius < 0 || !is_near(solid, ball.centre, ball.radius + reach));
+}
+
 // Which points some solid holds: no more than `skin` [m] outside.
 template <class R>
 inline auto held(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, scalar_t<R> skin) {
@@ -29,7 +57,9 @@ inline auto held(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x
 template <class R>
 inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v,
                        scalar_t<R> skin, R m, Ledger& ledger) {
+  const auto ball = ball_around(x, m > R{});
   for (const auto& solid : solids) {
+    if (is_clear(solid, ball, skin + solid.margin)) continue;
     const Surface<R> s = surface(solid, x);
     const auto inside = (s.phi <= splat<R>(skin + solid.margin)) & (m > R{});
     if (any(inside)) {
@@ -81,10 +111,13 @@ inline void follow(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>&
                    scalar_t<R> dt, scalar_t<R> dx, R m, Ledger* ledger) {
   using T = scalar_t<R>;
   const T skin = T(skin_cells) * dx;
+  const auto here = m > R{};
+  const auto ball = solids.empty() ? Ball<T>{} : ball_around(x, here);
   for (const auto& solid : solids) {
-    const Surface<R> s = surface(solid, x);
     const Vec3<R> way = (path - solid.velocity_at(x)) * dt;
     const R reach = sqrt(dot(way, way)) + skin;
+    if (is_clear(solid, ball, max_lane(select(here, reach, R{})))) continue;
+    const Surface<R> s = surface(solid, x);
     const auto inside = (s.phi <= splat<R>(skin)) & (m > R{});
     const auto comes = (s.phi > splat<R>(skin)) & (s.phi < reach) & (m > R{});
     if (!any(inside | comes)) continue;

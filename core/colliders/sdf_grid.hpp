@@ -72,8 +72,12 @@ class SdfGrid {
       d2 += d * d, beyond2 += b * b;
     }
     if (d2 > reach * reach) return false;
+    if (beyond2 > 0) return true;
     // a blend of values at the corners of a cube of edge a is no farther than sqrt(3)/2 a from what it stands for
-    return beyond2 > 0 || at(x).phi <= reach + 0.867 * spacing * (is_fine(x) ? 1 : cells);
+    const double phi = at(x).phi, slack = 0.867 * spacing;
+    if (is_fine(x)) return phi <= reach + slack;
+    return phi <= 0 ||
+           (reach >= band && phi <= reach + slack * cells);  // without a brick it is farther than the band
   }
 
  private:

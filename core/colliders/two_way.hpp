@@ -13,6 +13,8 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "colliders/collide.hpp"
 #include "math/dense.hpp"
@@ -56,7 +58,9 @@ struct Encounters {
   void add(const std::vector<Solid<T>>& near, const std::vector<Solid<T>>& all, const Vec3<R>& x,
            const Vec3<R>& v, R m, int first, T skin) {
     const std::size_t begin = with.size();
+    const auto ball = ball_around(x, m > R{});
     for (const Solid<T>& solid : near) {
+      if (is_clear(solid, ball, skin + solid.margin)) continue;
       const Surface<R> s = surface(solid, x);
       const auto inside = (s.phi <= splat<R>(skin + solid.margin)) & (m > R{});
       if (any(inside))
@@ -125,16 +129,45 @@ Vec3<Lanes<T>> meet(const Encounters<T>& all, const typename Encounters<T>::Node
   return v;
 }
 
-// The responses of all bodies to a block's nodes.
+// The responses of the snow of some blocks to bodies. Each block's are summed on their own, then in the order of the
+// blocks, whatever the threads do.
 template <class T>
-void respond(const Encounters<T>& all, const std::vector<Twist>& U, std::vector<Response>& out) {
+class Responses {
   using R = Lanes<T>;
-  for (const auto& nodes : all.nodes) {
+  using Part = std::vector<std::pair<std::size_t, Response>>;  // by body
+
+ public:
+  Responses(const std::vector<Encounters<T>>& blocks, std::size_t count, std::size_t bodies)
+      : blocks_(blocks), bodies_(bodies), parts_(count) {}
+
+  // To bodies that move with U.
+  std::vector<Response> to(const std::vector<Twist>& U) {
+    each_index(parts_.size(), [&](std::size_t b) {
+      parts_[b].clear();
+      for (const auto& nodes : blocks_[b].nodes) add(blocks_[b], nodes, U, parts_[b]);
+    });
+    std::vector<Response> total(bodies_);
+    for (const Part& part : parts_) {
+      for (const auto& [body, response] : part) total[body].add(response);
+    }
+    return total;
+  }
+
+ private:
+  static Response& of(std::size_t body, Part& part) {
+    for (auto& [known, response] : part) {
+      if (known == body) return response;
+    }
+    return part.emplace_back(body, Response{}).second;
+  }
+
+  static void add(const Encounters<T>& all, const typename Encounters<T>::Nodes& nodes,
+                  const std::vector<Twist>& U, Part& part) {
     meet(all, nodes, U,
          [&](const auto& with, const Vec3<R>& before, const Vec3<R>& v_co, const Vec3<R>& after) {
            if (with.solid->body < 0) return;
            const Mat3<R> D = contact_slope(before, with.normal, v_co, with.solid->mode, with.solid->mu_c);
-           Response& sum = out[static_cast<std::size_t>(with.solid->body)];
+           Response& sum = of(static_cast<std::size_t>(with.solid->body), part);
            for (int l = 0; l < width<R>; ++l) {
              if (!with.inside[l]) continue;
              double arm[3], dv[3], slope[3][3];
@@ -147,23 +180,11 @@ void respond(const Encounters<T>& all, const std::vector<Twist>& U, std::vector<
            }
          });
   }
-}
 
-// The responses to all blocks; each block's on its own, then summed in their order, whatever the threads do.
-template <class T>
-std::vector<Response> respond(const std::vector<Encounters<T>>& blocks, std::size_t count,
-                              const std::vector<Twist>& U) {
-  std::vector<std::vector<Response>> parts(count);
-  each_index(count, [&](std::size_t b) {
-    parts[b].resize(U.size());
-    respond(blocks[b], U, parts[b]);
-  });
-  std::vector<Response> total(U.size());
-  for (const auto& part : parts) {
-    for (std::size_t i = 0; i < U.size(); ++i) total[i].add(part[i]);
-  }
-  return total;
-}
+  const std::vector<Encounters<T>>& blocks_;
+  std::size_t bodies_;
+  std::vector<Part> parts_;
+};
 
 }  // namespace detail
 
@@ -184,30 +205,41 @@ class Answer {
 
   template <class T>
   std::vector<Twist> find(const std::vector<Encounters<T>>& blocks, std::size_t count) const {
-    std::vector<Twist> U = U_0_;
-    auto response = detail::respond(blocks, count, U);
-    std::vector<double> lack = residual(U, response);
-    const double first = norm(lack);
-    for (int k = 0; k < most_steps && norm(lack) > accuracy * first; ++k) {
-      const std::vector<double> step = newton_step(lack, response);
-      const double before = norm(lack);
-      std::vector<Twist> next;
+    detail::Responses<T> responses(blocks, count, U_0_.size());
+    Guess best = judge(U_0_, responses);
+    const double enough = accuracy * best.lack;
+    for (int k = 0; k < most_steps && best.lack > enough; ++k) {
+      const std::vector<double> step = newton_step(best.residual, best.response);
+      const double before = best.lack;
       double share = 1;
-      for (int h = 0; h < most_halvings; ++h, share *= 0.5) {
-        next = U;
-        for (std::size_t i = 0; i < n_; ++i) next[i / 6][i % 6] += share * step[i];
-        response = detail::respond(blocks, count, next);
-        lack = residual(next, response);
-        if (norm(lack) < before) break;
+      for (int h = 0; h < most_halvings && best.lack == before; ++h, share *= 0.5) {
+        std::vector<Twist> U = best.U;
+        for (std::size_t i = 0; i < n_; ++i) U[i / 6][i % 6] += share * step[i];
+        Guess next = judge(std::move(U), responses);
+        if (next.lack < best.lack) best = std::move(next);
       }
-      U = next;
+      if (best.lack > 0.9 * before) break;  // rounding of the nodes' velocities
     }
-    return U;
+    return best.U;
   }
 
  private:
   static constexpr int most_steps = 12, most_halvings = 5;
   static constexpr double accuracy = 1e-6;  // of the first residual; the nodes' velocities have seven digits
+
+  struct Guess {
+    std::vector<Twist> U;
+    std::vector<detail::Response> response;
+    std::vector<double> residual;
+    double lack;  // its norm
+  };
+  template <class T>
+  Guess judge(std::vector<Twist> U, detail::Responses<T>& responses) const {
+    auto response = responses.to(U);
+    auto left = residual(U, response);
+    const double lack = norm(left);
+    return {std::move(U), std::move(response), std::move(left), lack};
+  }
 
   // U_0 + A P(U) - U
   std::vector<double> residual(const std::vector<Twist>& U,
