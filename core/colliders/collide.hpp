@@ -12,6 +12,9 @@ namespace neve {
 // A wall often lies exactly on a row of nodes; this share of a cell decides that it holds them, rather than rounding.
 inline constexpr double skin_cells = 1e-4;
 
+// Steps along a way close to a surface; solids must be thicker.
+inline constexpr double stride_cells = 0.05;
+
 // So far a particle inside a solid is moved towards its surface in one step.
 inline constexpr double push_cells = 0.1;
 
@@ -24,16 +27,14 @@ struct Ball {
 template <class R, class M>
 inline Ball<scalar_t<R>> ball_around(const Vec3<R>& x, const M& mask) {
   using T = scalar_t<R>;
-  if (!any(mask)) return {};
-  const R far = splat<R>(std::numeric_limits<T>::max());
+  int first = 0, last = width<R> - 1;
+  while (first < last && !mask[first]) ++first;
+  while (last > first && !mask[last]) --last;
+  if (!mask[first]) return {};
   Ball<T> ball;
-  T square = 0;
-  for (int k = 0; k < 3; ++k) {
-    const T high = max_lane(select(mask, x[k], -far)), low = -max_lane(select(mask, -x[k], -far));
-    ball.centre[k] = (low + high) / 2;
-    square += (high - low) * (high - low) / 4;
-  }
-  ball.radius = std::sqrt(square) * T(1.0001);
+  for (int k = 0; k < 3; ++k) ball.centre[k] = (x[k][first] + x[k][last]) / 2;
+  const Vec3<R> off = x - spread<R>(ball.centre);
+  ball.radius = std::sqrt(max_lane(select(mask, dot(off, off), R{}))) * T(1.0001);
   return ball;
 }
 
@@ -80,26 +81,30 @@ struct Hit {
 
 // Find where points at x, outside at distance s.phi, that move by `way` relative to the solid come as near as `skin`.
 //
-// Sphere tracing (Hart 1996): a step of phi never jumps over the surface, however thin the solid is. What has not
-// arrived after the last step is taken to be there. Only lanes of `mask` count.
+// Sphere tracing (Hart 1996): a step of phi never jumps over the surface, however thin the solid is. Close to it, where
+// points slide along, steps are `stride` at least, and one that ends inside is cut back to the skin by false position.
+// What has not arrived after the last step is taken to be there. Only lanes of `mask` count.
 template <class R, class M>
 inline Hit<R> trace(const Solid<scalar_t<R>>& solid, const Vec3<R>& x, const Surface<R>& s,
-                    const Vec3<R>& way, scalar_t<R> skin, const M& mask) {
+                    const Vec3<R>& way, scalar_t<R> skin, scalar_t<R> stride, const M& mask) {
+  using T = scalar_t<R>;
   constexpr int most_steps = 16;
-  const R never = splat<R>(2), one = splat<R>(1), half_skin = splat<R>(skin / 2);
-  const R length = max(sqrt(dot(way, way)), splat<R>(std::numeric_limits<scalar_t<R>>::min()));
-  Hit<R> hit{never, s.normal};
-  R at = (s.phi - half_skin) / length;
-  auto going = mask & (at <= one);
+  const R one = splat<R>(1), half_skin = splat<R>(skin / 2), tiny = splat<R>(std::numeric_limits<T>::min());
+  const R length = max(sqrt(dot(way, way)), tiny);
+  Hit<R> hit{splat<R>(2), s.normal};
+  R before = {}, phi = s.phi, at = min((phi - half_skin) / length, one);
+  auto going = mask;
   for (int k = 0; k < most_steps && any(going); ++k) {
     const Surface<R> near = surface(solid, x + way * at);
+    const auto arrives = going & (near.phi <= skin);
+    const R share = clamp((phi - half_skin) / max(phi - near.phi, tiny), R{}, one);
+    hit.at = select(arrives, before + (at - before) * share, hit.at);
     hit.normal = select(going, near.normal, hit.normal);
-    hit.at = select(going, at, hit.at);
-    going = going & (near.phi > skin);
-    at = select(going, at + max(near.phi - half_skin, half_skin) / length, at);
-    hit.at = select(going & (at > one), never, hit.at);
-    going = going & (at <= one);
+    going = going & (near.phi > skin) & (at < one);
+    before = at, phi = near.phi;
+    at = min(at + max(phi - half_skin, splat<R>(stride)) / length, one);
   }
+  hit.at = select(going, before, hit.at);
   return hit;
 }
 
@@ -122,7 +127,7 @@ inline void follow(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>&
     const auto comes = (s.phi > splat<R>(skin)) & (s.phi < reach) & (m > R{});
     if (!any(inside | comes)) continue;
     Hit<R> hit{splat<R>(2), s.normal};
-    if (any(comes)) hit = trace(solid, x, s, way, skin, comes);
+    if (any(comes)) hit = trace(solid, x, s, way, skin, T(stride_cells) * dx, comes);
     const auto met = inside | (hit.at <= splat<R>(1));
     if (!any(met)) continue;
     hit.at = select(inside, R{}, hit.at);

@@ -73,9 +73,14 @@ class SdfGrid {
     }
     if (d2 > reach * reach) return false;
     if (beyond2 > 0) return true;
-    // a blend of values at the corners of a cube of edge a is no farther than sqrt(3)/2 a from what it stands for
-    const double phi = at(x).phi, slack = 0.867 * spacing;
-    if (is_fine(x)) return phi <= reach + slack;
+    // phi at a corner of the cell, which is no more than its diagonal away, tells enough
+    const auto u = [&](int k) { return std::max((x[k] - box_low[k]) / spacing, 0.0); };
+    const Cell c = cell_of(u(0), u(1), u(2));
+    const std::int32_t brick = table[c.brick];
+    const double slack = 1.7321 * spacing;
+    if (brick != coarse_only)
+      return fine[static_cast<std::size_t>(brick) * brick_floats + sample_of(c)] <= reach + slack;
+    const double phi = coarse[4 * c.corner];
     return phi <= 0 ||
            (reach >= band && phi <= reach + slack * cells);  // without a brick it is farther than the band
   }
@@ -110,9 +115,8 @@ class SdfGrid {
     c.brick = row(0), c.corner = row(1);
     return c;
   }
-  bool is_fine(const Vec3<double>& x) const {
-    const auto u = [&](int k) { return std::max((x[k] - box_low[k]) / spacing, 0.0); };
-    return table[cell_of(u(0), u(1), u(2)).brick] != coarse_only;
+  static std::size_t sample_of(const Cell& c) {
+    return static_cast<std::size_t>(4 * (((c.i[0] % cells) * side + c.i[1] % cells) * side + c.i[2] % cells));
   }
 
   // The quad at one point, in cells from the grid's first corner.
@@ -121,8 +125,7 @@ class SdfGrid {
     const Cell c = cell_of(x, y, z);
     const std::int32_t brick = table[c.brick];
     if (brick != coarse_only) {
-      const int at = ((c.i[0] % cells) * side + c.i[1] % cells) * side + c.i[2] % cells;
-      const float* p = fine.data() + static_cast<std::size_t>(brick) * brick_floats + 4 * at;
+      const float* p = fine.data() + static_cast<std::size_t>(brick) * brick_floats + sample_of(c);
       blend(p, 4 * side * side, 4 * side, x - T(c.i[0]), y - T(c.i[1]), z - T(c.i[2]), quad);
     } else {
       const auto dy = static_cast<std::size_t>(4 * (bricks[2] + 1));

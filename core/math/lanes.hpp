@@ -102,9 +102,13 @@ inline R abs(R a) {
 template <class R>
 inline scalar_t<R> max_lane(R a) {
   if constexpr (is_pack<R>) {
-    scalar_t<R> best = a[0];
-    for (int i = 1; i < width<R>; ++i) best = a[i] > best ? a[i] : best;
-    return best;
+    using T = scalar_t<R>;
+    alignas(sizeof(R)) T v[width<R>];
+    std::memcpy(v, &a, sizeof(R));
+    for (int n = width<R> / 2; n > 0; n /= 2) {  // halves, so that the comparisons are packs
+      for (int i = 0; i < n; ++i) v[i] = v[i + n] > v[i] ? v[i + n] : v[i];
+    }
+    return v[0];
   } else {
     return a;
   }

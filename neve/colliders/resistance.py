@@ -37,12 +37,16 @@ def support(mj: Any, model: Any, data: Any) -> Array | None:
     (MuJoCo's documentation, computation, soft constraints). Of contacts the normal counts alone: friction
     holds only up to its cone. Equalities hold always, limits and contacts where the bodies press on them.
     """
+    if not data.nefc:
+        return None
     kinds = mj.mjtConstraint
     single = (kinds.mjCNSTR_EQUALITY, kinds.mjCNSTR_LIMIT_JOINT, kinds.mjCNSTR_LIMIT_TENDON)
-    rows = [i for i in range(data.nefc) if data.efc_type[i] in [int(kind) for kind in single]]
-    rows += [c.efc_address for c in data.contact if c.efc_address >= 0]
-    rows = [i for i in rows if data.efc_state[i] != mj.mjtConstraintState.mjCNSTRSTATE_SATISFIED]
-    if not rows:
+    counts = np.isin(data.efc_type, [int(kind) for kind in single])
+    normals = np.asarray(data.contact.efc_address)
+    counts[normals[normals >= 0]] = True
+    counts &= np.asarray(data.efc_state) != int(mj.mjtConstraintState.mjCNSTRSTATE_SATISFIED)
+    rows = np.flatnonzero(counts)
+    if not rows.size:
         return None
     J = np.zeros((data.nefc, model.nv))
     if mj.mj_isSparse(model):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 SKIN = 1e-4  # share of a cell within which a body holds a point: a wall on a row of nodes holds them
+STRIDE = 0.05  # cells: least step of the search close to a surface
 PUSH = 0.1  # cells that a particle inside a body is moved towards its surface in a step
 
 
@@ -113,7 +114,7 @@ def follow(v, path, x, bodies, dt, dx):
         phi, n = body.distance(x)
         way = (path - body.velocity_at(x)) * dt
         for p in range(len(x)):
-            at, normal = (0.0, n[p]) if phi[p] <= SKIN * dx else first_touch(body, x[p], way[p], SKIN * dx)
+            at, normal = (0.0, n[p]) if phi[p] <= SKIN * dx else first_touch(body, x[p], way[p], dx)
             if at is None:
                 continue
             place, normal = (x[p] + at * way[p])[None], normal[None]
@@ -123,26 +124,27 @@ def follow(v, path, x, bodies, dt, dx):
     return v, path
 
 
-def first_touch(body, x, way, skin):
+def first_touch(body, x, way, dx):
     """Return at which share of the step x, moving by `way` relative to the body, meets its skin; the normal.
 
-    Sphere tracing: phi is never more than the way that is free. (None, None) if the way ends before.
+    Sphere tracing: phi is never more than the way that is free; near the surface steps are STRIDE dx at
+    least, and one that ends inside is cut back. (None, None) if the way ends before.
     """
-    length = np.linalg.norm(way)
-    phi = body.distance(x[None])[0][0]
-    at = (phi - skin / 2) / max(length, 1e-300)
+    skin, length = SKIN * dx, max(np.linalg.norm(way), 1e-300)
+    before, phi = 0.0, body.distance(x[None])[0][0]
+    at = min((phi - skin / 2) / length, 1.0)
+    if phi >= length + skin:
+        return None, None
     for _ in range(16):
-        if at > 1:
-            return None, None
-        last = at
         near, n = (a[0] for a in body.distance((x + at * way)[None]))
         if near <= skin:
-            break
-        at += max(near - skin / 2, skin / 2) / length
-    else:
-        if at > 1:
+            share = min(max((phi - skin / 2) / max(phi - near, 1e-300), 0.0), 1.0)
+            return before + (at - before) * share, n
+        if at >= 1:
             return None, None
-    return last, n
+        before, phi = at, near
+        at = min(at + max(phi - skin / 2, STRIDE * dx) / length, 1.0)
+    return before, n
 
 
 def touches(x, bodies, dx):
