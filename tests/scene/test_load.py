@@ -35,8 +35,8 @@ def test_written_scene_spells_out_every_default() -> None:
     assert set(written["sources"][0]) == set(SnowBox.model_fields) - {"variation", "profile"}, (
         "left out, they follow the kind of the snow"
     )
-    assert set(written["colliders"][0]) == set(Plane.model_fields) - {"color"}, (
-        "a colour left out stays left out"
+    assert set(written["colliders"][0]) == set(Plane.model_fields) - {"color", "finish"}, (
+        "a colour or finish left out stays left out"
     )
 
 
