@@ -38,10 +38,20 @@ inline Ball<scalar_t<R>> ball_around(const Vec3<R>& x, const M& mask) {
   return ball;
 }
 
+// The same if one of the solids is a mesh, whose distance costs more than looking whether any point may be near.
+template <class R, class M>
+inline Ball<scalar_t<R>> ball_for(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x,
+                                  const M& mask) {
+  for (const auto& solid : solids) {
+    if (solid.mesh) return ball_around(x, mask);
+  }
+  return {};
+}
+
 // Whether a mesh is farther than `reach` from all points in the ball: one look at its grid instead of one a lane.
 template <class T>
-inline bool is_clear(const Solid<T>& solid, const Ball<T>& ball, T reach) {
-  return solid.mesh && (ball.radius < 0 || !is_near(solid, ball.centre, ball.radius + reach));
+inline bool is_clear(const Solid<T>& mesh, const Ball<T>& ball, T reach) {
+  return ball.radius < 0 || !is_near(mesh, ball.centre, ball.radius + reach);
 }
 
 // Which points some solid holds: no more than `skin` [m] outside.
@@ -52,23 +62,32 @@ inline auto held(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x
   return least <= splat<R>(skin);
 }
 
-// The velocity of snow of nodes at x after every solid that holds x has acted on it, in the order of the scene. A solid
-// holds what is no more than `skin` [m] and its own margin outside. What masses m (zero: no snow there) exchange with
-// each goes into the ledger.
+// Hand (solid, normal, which nodes) to `tell` for every solid, in the order of the scene, that holds some of the nodes at
+// x with mass m (zero: no snow there). A solid holds what is no more than `skin` [m] and its own margin outside.
+template <class R, class F>
+inline void each_holding(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, R m,
+                         scalar_t<R> skin, F&& tell) {
+  const auto here = m > R{};
+  const auto ball = ball_for(solids, x, here);
+  for (const auto& solid : solids) {
+    const scalar_t<R> reach = skin + solid.margin;
+    if (solid.mesh && is_clear(solid, ball, reach)) continue;
+    const Surface<R> s = surface(solid, x);
+    const auto inside = (s.phi <= splat<R>(reach)) & here;
+    if (any(inside)) tell(solid, s.normal, inside);
+  }
+}
+
+// The velocity of snow of nodes at x after every solid that holds x has acted on it. What masses m exchange with each
+// goes into the ledger.
 template <class R>
 inline Vec3<R> collide(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>& x, Vec3<R> v,
                        scalar_t<R> skin, R m, Ledger& ledger) {
-  const auto ball = ball_around(x, m > R{});
-  for (const auto& solid : solids) {
-    if (is_clear(solid, ball, skin + solid.margin)) continue;
-    const Surface<R> s = surface(solid, x);
-    const auto inside = (s.phi <= splat<R>(skin + solid.margin)) & (m > R{});
-    if (any(inside)) {
-      const Vec3<R> before = v, v_co = solid.velocity_at(x);
-      v = select(inside, after_contact(v, s.normal, v_co, solid.mode, solid.mu_c), v);
-      book(ledger.of(solid.index), inside, m, x - spread<R>(solid.centre), v_co, before, v);
-    }
-  }
+  each_holding(solids, x, m, skin, [&](const auto& solid, const Vec3<R>& normal, const auto& inside) {
+    const Vec3<R> before = v, v_co = solid.velocity_at(x);
+    v = select(inside, after_contact(v, normal, v_co, solid.mode, solid.mu_c), v);
+    book(ledger.of(solid.index), inside, m, x - spread<R>(solid.centre), v_co, before, v);
+  });
   return v;
 }
 
@@ -117,14 +136,14 @@ inline void follow(const std::vector<Solid<scalar_t<R>>>& solids, const Vec3<R>&
   using T = scalar_t<R>;
   const T skin = T(skin_cells) * dx;
   const auto here = m > R{};
-  const auto ball = solids.empty() ? Ball<T>{} : ball_around(x, here);
+  const auto ball = ball_for(solids, x, here);
   for (const auto& solid : solids) {
     const Vec3<R> way = (path - solid.velocity_at(x)) * dt;
     const R reach = sqrt(dot(way, way)) + skin;
-    if (is_clear(solid, ball, max_lane(select(here, reach, R{})))) continue;
+    if (solid.mesh && is_clear(solid, ball, max_lane(select(here, reach, R{})))) continue;
     const Surface<R> s = surface(solid, x);
-    const auto inside = (s.phi <= splat<R>(skin)) & (m > R{});
-    const auto comes = (s.phi > splat<R>(skin)) & (s.phi < reach) & (m > R{});
+    const auto inside = (s.phi <= splat<R>(skin)) & here;
+    const auto comes = (s.phi > splat<R>(skin)) & (s.phi < reach) & here;
     if (!any(inside | comes)) continue;
     Hit<R> hit{splat<R>(2), s.normal};
     if (any(comes)) hit = trace(solid, x, s, way, skin, T(stride_cells) * dx, comes);

@@ -58,15 +58,10 @@ struct Encounters {
   void add(const std::vector<Solid<T>>& near, const std::vector<Solid<T>>& all, const Vec3<R>& x,
            const Vec3<R>& v, R m, int first, T skin) {
     const std::size_t begin = with.size();
-    const auto ball = ball_around(x, m > R{});
-    for (const Solid<T>& solid : near) {
-      if (is_clear(solid, ball, skin + solid.margin)) continue;
-      const Surface<R> s = surface(solid, x);
-      const auto inside = (s.phi <= splat<R>(skin + solid.margin)) & (m > R{});
-      if (any(inside))
-        with.push_back(
-            {&all[static_cast<std::size_t>(solid.index)], inside, s.normal, x - spread<R>(solid.centre)});
-    }
+    each_holding(near, x, m, skin, [&](const Solid<T>& solid, const Vec3<R>& normal, const Mask& inside) {
+      with.push_back(
+          {&all[static_cast<std::size_t>(solid.index)], inside, normal, x - spread<R>(solid.centre)});
+    });
     if (with.size() > begin) nodes.push_back({v, m, first, begin, with.size()});
   }
 };
