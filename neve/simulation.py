@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
+from neve.alter import altered, extended
 from neve.build import build, make_model
 from neve.colliders.motion import Pose
 from neve.colliders.solid import Solid
@@ -26,7 +27,7 @@ from neve.mpm.solver import STAGES, measure_volumes, sort
 from neve.mpm.time_step import fitted, largest
 from neve.scene.advice import advice
 from neve.scene.errors import SceneWarning
-from neve.scene.scene import Scene
+from neve.scene.scene import Scene, Source
 from neve.state import from_arrays, to_arrays
 
 if TYPE_CHECKING:
@@ -192,6 +193,32 @@ class Simulation:
     def bodies(self) -> list[tuple[Solid, Pose]]:
         """Return every solid with its pose now."""
         return list(zip(self.model.solids, self.model.poses(self.time), strict=True))
+
+    def change(self, scene: Scene) -> None:
+        """Go on with the same snow in another scene: snow constants, colliders, gravity, transfer, time step.
+
+        Nothing of the state changes, so a change to the same scene changes nothing.
+
+        Errors: SceneError for what a run cannot change, such as numerics.dx (see neve.alter).
+        """
+        self.model, self._state = altered(self.scene, scene, self.model, self._state)
+        self._go_on_in(scene)
+
+    def add(self, source: Source) -> None:
+        """Add the snow of `source` now, and the source to the scene.
+
+        Errors: SceneError if the source is too small or too large; pydantic.ValidationError for its snow.
+        """
+        scene, self.model, self._state = extended(self.scene, source, self.model, self._state, self.time)
+        self._go_on_in(scene)
+
+    def _go_on_in(self, scene: Scene) -> None:
+        """Take `scene` over; the books of solids that are gone are closed."""
+        books = np.zeros((len(self.model.solids), 7))
+        kept = min(len(books), len(self.exchanged))
+        books[:kept] = self.exchanged[:kept]
+        self.scene, self.exchanged = scene, books
+        self._grid = self.model.core.Grid()
 
     def diagnostics(self) -> Diagnostics:
         """Return mass, momentum and energies now."""
