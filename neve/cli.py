@@ -1,4 +1,4 @@
-"""The command line: list, run, fragments, bench, validate, stress, info, cite.
+"""The command line: list, run, view, fragments, bench, validate, stress, info, cite.
 
 Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
 (one sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that
@@ -24,6 +24,7 @@ USER_ERRORS = (
     ("neve.io.errors", "RunError"),
     ("neve.look.film", "FilmError"),
     ("neve.mpm.blowup", "Blowup"),
+    ("neve.viewer.show", "ViewError"),
 )
 
 
@@ -180,6 +181,40 @@ def _is_folder(path: Path) -> bool:
         return path.is_dir()
     except OSError:  # whoever reads the scene says what is wrong
         return False
+
+
+@cli.command()
+@click.argument("scene", metavar="SCENE|RUN")
+@click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
+@click.option("--out", metavar="DIR", help="Where pages save; the run itself, or runs/NAME-live.")
+@click.option(
+    "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
+)
+@click.option("--port", type=click.IntRange(0, 65535), help="Port; the first free one from 8420 by default.")
+@click.option("--threads", metavar="N", callback=_threads, help="Number of threads; all by default.")
+@click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
+@click.option("--replay", metavar="FILE", help="Show nothing; write a page that plays the RUN by itself.")
+def view(
+    scene: str,
+    changes: tuple[str, ...],
+    out: str | None,
+    host: str,
+    port: int | None,
+    threads: int | None,
+    browse: bool,
+    replay: str | None,
+) -> None:
+    """Play with SCENE live in the browser, or play the finished RUN there.
+
+    On a machine elsewhere: ssh -L 8420:127.0.0.1:8420 MACHINE, and open the address here.
+    """
+    from neve.viewer import view as show
+    from neve.viewer import write_replay
+
+    if replay is not None:
+        write_replay(scene, replay)
+    else:
+        show(scene, changes, out, host, port, threads, browse, click.echo)
 
 
 @cli.command()

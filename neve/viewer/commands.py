@@ -1,0 +1,200 @@
+"""What a page may ask for. Everything that arrives is checked here; what is not one of these is dropped."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+Number = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
+Vector = tuple[Number, Number, Number]
+Positive = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
+Name = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+class Command(BaseModel):
+    """Hold one wish of a page: frozen, no unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Got(Command):
+    """Say that the state number `version` has been drawn."""
+
+    do: Literal["got"]
+    version: int = Field(ge=0, le=2**53)
+
+
+class Look(Command):
+    """Choose the colour mode of this page."""
+
+    do: Literal["look"]
+    mode: Name
+
+
+class Play(Command):
+    """Go on."""
+
+    do: Literal["play"]
+
+
+class Pause(Command):
+    """Stop where it is."""
+
+    do: Literal["pause"]
+
+
+class Frame(Command):
+    """Go on by one frame, and pause."""
+
+    do: Literal["frame"]
+
+
+class Restart(Command):
+    """Begin again, live with all changes to the scene."""
+
+    do: Literal["restart"]
+
+
+class Speed(Command):
+    """Set how many simulated seconds pass in one second at most."""
+
+    do: Literal["speed"]
+    factor: Annotated[float, Field(ge=0.001, le=100)]
+
+
+class Seek(Command):
+    """Show frame number `frame` of a recorded run."""
+
+    do: Literal["seek"]
+    frame: int = Field(ge=0, le=10**9)
+
+
+class Open(Command):
+    """Play another scene that comes with Neve."""
+
+    do: Literal["open"]
+    scene: Name
+
+
+class Set(Command):
+    """Change a value of the scene: `path` as in --set."""
+
+    do: Literal["set"]
+    path: Name
+    value: bool | int | float | str | list[float] | None
+
+
+class Add(Command):
+    """Add a body or snow of one `shape` at a point [m]; `kind` is a list of the scene."""
+
+    do: Literal["add"]
+    kind: Name
+    shape: Name
+    at: Vector
+
+
+class Delete(Command):
+    """Delete an entry of the scene: "colliders.1"."""
+
+    do: Literal["delete"]
+    name: Name
+
+
+class Move(Command):
+    """Put a solid of this name at a place [m] with a rotation vector [degrees]; `done` ends the drag."""
+
+    do: Literal["move"]
+    name: Name
+    position: Vector
+    rotation: Vector | None = None
+    done: bool = False
+
+
+class Throw(Command):
+    """Throw a ball of snow from a point [m] along a direction, with a speed [m/s]; radius [m]."""
+
+    do: Literal["throw"]
+    origin: Vector
+    direction: Vector
+    speed: Annotated[float, Field(ge=0, le=100)] = 12.0
+    radius: Annotated[float, Field(gt=0, le=10)] = 0.15
+
+
+class Touch(Command):
+    """Push or grab the snow within `radius` [m] of a point [m] that moves with a velocity [m/s]."""
+
+    do: Literal["touch"]
+    tool: Literal["push", "grab"]
+    point: Vector
+    velocity: Vector
+    radius: Positive
+    done: bool = False
+
+
+class Eye(BaseModel):
+    """Hold a page's camera: places [m], vertical angle [degrees], size of the picture [px]."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    position: Vector
+    target: Vector
+    up: Vector = (0.0, 0.0, 1.0)
+    fov: Annotated[float, Field(gt=1, lt=170)] = 40.0
+    width: Annotated[int, Field(ge=16, le=4096)] = 1280
+    height: Annotated[int, Field(ge=16, le=4096)] = 720
+
+
+class Record(Command):
+    """Begin to keep the frames of a live run, or end it."""
+
+    do: Literal["record"]
+    on: bool
+
+
+class Picture(Command):
+    """Draw a PNG with the page's camera."""
+
+    do: Literal["picture"]
+    camera: Eye
+
+
+class Film(Command):
+    """Make a film of all frames of the run, or of the last recording, with the page's camera."""
+
+    do: Literal["film"]
+    camera: Eye
+
+
+class Replay(Command):
+    """Make a page that plays the run by itself."""
+
+    do: Literal["replay"]
+
+
+class Save(Command):
+    """Write the scene as TOML; with `camera`, with the page's camera."""
+
+    do: Literal["save"]
+    camera: Eye | None = None
+
+
+Wish = Annotated[
+    Got | Look | Play | Pause | Frame | Restart | Speed | Seek | Open | Set | Add | Delete | Move | Throw
+    | Touch | Record | Picture | Film | Replay | Save,
+    Field(discriminator="do"),
+]  # fmt: skip
+_ADAPTER: TypeAdapter[Any] = TypeAdapter(Wish)
+
+MOST_BYTES = 16_384
+"""A command is a few hundred bytes; more is no command."""
+
+
+def read(message: str | bytes) -> Command | None:
+    """Return the command that a page sent, or None for anything else."""
+    if len(message) > MOST_BYTES:
+        return None
+    try:
+        command = _ADAPTER.validate_json(message)
+    except (ValidationError, ValueError, RecursionError):
+        return None
+    return command if isinstance(command, Command) else None

@@ -1,0 +1,93 @@
+"""Edit a scene as the page asks: add and delete entries, put solids elsewhere."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from neve.scene.allowed import shapes
+from neve.scene.errors import SceneError
+from neve.scene.files import OWN, own_files
+from neve.scene.scene import Scene, Source
+from neve.viewer.commands import Add, Move
+from neve.viewer.panel import checked, lists
+
+
+def tables_of(scene: Scene) -> dict[str, Any]:
+    """Return the scene as tables, as in a file."""
+    return scene.model_dump(mode="json", exclude_none=True)
+
+
+def added(scene: Scene, command: Add) -> tuple[Scene, Source | None]:
+    """Return the scene with one more entry of a shape at a point [m], and the entry if it is snow.
+
+    The entry has the defaults of its shape; its size fits the snow that is there. Errors: SceneError.
+    """
+    known = lists()
+    if command.kind not in known:
+        raise SceneError(f'a scene has no list "{command.kind}"; there are {", ".join(known)}')
+    models = shapes(Scene.model_fields[command.kind].annotation)
+    shape, _, file = command.shape.partition(":")
+    model = models.get(shape)
+    if model is None:
+        raise SceneError(f'{command.kind} has no shape "{command.shape}"; there are {", ".join(models)}')
+    size = 12 * scene.numerics.dx
+    entry: dict[str, Any] = {"shape": shape}
+    if file:
+        if "file" not in model.model_fields or file not in own_files("meshes"):
+            raise SceneError(f'Neve has no mesh "{file}" for {command.kind}')
+        entry["file"] = f"{OWN}{file}"
+    sizes = {"radius": 0.5 * size, "size": [size] * 3, "height": size, "depth": 0.5 * size}
+    for key, value in sizes.items():
+        if key in model.model_fields:
+            entry[key] = value
+    if shape == "layer":
+        entry |= {"center": list(command.at[:2]), "size": [3 * size] * 2, "base": command.at[2]}
+    elif "point" in model.model_fields:
+        entry["point"] = list(command.at)
+    elif "center" in model.model_fields:
+        entry["center"] = [command.at[0], command.at[1], command.at[2] + (0.0 if file else 0.5 * size)]
+    tables = tables_of(scene)
+    tables.setdefault(command.kind, []).append(entry)
+    wish = checked(tables)
+    return wish, wish.sources[-1] if command.kind == "sources" else None
+
+
+def deleted(scene: Scene, name: str) -> Scene:
+    """Return the scene without the entry `name`, such as "colliders.1". Errors: SceneError."""
+    kind, index = place_of(scene, name)
+    tables = tables_of(scene)
+    del tables[kind][index]
+    return checked(tables)
+
+
+def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any = (0.0, 0.0, 0.0)) -> Scene:
+    """Return the scene with a collider or a body where `move` has it, without keyframes, moving as told.
+
+    velocity [m/s] and spin [rad/s] of a collider count from t = 0, as in a scene. Errors: SceneError.
+    """
+    kind, index = place_of(scene, move.name)
+    if kind == "sources":
+        raise SceneError(f"{move.name} is snow, and only solids can be dragged; use the grab tool")
+    entry = getattr(scene, kind)[index]
+    if getattr(entry, "joint", "free") != "free":
+        raise SceneError(f"{move.name} hangs on a joint and cannot be dragged")
+    change: dict[str, Any] = {"point" if entry.shape == "plane" else "center": tuple(move.position)}
+    if move.rotation is not None and hasattr(entry, "rotation"):
+        change["rotation"] = tuple(move.rotation)
+    change |= {"velocity": tuple(velocity), "spin": tuple(spin)}
+    if hasattr(entry, "keyframes"):
+        change["keyframes"] = ()
+    fresh = type(entry).model_validate({**dict(entry), **change})
+    entries = list(getattr(scene, kind))
+    entries[index] = fresh
+    return scene.model_copy(update={kind: tuple(entries)})
+
+
+def place_of(scene: Scene, name: str) -> tuple[str, int]:
+    """Return list and number of the entry `name`. Errors: SceneError."""
+    kind, _, number = name.partition(".")
+    if kind in lists() and number.isascii() and number.isdigit():
+        index = int(number)
+        if index < len(getattr(scene, kind)):
+            return kind, index
+    raise SceneError(f"{name} is not in this scene")

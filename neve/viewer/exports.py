@@ -1,0 +1,171 @@
+"""Exports: pictures, films, replays and scenes that a page asks for, written into the session's folder."""
+
+from __future__ import annotations
+
+import io
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neve.colliders.motion import Pose
+from neve.colliders.solid import Solid
+from neve.io.atomic import write_bytes, write_text
+from neve.io.errors import RunError, cannot_write
+from neve.io.frames import frame_numbers, read_frame
+from neve.io.run_folder import RunFolder
+from neve.look.film import Film, FilmError
+from neve.look.preview import Preview
+from neve.scene.errors import SceneError
+from neve.scene.load import to_toml
+from neve.scene.scene import Camera, Scene
+from neve.viewer import commands
+from neve.viewer.player import Player
+from neve.viewer.recorded import Recorded
+from neve.viewer.recorder import Recorder, free_name
+from neve.viewer.replay import replay_page
+
+PREFIX = "/files/"
+
+
+class Exports:
+    """Make files one after the other in a thread of its own, and say so to the pages.
+
+    Names are chosen here and only in `folder`; of what lies there, only what was made in this session is
+    handed out.
+    """
+
+    def __init__(self, folder: Path, player: Player, recorder: Recorder | None) -> None:
+        self.on_word: Callable[[dict[str, Any]], None] = lambda word: None
+        self._folder, self._player, self._recorder = folder, player, recorder
+        self._made: dict[str, Path] = {}
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="neve-export")
+        self._waiting = 0
+        self._closed = False
+
+    def start(self, command: commands.Command) -> None:
+        """Put an export in the line, unless many wait already."""
+        if self._waiting >= 4:
+            self._refuse("four exports are in line: wait for one")
+            return
+        self._waiting += 1
+        self._worker.submit(self._make, command)
+
+    def file(self, path: str) -> Path | None:
+        """Return the file at the address `path`, None for anything that was not made here."""
+        return self._made.get(path.removeprefix(PREFIX)) if path.startswith(PREFIX) else None
+
+    def close(self) -> None:
+        """Finish: a film that is being made ends with the frame that is being drawn."""
+        self._closed = True
+        self._worker.shutdown(wait=True, cancel_futures=True)
+
+    def _make(self, command: commands.Command) -> None:
+        try:
+            try:
+                self._folder.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise cannot_write(self._folder, error) from error
+            match command:
+                case commands.Picture():
+                    path = self._picture(command.camera)
+                case commands.Film():
+                    path = self._film(command.camera)
+                case commands.Replay():
+                    path = self._replay()
+                case _:
+                    path = self._save(getattr(command, "camera", None))
+            self._made[path.name] = path
+            word = {"kind": "file", "name": path.name, "url": f"{PREFIX}{path.name}", "place": str(path)}
+            self.on_word({**word, "bytes": path.stat().st_size})
+        except (RunError, FilmError, SceneError) as error:
+            self._refuse(str(error))
+        except Exception as error:
+            logging.getLogger("neve").exception("an export failed")
+            self._refuse(f"the export failed: {error}")
+        finally:
+            self._waiting -= 1
+
+    def _refuse(self, sentence: str) -> None:
+        self.on_word({"kind": "refused", "sentence": sentence, "path": ""})
+
+    def _progress(self, what: str, done: int, of: int) -> None:
+        self.on_word({"kind": "progress", "what": what, "done": done, "of": of})
+
+    def _picture(self, eye: commands.Eye) -> Path:
+        from PIL import Image
+
+        snapshot, solids = self._player.latest, self._player.solids()
+        if snapshot is None:
+            raise SceneError("there is nothing to see yet")
+        bodies = posed(solids, [p for p, _ in snapshot.bodies], [R for _, R in snapshot.bodies])
+        preview = Preview(seen_from(self._player.scene, eye), eye.width, eye.height)
+        image = preview.draw(snapshot.x, bodies, snapshot.values.get("J_P"))
+        buffer = io.BytesIO()
+        Image.fromarray(image).save(buffer, format="png")
+        path = free_name(self._folder, "picture", ".png")
+        write_bytes(path, buffer.getvalue())
+        return path
+
+    def _run(self) -> RunFolder:
+        """Return the run whose frames are exported: the recorded one, or the last recording."""
+        if isinstance(self._player, Recorded):
+            return self._player.run
+        if self._recorder is None or self._recorder.last is None or not self._recorder.frames:
+            raise SceneError("nothing is recorded yet: press record, and play")
+        return self._recorder.last
+
+    def _film(self, eye: commands.Eye) -> Path:
+        run = self._run()
+        from neve.build import solids as solids_of
+        from neve.scene.load import load
+
+        scene = seen_from(load(run.path), eye)
+        solids = solids_of(scene)
+        path = free_name(self._folder, "film", ".mp4")
+        size = (eye.width, eye.height)
+        film, preview = Film(path, scene.run.fps, size), Preview(scene, *size)
+        numbers = frame_numbers(run.frames)
+        for i, number in enumerate(numbers):
+            if self._closed:
+                break
+            frame = read_frame(run.frames, number)
+            bodies = posed(solids, frame.body_position, frame.body_rotation)
+            film.add(preview.draw(frame.x, bodies, frame.J_P))
+            if i % 5 == 0:
+                self._progress("film", i, len(numbers))
+        film.close()
+        return path
+
+    def _replay(self) -> Path:
+        run = self._run()
+        path = free_name(self._folder, "replay", ".html")
+        write_bytes(path, replay_page(run, lambda done, of: self._progress("replay", done, of)))
+        return path
+
+    def _save(self, eye: commands.Eye | None) -> Path:
+        scene = self._player.scene
+        path = free_name(self._folder, "scene", ".toml")
+        write_text(path, to_toml(seen_from(scene, eye) if eye else scene))
+        return path
+
+
+def posed(solids: Any, positions: Any, rotations: Any) -> list[tuple[Solid, Pose]]:
+    """Return solids with the poses of a frame file."""
+    still = np.zeros(3)
+    return [
+        (solid, Pose(np.asarray(p, float), np.asarray(R, float), still, still))
+        for solid, p, R in zip(solids, positions, rotations, strict=False)
+    ]
+
+
+def seen_from(scene: Scene, eye: commands.Eye) -> Scene:
+    """Return the scene with a page's camera. Errors: SceneError if it looks nowhere."""
+    try:
+        camera = Camera(position=eye.position, target=eye.target, up=eye.up, fov=eye.fov)
+    except ValueError as error:
+        raise SceneError("the camera looks nowhere: its target is where it stands") from error
+    return scene.model_copy(update={"camera": camera})

@@ -1,0 +1,266 @@
+"""Live: simulate as the page watches, and let it take part."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from neve.colliders.solid import Solid
+from neve.scene.errors import SceneError, SceneWarning
+from neve.scene.load import load, presets
+from neve.scene.scene import Scene, SnowSphere
+from neve.simulation import Simulation
+from neve.viewer import commands, edit, panel
+from neve.viewer.commands import Command
+from neve.viewer.player import WAIT, Player
+from neve.viewer.recorder import Recorder
+from neve.viewer.snapshot import of_simulation
+from neve.viewer.touch import Hand, Mover
+
+PAUSE = 1 / 30
+"""Seconds of work between two moments that the pages may see, where steps are short enough."""
+
+MOST_THROWN = 200_000
+"""Particles of a ball that may be thrown."""
+
+
+class Live(Player):
+    """Simulate a scene, at most `speed` times as fast as it happens.
+
+    `scene` is the wish: what a restart begins with and what is saved. The running simulation's own scene also
+    has the thrown balls, and colliders on their way to where a page drags them.
+    """
+
+    live = True
+
+    def __init__(self, name: str, scene: Scene, threads: int | None, recorder: Recorder) -> None:
+        super().__init__(name, scene)
+        self._threads = threads
+        self._recorder = recorder
+        self._playing = self._one = False
+        self._speed = 1.0
+        self._frame = 0
+        self._chunk = 1e-3  # simulated seconds of the next piece of work
+        self._anchor = (0.0, 0.0)  # clock and simulated time from which the pace is counted
+        self._spent: dict[str, float] = {}  # seconds of each stage, lately
+        self._hand, self._mover = Hand(), Mover()
+        self._pieces = np.zeros(0, np.float32)  # the fragment of each particle, when last looked for
+        self._pieces_next = 0.0  # clock from which to look again
+
+    def solids(self) -> tuple[Solid, ...]:
+        """Return the solids in the order of a snapshot's bodies."""
+        return self._sim.model.solids
+
+    def state(self) -> dict[str, Any]:
+        """Return whether it plays, and how fast."""
+        return {
+            "playing": self._playing,
+            "speed": self._speed,
+            "frames": 0,
+            "recording": self._recorder.on,
+            "recorded": self._recorder.frames,
+        }
+
+    def _begin(self) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SceneWarning)
+            self._sim = Simulation(self.scene, threads=self._threads)
+        self._frame, self._chunk, self._spent = 0, 1e-3, {}
+        self._hand, self._mover = Hand(), Mover()
+        self._scene_changed()
+        self._publish()
+
+    def _busy(self) -> bool:
+        return self._playing or self._one
+
+    def _go_on(self) -> None:
+        """Simulate one piece and show it; wait before it if the page has asked for slow motion."""
+        sim = self._sim
+        end = (self._frame + 1) / sim.scene.run.fps
+        piece = min(self._chunk, end - sim.time)
+        if end - sim.time - piece < 0.3 * piece:
+            piece = end - sim.time
+        if self._must_wait(sim.time + piece):
+            return
+        self._mover.lead(sim, piece)
+        self._hand.act(sim, piece)
+        began = monotonic()
+        try:
+            sim.advance(piece)
+        except RuntimeError as error:  # snow or a body that has lost its numbers
+            self._playing = self._one = False
+            self._refuse(str(error))
+            self._state_changed()
+            return
+        self._pace(piece, monotonic() - began)
+        if sim.time >= end - 1e-9:
+            self._frame += 1
+            if self._recorder.on:
+                self._recorder.keep(sim)
+            if self._one:
+                self._one = False
+                self._state_changed()
+        self._publish()
+
+    def _must_wait(self, time: float) -> bool:
+        """Whether the pace is ahead of the clock; then some of that time passes here, open for commands."""
+        clock, start = self._anchor
+        ahead = (time - start) / self._speed - (monotonic() - clock)
+        if self._one or ahead <= 0.0:
+            if ahead < -0.2:  # too slow for the pace: do not race after it later
+                self._anchor = (monotonic(), time)
+            return False
+        self._take_commands(min(ahead, WAIT))
+        return ahead > 0.02 or not self._busy()
+
+    def _pace(self, piece: float, seconds: float) -> None:
+        """Choose the next piece so that it takes PAUSE, but has at least eight steps in it: each
+        piece begins with a sort."""
+        grow = min(max(PAUSE / max(seconds, 1e-4), 0.5), 2.0)
+        stats = self._sim.stats
+        self._chunk = max(piece * grow, 8 * stats.dt_mean)
+        for name, spent in stats.stage_seconds.items():
+            self._spent[name] = 0.9 * self._spent.get(name, 0.0) + spent
+        self._spent["all"] = 0.9 * self._spent.get("all", 0.0) + seconds
+        self._spent["simulated"] = 0.9 * self._spent.get("simulated", 0.0) + piece
+
+    def _publish(self) -> None:
+        modes, known = set(self.modes), {}
+        if "fragment" in modes and not self._pieces_are_due():
+            modes.discard("fragment")
+            known["fragment"] = self._pieces
+        began = monotonic()
+        snapshot = of_simulation(self._sim, modes, known, self._frame, self._facts(), self.number)
+        if "fragment" in modes:
+            self._pieces = snapshot.values["fragment"]
+            self._pieces_next = monotonic() + max(1.0, 10 * (monotonic() - began))
+        self._show(snapshot)
+
+    def _pieces_are_due(self) -> bool:
+        """Whether to look for pieces anew: it takes long, and the simulation is not to wait for a colour."""
+        return monotonic() >= self._pieces_next or len(self._pieces) != self._sim.state.count
+
+    def _facts(self) -> Mapping[str, Any]:
+        sim, spent = self._sim, self._spent
+        total = max(spent.get("all", 0.0), 1e-9)
+        return {
+            "particles": int(sim.state.count),
+            "steps": sim.steps,
+            "dt": sim.stats.dt_mean,
+            "bound": sim.stats.bound,
+            "refusals": sim.stats.refusals,
+            "pace": spent.get("simulated", 0.0) / total,
+            "stages": {name: spent[name] / total for name in spent if name not in ("all", "simulated")},
+        }
+
+    def _do(self, command: Command) -> None:
+        match command:
+            case commands.Play() | commands.Pause():
+                self._playing = isinstance(command, commands.Play)
+                self._anchor = (monotonic(), self._sim.time)
+                self._state_changed()
+            case commands.Frame():
+                self._playing, self._one = False, True
+                self._state_changed()
+            case commands.Speed():
+                self._speed = command.factor
+                self._anchor = (monotonic(), self._sim.time)
+                self._state_changed()
+            case commands.Restart():
+                self._begin()
+                self._anchor = (monotonic(), 0.0)
+            case commands.Open():
+                self._open(command.scene)
+            case commands.Record():
+                self._recorder.switch(command.on, self._sim, self.scene)
+                self._state_changed()
+            case commands.Set():
+                self._set(command.path, command.value)
+            case commands.Add() | commands.Delete():
+                self._edit(command)
+            case commands.Throw():
+                self._throw(command)
+            case commands.Touch():
+                self._hand.take(command)
+            case commands.Move():
+                self._move(command)
+            case commands.Look():
+                self._publish()  # the new colours, also while nothing moves
+
+    def _open(self, name: str) -> None:
+        """Begin another of the scenes that come with Neve: only their names are taken, never a path."""
+        if name not in presets():
+            raise SceneError(f'no scene that comes with Neve is called "{name}"')
+        self.name, self.scene = name, load(name)
+        self._recorder.switch(False, self._sim, self.scene)
+        self._playing = self._one = False
+        self._begin()
+        self._state_changed()
+
+    def _set(self, path: str, value: Any) -> None:
+        wish = panel.changed(self.scene, path, value)
+        if panel.is_live(path):
+            self._sim.change(panel.changed(self._sim.scene, path, value))
+        self.scene = wish
+        self._scene_changed()
+        self._publish()
+
+    def _edit(self, command: commands.Add | commands.Delete) -> None:
+        if isinstance(command, commands.Add):
+            wish, source = edit.added(self.scene, command)
+            if source is None:
+                self._sim.change(edit.added(self._sim.scene, command)[0])
+            else:
+                self._grow(source)
+            self.scene = wish
+        else:
+            wish = edit.deleted(self.scene, command.name)
+            if command.name.startswith("sources."):
+                self.scene = wish
+                self._begin()  # whose snow is whose is known at the start alone
+            else:
+                self._sim.change(edit.deleted(self._sim.scene, command.name))
+                self.scene = wish
+        self._scene_changed()
+        self._publish()
+
+    def _throw(self, throw: commands.Throw) -> None:
+        norm = sum(a * a for a in throw.direction) ** 0.5
+        if norm < 1e-9:
+            return
+        many = 4.2 * (throw.radius / self.scene.numerics.spacing) ** 3
+        if many > MOST_THROWN:
+            raise SceneError(f"a ball of {throw.radius:g} m has {many:.2g} particles: throw a smaller one")
+        way = [a / norm for a in throw.direction]
+        ball = SnowSphere(
+            center=tuple(o + 2 * throw.radius * w for o, w in zip(throw.origin, way, strict=True)),
+            radius=throw.radius,
+            velocity=tuple(throw.speed * w for w in way),
+        )
+        self._grow(ball)
+        self._publish()
+
+    def _grow(self, source: Any) -> None:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", SceneWarning)
+                self._sim.add(source)
+        except ValidationError as error:
+            raise SceneError(f"this snow cannot be added: {error.errors()[0]['msg']}") from error
+
+    def _move(self, move: commands.Move) -> None:
+        """Lead a collider to where a page drags it; while nothing moves, put it there."""
+        wish = edit.placed(self.scene, move)
+        if self._busy():
+            self._mover.take(move)
+        else:
+            self._sim.change(edit.placed(self._sim.scene, move))
+            self._publish()
+        self.scene = wish
+        if move.done:
+            self._scene_changed()

@@ -1,0 +1,63 @@
+"use strict";
+// Small parts of the page: elements, icons, numbers as text.
+
+function make(tag, more = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const key in more) {
+    if (key === "class") element.className = more[key];
+    else if (key.startsWith("on")) element.addEventListener(key.slice(2), more[key]);
+    else if (key in element && key !== "list") element[key] = more[key];
+    else element.setAttribute(key, more[key]);
+  }
+  element.append(...children.filter((c) => c !== null && c !== undefined));
+  return element;
+}
+
+const ICONS = {
+  play: '<path class="full" d="M6 4l11 6-11 6z"/>',
+  pause: '<path class="full" d="M5 4h4v12H5zM11 4h4v12h-4z"/>',
+  frame: '<path class="full" d="M4 4l8 6-8 6z"/><path d="M15 4v12"/>',
+  restart: '<path d="M4 10a6 6 0 1 0 2-4.5"/><path d="M6 2v4h4"/>',
+  record: '<circle class="full" cx="10" cy="10" r="5"/>',
+  look: '<path d="M10 3v14M3 10h14M10 3l-2 2M10 3l2 2M10 17l-2-2M10 17l2-2M3 10l2-2M3 10l2 2M17 10l-2-2M17 10l-2 2"/>',
+  throw: '<circle class="full" cx="13.5" cy="6.5" r="3.6"/><path d="M2 17c2-4 4-6 6-7.5M6 18c1-3 2.5-4.5 4-6"/>',
+  push: '<path d="M3 10h10M9 6l4 4-4 4M16.5 4v12"/>',
+  grab: '<path d="M6 10V5.5a1.3 1.3 0 0 1 2.6 0V9M8.600 8.5V4a1.3 1.3 0 0 1 2.6 0v4.5M11.200 9V5a1.3 1.3 0 0 1 2.6 0v6c0 4-1.5 6-4.5 6S5 15 3.5 11.5c-.6-1.400 1.200-2.300 2-.9L6 11.5"/>',
+  move: '<path d="M6 14l8-8M14 6h-4M14 6v4"/><rect x="2.5" y="11.5" width="6" height="6"/>',
+  camera: '<rect x="2.5" y="6" width="15" height="10" rx="2"/><circle cx="10" cy="11" r="3"/><path d="M7 6l1.5-2h3L13 6"/>',
+  film: '<rect x="2.5" y="5" width="10.5" height="10" rx="2"/><path d="M13 9l4.5-2.5v7L13 11"/>',
+  home: '<path d="M3 10l7-6 7 6M5.5 8.5V16h9V8.5"/>',
+};
+
+function icon(name) {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 20 20");
+  svg.setAttribute("aria-hidden", "true");
+  svg.innerHTML = ICONS[name];  // our own constants
+  return svg;
+}
+
+function button(name, title, action, text = "") {
+  const element = make("button", { type: "button", title, onclick: action });
+  element.setAttribute("aria-label", title);
+  if (name) element.append(icon(name));
+  if (text) element.append(text);
+  return element;
+}
+
+// A number with three or four digits and no needless zeros.
+function short(value) {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(1).replace("e+", "e");
+  return String(Number(value.toPrecision(3)));
+}
+
+function say(text, bad = false, seconds = 6) {
+  const words = document.getElementById("words");
+  const line = typeof text === "string" ? make("div", { class: bad ? "bad" : "" }, text) : text;
+  words.append(line);
+  while (words.children.length > 4) words.firstChild.remove();
+  setTimeout(() => line.remove(), 1000 * seconds);
+  return line;
+}

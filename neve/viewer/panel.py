@@ -1,0 +1,173 @@
+"""The panel of the page, made from the fields of the scene: what there is, in which unit and limits."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from neve.alter import FIXED
+from neve.scene.allowed import allowed, part, shapes, source, unit
+from neve.scene.errors import SceneError
+from neve.scene.files import KEYS as FILE_KEYS
+from neve.scene.files import OWN, own_files
+from neve.scene.load import scene_from
+from neve.scene.scene import Scene
+from neve.scene.snow import used
+
+SECTIONS = ("snow", "world", "numerics", "light", "run")
+"""Tables of a scene that the panel shows as a whole; lists of shapes follow, entry by entry."""
+LIMITS = ("gt", "ge", "lt", "le")
+
+
+def panel(scene: Scene) -> list[dict[str, Any]]:
+    """Return the sections of the panel: name, title, and fields with path, unit, limits, value and meaning.
+
+    `live` says whether a change acts at once or when the scene is started anew.
+    """
+    sections = [_section(name, name, getattr(scene, name)) for name in SECTIONS]
+    for name in lists():
+        for i, entry in enumerate(getattr(scene, name)):
+            shape = getattr(entry, "shape", "")
+            sections.append(_section(f"{name}.{i}", f"{name}.{i} {shape}".strip(), entry))
+    return sections
+
+
+def lists() -> list[str]:
+    """Return the keys of a scene that hold entries with a shape: sources, colliders and others."""
+    return [name for name, field in Scene.model_fields.items() if shapes(field.annotation)]
+
+
+def changed(scene: Scene, path: str, value: Any) -> Scene:
+    """Return the scene with `value` at `path` ("snow.xi", "colliders.0.mu_c").
+
+    A new kind or law of snow brings its own constants. Errors: SceneError, one sentence.
+    """
+    tables = scene.model_dump(mode="json", exclude_none=True)
+    keys = path.split(".")
+    if keys[-1] in FILE_KEYS and not (isinstance(value, str) and value.startswith(OWN)):
+        raise SceneError(f"{path}: only files that come with Neve can be named here, such as {OWN}rock")
+    if path in ("snow.kind", "snow.law"):
+        tables["snow"] = {keys[1]: value}
+    else:
+        _put(tables, keys, value, path)
+    return checked(tables)
+
+
+def checked(tables: Mapping[str, Any]) -> Scene:
+    """Return the scene of `tables`. Errors: SceneError, whose sentence begins with the key."""
+    try:
+        return scene_from(tables, where="")
+    except SceneError as error:
+        raise SceneError(str(error).removeprefix(": ")) from None
+
+
+def is_live(path: str) -> bool:
+    """Whether a change of the value at `path` acts on a run that goes on."""
+    first, _, rest = path.partition(".")
+    if first == "numerics":
+        return rest not in FIXED
+    return first not in ("sources", "run") or path.split(".")[2:3] == ["snow"]
+
+
+def _put(tables: dict[str, Any], keys: list[str], value: Any, path: str) -> None:
+    place: Any = tables
+    for key in keys[:-1]:
+        inside = isinstance(place, list) and key.isascii() and key.isdigit() and int(key) < len(place)
+        if inside:
+            place = place[int(key)]
+        elif isinstance(place, dict) and isinstance(place.get(key), (dict, list)):
+            place = place[key]
+        else:
+            raise SceneError(f"{path} is not in this scene")
+    if not isinstance(place, dict):
+        raise SceneError(f"{path} is not a single value")
+    if value is None:
+        place.pop(keys[-1], None)
+    else:
+        place[keys[-1]] = value
+
+
+def _section(path: str, title: str, table: BaseModel) -> dict[str, Any]:
+    fields = []
+    for name, field in type(table).model_fields.items():
+        if name == "shape" or (path == "snow" and name not in _shown_snow(table)):
+            continue
+        control = _control(field, getattr(table, name))
+        if control is not None:
+            fields.append(
+                {
+                    "path": f"{path}.{name}",
+                    "name": name,
+                    "text": field.description or "",
+                    "unit": unit(field),
+                    "allowed": allowed(field),
+                    "source": source(field),
+                    "default": _plain(field.default),
+                    "value": _plain(getattr(table, name)),
+                    "live": is_live(f"{path}.{name}"),
+                    **control,
+                }
+            )
+    return {"path": path, "title": title, "text": _about(type(table)), "fields": fields}
+
+
+def _shown_snow(snow: Any) -> tuple[str, ...]:
+    return ("kind", "law", "plasticity", *used(snow.law, snow.plasticity))
+
+
+def _about(model: type[BaseModel]) -> str:
+    return (model.__doc__ or "").strip().split("\n")[0]
+
+
+def _control(field: FieldInfo, value: Any) -> dict[str, Any] | None:
+    """Return what a page needs to draw a control for `field`, None for tables and lists of tables."""
+    extra = field.json_schema_extra
+    if isinstance(extra, dict) and "suffixes" in extra:
+        own = [f"{OWN}{name}" for name in own_files(str(extra["folder"]))] if extra["folder"] else []
+        return {"control": "choice", "choices": list(dict.fromkeys([*own, value]))}
+    return _kind(field.annotation, list(field.metadata))
+
+
+def _kind(annotation: Any, metadata: list[Any]) -> dict[str, Any] | None:
+    origin = get_origin(annotation)
+    if origin is Annotated:
+        inner, *more = get_args(annotation)
+        flat = [m for extra in more for m in (extra.metadata if isinstance(extra, FieldInfo) else [extra])]
+        return _kind(inner, flat + metadata)
+    if origin is Literal:
+        return {"control": "choice", "choices": list(get_args(annotation))}
+    if origin in (Union, types.UnionType):
+        kinds = [_kind(item, metadata) for item in get_args(annotation) if item is not type(None)]
+        optional = type(None) in get_args(annotation)
+        if len(kinds) == 1 and kinds[0] is not None:
+            return {**kinds[0], "optional": optional}
+        if all(kind is not None for kind in kinds):  # "auto" or a number
+            return {"control": "text", "optional": optional}
+        return None
+    if origin is tuple:
+        items = get_args(annotation)
+        inner_kind = _kind(items[0], [])
+        if items[-1] is Ellipsis or inner_kind is None or inner_kind["control"] != "number":
+            return None
+        return {**inner_kind, "control": "vector", "count": len(items)}
+    if annotation is bool:
+        return {"control": "switch"}
+    if annotation is str:
+        return {"control": "text"}
+    if annotation in (int, float):
+        limits = {name: getattr(m, name) for m in metadata for name in LIMITS if hasattr(m, name)}
+        return {"control": "number", "whole": annotation is int, **limits}
+    return None
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return value if isinstance(value, (bool, int, float, str, type(None))) else None
+
+
+__all__ = ["changed", "checked", "is_live", "lists", "panel", "part"]

@@ -1,0 +1,124 @@
+"""Player: a thread that has a run, keeps its latest moment, and takes commands from a queue."""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from neve.colliders.solid import Solid
+from neve.scene.errors import SceneError
+from neve.scene.scene import Scene
+from neve.viewer.commands import Command
+from neve.viewer.snapshot import Snapshot
+
+WAIT = 0.25
+"""Longest sleep of a player that has nothing to do [s]."""
+
+
+class Player:
+    """Run in a thread of its own; the server sees `latest`, which is replaced and never written into.
+
+    on_moment is called after each new snapshot, on_word with each message to all pages, a dict with "kind",
+    on_failure with what ended the thread. All are called from the player's thread and must not wait.
+    """
+
+    live = False
+
+    def __init__(self, name: str, scene: Scene) -> None:
+        self.name = name
+        self.scene = scene
+        """The scene as the panel shows it and as it would be saved."""
+        self.number = 0
+        """Counts the changes of what `describe` tells."""
+        self.latest: Snapshot | None = None
+        self.modes: set[str] = set()
+        """Colour modes that some page looks at; the server sets them."""
+        self.on_moment: Callable[[], None] = lambda: None
+        self.on_word: Callable[[dict[str, Any]], None] = lambda word: None
+        self.on_failure: Callable[[BaseException], None] = lambda error: None
+        self._queue: queue.SimpleQueue[Command] = queue.SimpleQueue()
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="neve-player", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and wait for it."""
+        self._stopped.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def submit(self, command: Command) -> None:
+        """Put a command into the queue; it is done by the player's thread between two steps."""
+        self._queue.put(command)
+
+    def solids(self) -> tuple[Solid, ...]:
+        """Return the solids in the order of a snapshot's bodies."""
+        raise NotImplementedError
+
+    def state(self) -> dict[str, Any]:
+        """Return whether it plays, how fast, and how many frames there are to seek in."""
+        raise NotImplementedError
+
+    def _run(self) -> None:
+        try:
+            self._begin()
+            while not self._stopped.is_set():
+                self._take_commands(0.0 if self._busy() else WAIT)
+                if self._busy():
+                    self._go_on()
+        except BaseException as error:  # a thread has nobody above it: the server ends, and tells
+            self.on_failure(error)
+
+    def _take_commands(self, wait: float) -> None:
+        """Do all commands that are there; with none, wait up to `wait` [s] for the first."""
+        try:
+            command = self._queue.get(timeout=wait) if wait > 0 else self._queue.get_nowait()
+            while True:
+                self._try(command)
+                command = self._queue.get_nowait()
+        except queue.Empty:
+            pass
+
+    def _try(self, command: Command) -> None:
+        try:
+            self._do(command)
+        except SceneError as error:
+            self._refuse(str(error), getattr(command, "path", ""))
+        except Exception as error:  # whatever a page has thought of, the others go on watching
+            logging.getLogger("neve").exception("a command of a page failed")
+            self._refuse(f"this could not be done: {' '.join(str(error).split())[:200]}")
+
+    def _begin(self) -> None:
+        raise NotImplementedError
+
+    def _busy(self) -> bool:
+        raise NotImplementedError
+
+    def _go_on(self) -> None:
+        raise NotImplementedError
+
+    def _do(self, command: Command) -> None:
+        raise NotImplementedError
+
+    def _show(self, snapshot: Snapshot) -> None:
+        self.latest = snapshot
+        self.on_moment()
+
+    def _scene_changed(self) -> None:
+        self.number += 1
+        self.on_word({"kind": "scene"})
+
+    def _state_changed(self) -> None:
+        self.on_word({"kind": "player", **self.state()})
+
+    def _say(self, sentence: str) -> None:
+        self.on_word({"kind": "say", "sentence": sentence})
+
+    def _refuse(self, sentence: str, path: str = "") -> None:
+        self.on_word({"kind": "refused", "sentence": sentence, "path": path})

@@ -1,0 +1,166 @@
+"""Recorded: play the frames of a finished or running run."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from time import monotonic
+from typing import Any
+
+import numpy as np
+
+from neve.build import material_table, solids
+from neve.colliders.solid import Solid
+from neve.io.errors import RunError
+from neve.io.frames import Frame, frame_numbers, read_frame
+from neve.io.run_folder import RunFolder
+from neve.scene.errors import SceneError
+from neve.scene.load import load
+from neve.viewer import commands, panel
+from neve.viewer.commands import Command
+from neve.viewer.modes import Columns, available, measure
+from neve.viewer.player import Player
+from neve.viewer.snapshot import Snapshot
+
+KEPT = 512 * 2**20
+"""Bytes of frames that stay in memory, so that playing in a circle does not read them again."""
+
+COLUMNS = {"x", "v", "J_P", "material", "density"}
+"""What a frame file has for the colour modes; density is rho0 / J_P there, without the elastic strain."""
+
+
+class Recorded(Player):
+    """Play the frames of a run folder at the run's own pace times `speed`, in a circle."""
+
+    def __init__(self, run: RunFolder) -> None:
+        """Read the scene and find the frames. Errors: RunError, SceneError."""
+        super().__init__(run.path.resolve().name, load(run.path))
+        self.run = run
+        self._numbers = frame_numbers(run.frames)
+        if not self._numbers:
+            raise RunError(f"{run.path} holds no frames to play: run it first, neve run.")
+        read_frame(run.frames, self._numbers[0])  # a damaged run is told before a server starts
+        self._solids = solids(self.scene)
+        self._rho0 = np.array([snow.rho0 for snow in material_table(self.scene)], np.float32)
+        self._memory: OrderedDict[int, Frame] = OrderedDict()
+        self._bytes = 0
+        self._playing = False
+        self._speed = 1.0
+        self._at = 0  # place in self._numbers
+        self._anchor = (0.0, 0)  # clock and place from which the pace is counted
+        self._looked = monotonic()
+
+    def solids(self) -> tuple[Solid, ...]:
+        """Return the solids in the order of a snapshot's bodies."""
+        return self._solids
+
+    def state(self) -> dict[str, Any]:
+        """Return whether it plays, how fast, and how many frames there are to seek in."""
+        return {
+            "playing": self._playing,
+            "speed": self._speed,
+            "frames": len(self._numbers),
+            "recording": False,
+            "recorded": len(self._numbers),
+        }
+
+    def _begin(self) -> None:
+        self._scene_changed()
+        self._show_frame()
+
+    def _busy(self) -> bool:
+        return self._playing
+
+    def _go_on(self) -> None:
+        """Show the frame whose time has come; wait for it, open for commands."""
+        clock, start = self._anchor
+        rate = self.scene.run.fps * self._speed
+        due = start + int((monotonic() - clock) * rate)
+        if due <= self._at:
+            self._take_commands(max(0.001, clock + (self._at - start + 1) / rate - monotonic()))
+            return
+        self._look_for_more()
+        if due >= len(self._numbers):
+            due = 0
+            self._anchor = (monotonic(), 0)
+        self._at = due
+        self._show_frame()
+
+    def _look_for_more(self) -> None:
+        """See, once a second, whether the run has gone on."""
+        if monotonic() - self._looked < 1.0:
+            return
+        self._looked = monotonic()
+        numbers = frame_numbers(self.run.frames)
+        if len(numbers) != len(self._numbers) and numbers:
+            self._numbers = numbers
+            self._state_changed()
+
+    def _show_frame(self) -> None:
+        self._at = min(self._at, len(self._numbers) - 1)
+        try:
+            frame = self._frame(self._numbers[self._at])
+        except RunError as error:
+            self._playing = False
+            self._refuse(str(error))
+            self._state_changed()
+            return
+        columns: Columns = {
+            "x": lambda: frame.x,
+            "v": lambda: frame.v,
+            "J_P": lambda: frame.J_P,
+            "material": lambda: frame.material,
+            "density": lambda: self._rho0[np.minimum(frame.material, len(self._rho0) - 1)] / frame.J_P,
+        }
+        spacing = self.scene.numerics.spacing
+        known = set(available(COLUMNS))
+        self._show(
+            Snapshot(
+                x=frame.x,
+                values={m: measure(m, columns, self._rho0, spacing) for m in self.modes & known},
+                bodies=tuple(zip(frame.body_position, frame.body_rotation, strict=True)),
+                time=frame.time,
+                frame=self._at,
+                facts={"particles": len(frame.x)},
+                scene=self.number,
+            )
+        )
+
+    def _frame(self, number: int) -> Frame:
+        """Return a frame from memory or from its file. Errors: RunError."""
+        if number in self._memory:
+            self._memory.move_to_end(number)
+            return self._memory[number]
+        frame = read_frame(self.run.frames, number)
+        self._memory[number] = frame
+        self._bytes += _size(frame)
+        while self._bytes > KEPT and len(self._memory) > 1:
+            self._bytes -= _size(self._memory.popitem(last=False)[1])
+        return frame
+
+    def _do(self, command: Command) -> None:
+        match command:
+            case commands.Play() | commands.Pause():
+                self._playing = isinstance(command, commands.Play)
+            case commands.Frame():
+                self._playing = False
+                self._at = (self._at + 1) % len(self._numbers)
+            case commands.Speed():
+                self._speed = command.factor
+            case commands.Restart():
+                self._at = 0
+            case commands.Seek():
+                self._at = min(command.frame, len(self._numbers) - 1)
+            case commands.Set() if command.path.split(".")[0] in ("light", "camera"):
+                self.scene = panel.changed(self.scene, command.path, command.value)
+                self._scene_changed()
+            case commands.Look():
+                pass
+            case _:
+                raise SceneError("a recorded run cannot be changed; neve view SCENE computes one")
+        self._anchor = (monotonic(), self._at)
+        self._state_changed()
+        self._show_frame()
+
+
+def _size(frame: Frame) -> int:
+    return sum(array.nbytes for array in (frame.x, frame.v, frame.J_P, frame.id, frame.material))

@@ -1,0 +1,220 @@
+"""Server: the page and its files over HTTP, snapshots and commands over a WebSocket.
+
+A snapshot is encoded once for each colour mode in use. Each page has at most WINDOW states on their way that
+it has not drawn yet; while it has, newer ones replace each other, so that a slow page sees fewer of them and
+nobody waits for it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import logging
+import mimetypes
+from collections.abc import AsyncIterator
+from http import HTTPStatus
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from neve.viewer import commands, safety
+from neve.viewer.describe import describe
+from neve.viewer.encode import encode, finite
+from neve.viewer.exports import Exports
+from neve.viewer.modes import MODES, Scale
+from neve.viewer.player import Player
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import Server as Socket
+    from websockets.asyncio.server import ServerConnection
+    from websockets.http11 import Request, Response
+
+PAGE = Path(__file__).parent / "page"
+WINDOW = 3
+"""States that may be on their way to a page: enough for 30 a second over 100 ms."""
+
+
+class Guest:
+    """One page that watches."""
+
+    def __init__(self, connection: ServerConnection) -> None:
+        self.connection = connection
+        self.mode = "snow"
+        self.sent = self.got = 0
+        self.room = asyncio.Event()
+        self.words: asyncio.Queue[str] = asyncio.Queue(maxsize=256)
+
+    def tell(self, text: str) -> None:
+        """Put a message in the queue of this page; one that has stopped reading misses it."""
+        with contextlib.suppress(asyncio.QueueFull):
+            self.words.put_nowait(text)
+
+
+class Server:
+    """Show one player to any number of pages."""
+
+    def __init__(self, player: Player, exports: Exports, host: str) -> None:
+        self.player, self.exports, self.host = player, exports, host
+        self.eager = False
+        """Whether to play as soon as the first page is there."""
+        self._guests: set[Guest] = set()
+        self._version = 0
+        self._begun = False
+        self._encoded: dict[str, tuple[int, asyncio.Future[bytes]]] = {}
+        self._scale = Scale()
+        self._files = {path.name: path for path in PAGE.iterdir() if path.is_file()}
+
+    @contextlib.asynccontextmanager
+    async def serve(self, port: int) -> AsyncIterator[Socket]:
+        """Open the socket and start the player; at the end close both. `failed` ends if the player does."""
+        from websockets.asyncio.server import serve
+
+        loop = self._loop = asyncio.get_running_loop()
+        self.player.on_moment = lambda: self._from_thread(loop, self._moment)
+        self.player.on_word = lambda word: self._from_thread(loop, self._word, word)
+        self.player.on_failure = lambda error: self._from_thread(loop, self._fail, error)
+        self.exports.on_word = self.player.on_word
+        self.failed: asyncio.Future[None] = loop.create_future()
+        silent = logging.getLogger("neve.viewer.socket")
+        silent.addHandler(logging.NullHandler())
+        silent.propagate = False
+        async with serve(
+            self._meet,
+            self.host,
+            port,
+            process_request=self._request,
+            compression=None,
+            max_size=commands.MOST_BYTES,
+            max_queue=16,
+            logger=silent,
+            ping_interval=20,
+        ) as socket:
+            self.player.start()
+            try:
+                yield socket
+            finally:
+                await asyncio.to_thread(self.player.stop)
+                self.exports.close()
+
+    @staticmethod
+    def _from_thread(loop: asyncio.AbstractEventLoop, call: Any, *arguments: Any) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop has ended while the player was still at work
+            loop.call_soon_threadsafe(call, *arguments)
+
+    def _fail(self, error: BaseException) -> None:
+        if not self.failed.done():
+            self.failed.set_exception(error)
+
+    def _moment(self) -> None:
+        """Wake all pages that have room for the new moment."""
+        self._version += 1
+        for guest in self._guests:
+            guest.room.set()
+
+    def _word(self, word: dict[str, Any]) -> None:
+        self._begun = self._begun or word["kind"] == "scene"
+        text = json.dumps(finite(describe(self.player) if word["kind"] == "scene" else word))
+        for guest in self._guests:
+            guest.tell(text)
+
+    def _request(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Answer a request for a file; let that for the socket pass if it comes from the page."""
+        from websockets.datastructures import Headers
+        from websockets.http11 import Response
+
+        def answer(status: HTTPStatus, body: bytes, kind: str = "text/plain; charset=utf-8") -> Response:
+            headers = Headers({**safety.HEADERS, "Content-Type": kind, "Content-Length": str(len(body))})
+            return Response(status.value, status.phrase, headers, body)
+
+        hosts = request.headers.get_all("Host")
+        if len(hosts) != 1 or not safety.host_allowed(hosts[0], self.host):
+            return answer(HTTPStatus.FORBIDDEN, b"This host name is not the viewer's.\n")
+        path = request.path.partition("?")[0]
+        if path == "/socket":
+            if safety.same_origin(request.headers.get_all("Origin"), hosts[0]):
+                return None
+            return answer(HTTPStatus.FORBIDDEN, b"Only the viewer's own page may connect.\n")
+        name = "index.html" if path == "/" else path.removeprefix("/page/")
+        file = self._files.get(name) if path == "/" or path.startswith("/page/") else self.exports.file(path)
+        if file is None:
+            return answer(HTTPStatus.NOT_FOUND, b"There is no such page.\n")
+        try:
+            body = file.read_bytes()
+        except OSError:
+            return answer(HTTPStatus.NOT_FOUND, b"This file is gone.\n")
+        kind = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
+        return answer(HTTPStatus.OK, body, f"{kind}; charset=utf-8" if kind.startswith("text/") else kind)
+
+    async def _meet(self, connection: ServerConnection) -> None:
+        """Serve one page until it goes, however it goes."""
+        from websockets.exceptions import ConnectionClosed
+
+        guest = Guest(connection)
+        if self._begun:  # else the first word about the scene is still to come, and reaches this page too
+            guest.tell(json.dumps(finite(describe(self.player))))
+        self._guests.add(guest)
+        if self.eager:
+            self.eager = False
+            self.player.submit(commands.Play(do="play"))
+        guest.room.set()
+        tasks = [asyncio.create_task(part(guest)) for part in (self._send_states, self._send_words)]
+        try:
+            async for message in connection:
+                command = commands.read(message)
+                if command is not None:
+                    self._take(guest, command)
+        except ConnectionClosed:
+            pass
+        finally:
+            self._guests.discard(guest)
+            self._update_modes()
+            for task in tasks:
+                task.cancel()
+            for ended in await asyncio.gather(*tasks, return_exceptions=True):
+                if isinstance(ended, Exception) and not isinstance(ended, ConnectionClosed):
+                    logging.getLogger("neve").error("a page was served no longer", exc_info=ended)
+
+    def _take(self, guest: Guest, command: commands.Command) -> None:
+        match command:
+            case commands.Got():
+                guest.got = max(guest.got, min(command.version, guest.sent))
+                guest.room.set()
+            case commands.Look():
+                if command.mode in MODES:
+                    guest.mode = command.mode
+                    self._update_modes()
+                    self.player.submit(command)
+            case commands.Picture() | commands.Film() | commands.Replay() | commands.Save():
+                self.exports.start(command)
+            case _:
+                self.player.submit(command)
+
+    def _update_modes(self) -> None:
+        self.player.modes = {guest.mode for guest in self._guests} - {"snow"}
+
+    async def _send_words(self, guest: Guest) -> None:
+        while True:
+            await guest.connection.send(await guest.words.get())
+
+    async def _send_states(self, guest: Guest) -> None:
+        """Send the latest moment whenever there is a newer one and the page has drawn what it got."""
+        shown = 0
+        while True:
+            await guest.room.wait()
+            guest.room.clear()
+            while self._version > shown and guest.sent - guest.got < WINDOW:
+                shown = self._version
+                message = await self._message(guest.mode)
+                guest.sent += 1
+                await guest.connection.send(message)
+
+    async def _message(self, mode: str) -> bytes:
+        """Return the latest moment in a colour mode, encoded once for all pages that ask."""
+        version = self._version
+        found = self._encoded.get(mode)
+        if found is None or found[0] != version:
+            snapshot = self.player.latest
+            work = asyncio.to_thread(encode, snapshot, mode, self._scale, {"version": version})  # type: ignore[arg-type]
+            found = (version, asyncio.ensure_future(work))
+            self._encoded[mode] = found
+        return await asyncio.shield(found[1])

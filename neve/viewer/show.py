@@ -1,0 +1,127 @@
+"""`neve view`: open a scene or a run in the browser."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from neve.viewer.server import Server
+
+PORT = 8420
+TRIES = 20
+"""Ports after the first that are tried when it is taken, unless one was asked for."""
+
+
+class ViewError(RuntimeError):
+    """One sentence for the user: why nothing can be shown."""
+
+
+def view(
+    what: str,
+    changes: Sequence[str] = (),
+    out: str | None = None,
+    host: str = "127.0.0.1",
+    port: int | None = None,
+    threads: int | None = None,
+    browse: bool = False,
+    tell: Callable[[str], None] = print,
+) -> None:
+    """Show a scene live, or play a run folder that has frames, until Ctrl-C.
+
+    It plays as soon as the first page is there. out: folder for what the pages save; the run itself, or
+    runs/NAME-live. browse: open the page in this machine's browser.
+    Errors: ViewError, SceneError, RunError, one sentence each.
+    """
+    server = prepare(what, changes, out, host, threads)
+    from neve.viewer.safety import is_local
+
+    if not is_local(host):
+        tell(
+            f"warning: {host} can be reached from other machines: whoever connects can steer this run and "
+            "write into its folder; without --host only this machine can."
+        )
+    server.eager = True
+    asyncio.run(_serve(server, host, port, browse, tell))
+
+
+def write_replay(run: str, path: str) -> None:
+    """Write the page that plays the run folder `run` by itself. Errors: RunError, SceneError."""
+    from neve.io.atomic import write_bytes
+    from neve.viewer.replay import replay_of
+
+    write_bytes(Path(path), replay_of(run))
+
+
+def prepare(
+    what: str,
+    changes: Sequence[str] = (),
+    out: str | None = None,
+    host: str = "127.0.0.1",
+    threads: int | None = None,
+) -> Server:
+    """Make the server of a scene or a run, not yet started. Errors: ViewError, SceneError, RunError."""
+    if find_spec("websockets") is None:
+        raise ViewError("neve view needs the package websockets: pip install 'neve[view]'.")
+    from neve.io.run_folder import RunFolder
+    from neve.scene.load import load, presets
+    from neve.viewer.exports import Exports
+    from neve.viewer.live import Live
+    from neve.viewer.player import Player
+    from neve.viewer.recorded import Recorded
+    from neve.viewer.recorder import Recorder
+    from neve.viewer.server import Server
+
+    run = RunFolder(what)
+    player: Player
+    if what not in presets() and _is_run(run):
+        if changes:
+            raise ViewError(
+                f"{what} is a finished run, which --set cannot change: name its scene.toml to run it anew."
+            )
+        player = Recorded(run)
+        return Server(player, Exports(Path(out) if out else run.path, player, None), host)
+    scene = load(what, changes)
+    name = what if what in presets() else Path(what).resolve().stem
+    folder = Path(out) if out else Path("runs") / f"{name}-live"
+    recorder = Recorder(folder)
+    player = Live(name, scene, threads, recorder)
+    return Server(player, Exports(folder, player, recorder), host)
+
+
+def _is_run(run: object) -> bool:
+    from neve.io.frames import frame_numbers
+    from neve.io.run_folder import RunFolder
+
+    assert isinstance(run, RunFolder)
+    with contextlib.suppress(OSError):
+        return bool(frame_numbers(run.frames))
+    return False
+
+
+async def _serve(
+    server: Server, host: str, port: int | None, browse: bool, tell: Callable[[str], None]
+) -> None:
+    first = PORT if port is None else port
+    for number in range(first, first + (TRIES if port is None else 1)):
+        try:
+            async with server.serve(number) as socket:
+                actual = socket.sockets[0].getsockname()[1]
+                shown = f"[{host}]" if ":" in host else host
+                tell(f"http://{shown}:{actual} shows it; Ctrl-C ends.")
+                if browse:
+                    import webbrowser
+
+                    webbrowser.open(f"http://{shown}:{actual}")
+                with contextlib.suppress(asyncio.CancelledError):  # Ctrl-C
+                    await server.failed
+                return
+        except OSError as error:
+            if number == first + TRIES - 1 or port is not None:
+                raise ViewError(
+                    f"port {number} of {host} cannot be used: {error.strerror or error}; choose another."
+                ) from error
