@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Color = tuple[float, float, float]
 Shape = Literal["plane", "box", "sphere", "cylinder", "mesh", "terrain"]
+MovedBy = Literal["rest", "script", "engine"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,7 @@ class Solid:
     color: Color | None = None
     finish: Finish | None = None
     visible: bool = True
-    moved_by: Literal["rest", "script", "engine"] = "rest"
+    moved_by: MovedBy = "rest"
     mesh: SolidMesh | None = None
     terrain: HeightField | None = None
 
@@ -86,18 +87,12 @@ def solid_of(collider: Collider, name: str, dx: float) -> Solid:
     Errors: SceneError for a mesh or a height map that cannot be used.
     """
     moves = bool(collider.keyframes) or any(collider.velocity) or any(collider.spin)
-    return Solid(
-        name=name,
-        shape=collider.shape,
-        half=half_extents(collider),
-        mode=collider.mode,
-        mu_c=collider.mu_c,
-        color=collider.color,
-        finish=collider.finish,
-        visible=collider.visible,
-        moved_by="script" if moves else "rest",
-        mesh=solid_mesh(collider, dx, name) if isinstance(collider, Mesh) else None,
-        terrain=height_field(collider, name) if isinstance(collider, Terrain) else None,
+    return _solid(
+        collider,
+        name,
+        "script" if moves else "rest",
+        solid_mesh(collider, dx, name) if isinstance(collider, Mesh) else None,
+        height_field(collider, name) if isinstance(collider, Terrain) else None,
     )
 
 
@@ -108,17 +103,29 @@ def solid_of_body(body: Rigid, name: str, dx: float) -> Solid:
 
     Errors: SceneError for a mesh that cannot be used.
     """
+    return _solid(body, name, "engine", solid_mesh(body, dx, name) if isinstance(body, RigidMesh) else None)
+
+
+def _solid(
+    part: Collider | Rigid,
+    name: str,
+    moved_by: MovedBy,
+    mesh: SolidMesh | None,
+    terrain: HeightField | None = None,
+) -> Solid:
+    """Take over what a solid has from its part of the scene."""
     return Solid(
         name=name,
-        shape=body.shape,
-        half=half_extents(body),
-        mode=body.mode,
-        mu_c=body.mu_c,
-        color=body.color,
-        finish=body.finish,
-        visible=body.visible,
-        moved_by="engine",
-        mesh=solid_mesh(body, dx, name) if isinstance(body, RigidMesh) else None,
+        shape=part.shape,
+        half=half_extents(part),
+        mode=part.mode,
+        mu_c=part.mu_c,
+        color=part.color,
+        finish=part.finish,
+        visible=part.visible,
+        moved_by=moved_by,
+        mesh=mesh,
+        terrain=terrain,
     )
 
 

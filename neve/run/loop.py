@@ -120,7 +120,7 @@ def _run(
             folder.drop_frames_after(done)
         last = max(last_frame(scene, frames), done or 0)
         with contextlib.ExitStack() as stack:
-            painter = Painter(scene, sim.threads)
+            painter = Painter(scene, [solid for solid, _ in sim.bodies()], sim.threads)
             outputs: list[Output] = [FrameOutput(folder), PictureOutput(folder, painter)]
             if scene.run.film:
                 anew = checkpoint is not None and _looks(checkpoint.scene) != _looks(toml)

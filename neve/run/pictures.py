@@ -6,7 +6,6 @@ import contextlib
 import functools
 import io
 import itertools
-import warnings
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -33,8 +32,9 @@ SIZE = (1280, 720)
 class Painter:
     """Draw frames as they lie in the run folder, so that a film drawn later is the same film."""
 
-    def __init__(self, scene: Scene, threads: int | None = None) -> None:
+    def __init__(self, scene: Scene, solids: Sequence[Solid], threads: int | None = None) -> None:
         self._scene = scene
+        self._solids = solids
         self._threads = threads or 0
 
     @functools.cached_property
@@ -42,15 +42,6 @@ class Painter:
         from neve.look.preview import Preview
 
         return Preview(self._scene, *SIZE, threads=self._threads)
-
-    @functools.cached_property
-    def _solids(self) -> Sequence[Solid]:
-        from neve.build import solids
-        from neve.scene.errors import SceneWarning
-
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SceneWarning)  # told when the simulation was made
-            return solids(self._scene)
 
     def draw(self, content: Frame) -> NDArray[np.uint8]:
         """Return the image of a frame, (height, width, 3)."""

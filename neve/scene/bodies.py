@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from neve.scene.fields import (
+    CONTACT,
+    MODES,
+    ZERO,
     Angle3,
     Color,
     Coordinate,
@@ -20,6 +22,7 @@ from neve.scene.fields import (
     Size3,
     Switch,
     Whole,
+    check_times,
     entry,
     file_entry,
     norm,
@@ -30,13 +33,7 @@ from neve.scene.meshes import MeshFile, check_file
 ROBOTS = (".xml", ".urdf")
 """What a robot file may end in."""
 
-CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
 ROTATION = "Rotation vector (axis times angle) from the body's own axes to the world's, at the start."
-ZERO = (0.0, 0.0, 0.0)
-MODES = (
-    '"separate": snow may leave the surface, and slides with friction; "slip": snow stays on the surface and '
-    'slides with friction; "sticky": snow moves with the surface.'
-)
 DENSITY = 1000.0
 """Density of a body that says nothing about its mass [kg/m3]."""
 
@@ -82,7 +79,7 @@ class Motor(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Motor:
-        check_times(self.keyframes, "keyframes")
+        check_times(self.keyframes)
         if self.keyframes and self.target != 0.0:
             raise wrong("target", "cannot be combined with keyframes; leave one of them out")
         if self.kind == "torque" and self.gain is not None:
@@ -278,15 +275,3 @@ class Robot(Part):
     def _check(self) -> Robot:
         check_file(self.file, ROBOTS, "a robot")
         return self
-
-
-def check_times(keyframes: tuple[Target, ...], key: str) -> None:
-    """Refuse keyframes that do not come one after another.
-
-    Errors: PydanticCustomError.
-    """
-    for i, (a, b) in enumerate(pairwise(keyframes)):
-        if b.t <= a.t:
-            raise wrong(
-                f"{key}.{i + 1}.t", f"must be later than the keyframe before it, greater than {a.t:g} [s]"
-            )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from neve.scene.fields import (
+    CONTACT,
+    MODES,
+    ZERO,
     Angle3,
     Color,
     Finish,
@@ -19,6 +21,7 @@ from neve.scene.fields import (
     Size2,
     Size3,
     Switch,
+    check_times,
     entry,
     file_entry,
     norm,
@@ -29,9 +32,7 @@ from neve.scene.meshes import MeshFile, check_file
 MAPS = (".png", ".tif", ".tiff", ".npy")
 """What a height map may end in."""
 
-CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
 ROTATION = "Rotation vector (axis times angle) from the body's own axes to the world's."
-ZERO = (0.0, 0.0, 0.0)
 
 
 class Keyframe(Part):
@@ -52,13 +53,7 @@ class Keyframe(Part):
 class Body(Part):
     """Hold what all colliders share."""
 
-    mode: Literal["separate", "slip", "sticky"] = entry(
-        "separate",
-        '"separate": snow may leave the surface, and slides with friction; "slip": snow stays on the surface '
-        'and slides with friction; "sticky": snow moves with the surface.',
-        "",
-        CONTACT,
-    )
+    mode: Literal["separate", "slip", "sticky"] = entry("separate", MODES, "", CONTACT)
     mu_c: Real = entry(
         0.5, "Coulomb friction between snow and this body; not used when sticky.", "1", ge=0, le=100
     )
@@ -87,12 +82,7 @@ class Body(Part):
             raise wrong("velocity", "cannot be combined with keyframes; leave one of them out")
         if self.keyframes and self.spin != ZERO:
             raise wrong("spin", "cannot be combined with keyframes; leave one of them out")
-        for i, (a, b) in enumerate(pairwise(self.keyframes)):
-            if b.t <= a.t:
-                raise wrong(
-                    f"keyframes.{i + 1}.t",
-                    f"must be later than the keyframe before it, greater than {a.t:g} [s]",
-                )
+        check_times(self.keyframes)
         return self
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Protocol
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 from pydantic_core import PydanticCustomError
@@ -44,6 +45,12 @@ Finish = Literal["paint", "metal", "rubber", "wood", "stone"]
 
 CHOICE = "our choice"
 """The source of a value that Neve's authors chose."""
+CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
+MODES = (
+    '"separate": snow may leave the surface, and slides with friction; "slip": snow stays on the surface and '
+    'slides with friction; "sticky": snow moves with the surface.'
+)
+ZERO = (0.0, 0.0, 0.0)
 
 
 class Part(BaseModel):
@@ -72,6 +79,26 @@ def file_entry(meaning: str, suffixes: tuple[str, ...], folder: str = "") -> Any
 def wrong(key: str, message: str) -> PydanticCustomError:
     """Make the error of a check across fields; `message` completes the sentence that `key` starts."""
     return PydanticCustomError("scene", "{message}", {"key": key, "message": message})
+
+
+class Timed(Protocol):
+    """Something that holds at one moment."""
+
+    @property
+    def t(self) -> float:
+        """The moment [s]."""
+
+
+def check_times(keyframes: Sequence[Timed]) -> None:
+    """Refuse keyframes that do not come one after another.
+
+    Errors: PydanticCustomError.
+    """
+    for i, (a, b) in enumerate(pairwise(keyframes)):
+        if b.t <= a.t:
+            raise wrong(
+                f"keyframes.{i + 1}.t", f"must be later than the keyframe before it, greater than {a.t:g} [s]"
+            )
 
 
 def norm(vector: tuple[float, ...]) -> float:
