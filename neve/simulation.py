@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -101,10 +101,11 @@ class Simulation:
         """Memory of particles and grid [bytes]."""
         return self._state.bytes + self._grid.bytes
 
-    def advance(self, seconds: float) -> None:
+    def advance(self, seconds: float, enough: Callable[[], bool] | None = None) -> None:
         """Simulate `seconds` [s] more, in as many substeps as the time step needs.
 
-        Whatever was written into `state` before counts.
+        Whatever was written into `state` before counts. `enough` is asked after each substep, may read the
+        state, and ends the work there if it says so.
 
         Errors: Blowup if a particle loses its numbers; ValueError if `seconds` is not positive and finite.
         """
@@ -132,6 +133,8 @@ class Simulation:
             self.stats.add(dt, "retry" if taken.refusals else choice.bound, taken.refusals)
             require_finite(model, state, report, self.steps, self.time, dt)
             self._move_bodies(dt)
+            if enough is not None and enough():
+                break
         self._take_exchanged()
 
     def _place_solids(self, time: float) -> None:

@@ -25,6 +25,9 @@ from neve.viewer.touch import Hand, Mover
 PAUSE = 1 / 30
 """Seconds of work between two moments that the pages may see, where steps are short enough."""
 
+COPYING = 0.2
+"""Most of the player's time that goes into copying moments for the pages."""
+
 MOST_THROWN = 200_000
 """Particles of a ball that may be thrown."""
 
@@ -48,6 +51,7 @@ class Live(Player):
         self._chunk = 1e-3  # simulated seconds of the next piece of work
         self._anchor = (0.0, 0.0)  # clock and simulated time from which the pace is counted
         self._spent: dict[str, float] = {}  # seconds of each stage, lately
+        self._due = 0.0  # clock from which the pages may see another moment
         self._hand, self._mover = Hand(), Mover()
         self._pieces = np.zeros(0, np.float32)  # the fragment of each particle, when last looked for
         self._pieces_next = 0.0  # clock from which to look again
@@ -79,7 +83,7 @@ class Live(Player):
         return self._playing or self._one
 
     def _go_on(self) -> None:
-        """Simulate one piece and show it; wait before it if the page has asked for slow motion."""
+        """Simulate one piece, showing it on the way; wait before it if the page has asked for slow motion."""
         sim = self._sim
         end = (self._frame + 1) / sim.scene.run.fps
         piece = min(self._chunk, end - sim.time)
@@ -89,23 +93,35 @@ class Live(Player):
             return
         self._mover.lead(sim, piece)
         self._hand.act(sim, piece)
-        began = monotonic()
+        began, start = monotonic(), sim.time
         try:
-            sim.advance(piece)
+            sim.advance(piece, lambda: self._look_up(began))
         except RuntimeError as error:  # snow or a body that has lost its numbers
             self._playing = self._one = False
             self._refuse(str(error))
             self._state_changed()
             return
-        self._pace(piece, monotonic() - began)
+        self._pace(sim.time - start, monotonic() - began)
         if sim.time >= end - 1e-9:
-            self._frame += 1
-            if self._recorder.on:
-                self._recorder.keep(sim)
-            if self._one:
-                self._one = False
-                self._state_changed()
+            self._end_frame()
+        elif monotonic() >= self._due:
+            self._publish()
+
+    def _end_frame(self) -> None:
+        self._frame += 1
+        if self._recorder.on:
+            self._recorder.keep(self._sim)
         self._publish()
+        if self._one:
+            self._one = False
+            self._state_changed()
+
+    def _look_up(self, began: float) -> bool:
+        """Show what is there, between two steps; whether the pages want something and have waited for it."""
+        now = monotonic()
+        if now >= self._due:
+            self._publish()
+        return now - began > PAUSE and not self._queue.empty()
 
     def _must_wait(self, time: float) -> bool:
         """Whether the pace is ahead of the clock; then some of that time passes here, open for commands."""
@@ -119,8 +135,8 @@ class Live(Player):
         return ahead > 0.02 or not self._busy()
 
     def _pace(self, piece: float, seconds: float) -> None:
-        """Choose the next piece so that it takes PAUSE, but has at least eight steps in it: each
-        piece begins with a sort."""
+        """Choose the next piece so that it takes PAUSE, but has at least eight steps in it: each piece begins
+        with a sort, which takes as long as a step. Wishes of the pages cut it short."""
         grow = min(max(PAUSE / max(seconds, 1e-4), 0.5), 2.0)
         stats = self._sim.stats
         self._chunk = max(piece * grow, 8 * stats.dt_mean)
@@ -130,6 +146,12 @@ class Live(Player):
         self._spent["simulated"] = 0.9 * self._spent.get("simulated", 0.0) + piece
 
     def _publish(self) -> None:
+        """Show this moment now, and the next one when it is worth what copying it costs."""
+        began = monotonic()
+        self._copy()
+        self._due = began + max(PAUSE, (monotonic() - began) / COPYING)
+
+    def _copy(self) -> None:
         modes, known = set(self.modes), {}
         if "fragment" in modes and not self._pieces_are_due():
             modes.discard("fragment")
@@ -164,6 +186,7 @@ class Live(Player):
                 self._playing = isinstance(command, commands.Play)
                 self._anchor = (monotonic(), self._sim.time)
                 self._state_changed()
+                self._publish()  # what a pause stops at
             case commands.Frame():
                 self._playing, self._one = False, True
                 self._state_changed()

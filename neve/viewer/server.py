@@ -88,6 +88,7 @@ class Server:
             max_queue=16,
             logger=silent,
             ping_interval=20,
+            close_timeout=1,  # a page that is gone says no goodbye, and Ctrl-C does not wait for it
         ) as socket:
             self.player.start()
             try:

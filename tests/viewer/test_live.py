@@ -1,6 +1,7 @@
 """Live: a page plays, changes the snow, throws, moves solids, records; over the real socket, no browser."""
 
 import tomllib
+from time import monotonic
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ from viewer.conftest import SMALL, converse
 from neve.io.frames import frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
 from neve.scene.load import load, scene_from, to_toml
+from neve.simulation import Simulation
+from neve.viewer import commands
 from neve.viewer.show import prepare
 
 EYE = {"position": [1.5, -2.5, 1.0], "target": [0.2, 0.0, 0.35], "width": 160, "height": 90}
@@ -303,3 +306,28 @@ def test_a_body_follows_the_pointer_and_the_other_falls_on(tmp_path):
         assert other[1] == pytest.approx(page.head["time"], abs=1e-6)
 
     converse(prepare(str(path), out=str(tmp_path / "out"), threads=1), talk)
+
+
+def test_moments_are_shown_and_wishes_heard_between_two_steps(small):
+    """A piece of many steps is shown while it is computed, and ends early if a page wants something.
+
+    Asking after each step changes no bit; to say "enough" ends the work after that step.
+    """
+    scene = load(str(small))
+    plain, asked, ended = (Simulation(scene, threads=1) for _ in range(3))
+    plain.advance(0.01)
+    asked.advance(0.01, lambda: False)
+    np.testing.assert_array_equal(plain.state.x, asked.state.x)
+    ended.advance(0.01, lambda: True)
+    assert ended.steps == 1
+    assert 0.0 < ended.time < 0.01
+
+    live = prepare(str(small), threads=1).player
+    live._begin()
+    first, began = live.latest, monotonic() - 1.0  # a second ago
+    live._due = 0.0
+    assert not live._look_up(began)
+    assert live.latest is not first
+    live.submit(commands.Pause(do="pause"))
+    assert live._look_up(began)
+    assert not live._look_up(monotonic() + 60.0)  # a piece that has hardly begun goes on
