@@ -30,8 +30,8 @@ def altered(scene: Scene, wish: Scene, model: Model, state: State) -> tuple[Mode
 
     The particles keep their place, motion, mass, deformation and hardening; each follows the snow that its
     source has in `wish`. Where the transfer has other modes of the velocity, the new ones are zero. Rigid
-    bodies keep place and motion, but those whose start `wish` changes begin there; where bodies or colliders
-    come, go or change, those at joints begin anew.
+    bodies keep place and motion, but those whose start `wish` changes begin there; where bodies or robots
+    come, go or change, robots and bodies at joints begin anew.
 
     Errors: SceneError if a key differs that a run cannot change: one of FIXED, the number of sources, or
     the snow of one of several sources that shared theirs.
@@ -87,7 +87,7 @@ def _snow_of(wish: Scene, source: Source, model: Model) -> dict[str, NDArray[Any
     alone = wish.model_copy(
         update={
             "sources": (source,),
-            **{name: () for name in SOLIDS if name in Scene.model_fields},
+            **{name: () for name in SOLIDS},
             "numerics": wish.numerics.model_copy(update={"seed": seed}),
         }
     )
@@ -103,13 +103,11 @@ def _snow_of(wish: Scene, source: Source, model: Model) -> dict[str, NDArray[Any
 
 def _model(scene: Scene, wish: Scene, model: Model) -> Model:
     """Return the model of `wish`, with the rigid bodies of `model` where they are."""
-    same = len(wish.colliders) == len(scene.colliders) and all(
-        getattr(wish, name, ()) == getattr(scene, name, ()) for name in SOLIDS[1:]
-    )
+    same = all(getattr(wish, name) == getattr(scene, name) for name in SOLIDS[1:])
     if model.rigid is None or same:
         fresh = make_model(wish)
         if fresh.rigid is not None and model.rigid is not None:
-            fresh.rigid.restore(model.rigid.save())
+            fresh.rigid.take_over(model.rigid)
         return fresh
     poses = dict(zip((solid.name for solid in model.rigid.solids), model.rigid.poses(), strict=True))
     bodies = list(wish.bodies)

@@ -160,6 +160,20 @@ class RigidBodies:
         self._model.opt.timestep = state[-1]
         self._refresh()
 
+    def take_over(self, other: RigidBodies) -> None:
+        """Put the bodies to where those of `other` are, the same ones, maybe among other colliders.
+
+        The engine's state also holds the colliders that a script moves, so it fits where those are as many.
+        """
+        state = other.save()
+        if len(state["engine"]) == self._mj.mj_stateSize(self._model, self._signature) + 1:
+            return self.restore(state)
+        for name in ("qpos", "qvel", "act", "qacc_warmstart"):
+            getattr(self._data, name)[:] = getattr(other._data, name)
+        self._data.time = other._data.time
+        self._model.opt.timestep = other._model.opt.timestep
+        self._refresh()
+
     @property
     def momentum(self) -> Array:
         """Sum of m v over the bodies [kg m/s], (3,)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,4 +68,8 @@ class YieldingBodies(Protocol):
 
     def restore(self, arrays: Mapping[str, Array]) -> None:
         """Put the solids back to where `save` found them."""
+        ...
+
+    def take_over(self, other: Self) -> None:
+        """Put the solids to where those of `other` are, the same ones, maybe among other colliders."""
         ...

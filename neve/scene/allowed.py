@@ -64,6 +64,14 @@ def part(annotation: Any) -> type[BaseModel] | None:
     return found[0] if found else None
 
 
+def table_of_list(annotation: Any) -> type[BaseModel] | None:
+    """Return the model of each entry if `annotation` is a list of tables of one kind."""
+    if get_origin(annotation) is not tuple or shapes(annotation):
+        return None
+    items = get_args(annotation)
+    return part(items[0]) if items[-1] is Ellipsis else None
+
+
 def default_vector(path: tuple[str, ...], data: dict[str, Any], owner: type[BaseModel]) -> list[Any] | None:
     """Return the default at `path` in `owner`, whose tables are `data`, if it is a list of numbers."""
     key, *rest = path

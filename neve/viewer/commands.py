@@ -82,7 +82,7 @@ class Set(Command):
 
     do: Literal["set"]
     path: Name
-    value: bool | int | float | str | list[float] | None
+    value: bool | int | float | str | Annotated[list[float], Field(max_length=1000)] | None
 
 
 class Add(Command):
@@ -94,8 +94,15 @@ class Add(Command):
     at: Vector
 
 
+class Enlarge(Command):
+    """Add a table that is left out, or one more entry to a list of tables: "colliders.1.keyframes"."""
+
+    do: Literal["enlarge"]
+    path: Name
+
+
 class Delete(Command):
-    """Delete an entry of the scene: "colliders.1"."""
+    """Delete an entry of the scene, or a table in one: "colliders.1", "sources.0.variation"."""
 
     do: Literal["delete"]
     name: Name
@@ -179,8 +186,8 @@ class Save(Command):
 
 
 Wish = Annotated[
-    Got | Look | Play | Pause | Frame | Restart | Speed | Seek | Open | Set | Add | Delete | Move | Throw
-    | Touch | Record | Picture | Film | Replay | Save,
+    Got | Look | Play | Pause | Frame | Restart | Speed | Seek | Open | Set | Add | Enlarge | Delete | Move
+    | Throw | Touch | Record | Picture | Film | Replay | Save,
     Field(discriminator="do"),
 ]  # fmt: skip
 _ADAPTER: TypeAdapter[Any] = TypeAdapter(Wish)

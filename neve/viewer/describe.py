@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from neve.build import material_table
 from neve.colliders.solid import Solid
 from neve.look.preview import SKY, STEEL, SUN
 from neve.scene.allowed import shapes
@@ -39,9 +40,20 @@ def describe(player: Player) -> dict[str, Any]:
             for name, m in MODES.items()
             if name in known
         ],
+        "materials": materials(player.running()),
         "addable": {} if recorded else {key: _addable(key) for key in lists()},
         **drawn(scene, player.solids()),
     }
+
+
+def materials(scene: Scene) -> list[str]:
+    """Return what the legend calls each row of the material table: its kind, and whose snow it is."""
+    rows = material_table(scene)
+    told = []
+    for snow in rows:
+        whose = [str(i) for i, source in enumerate(scene.sources) if scene.snow_of(source) == snow]
+        told.append(snow.kind if len(rows) == 1 else f"{snow.kind}, of sources {', '.join(whose[:6])}")
+    return told
 
 
 def drawn(scene: Scene, solids: tuple[Solid, ...]) -> dict[str, Any]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from neve.scene.allowed import shapes
+from pydantic import BaseModel
+
+from neve.scene.allowed import part, shapes, table_of_list
 from neve.scene.errors import SceneError
 from neve.scene.files import OWN, own_files
 from neve.scene.scene import Scene, Source
 from neve.viewer.commands import Add, Move
-from neve.viewer.panel import checked, lists
+from neve.viewer.panel import below, checked, entry_lists, lists
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:
@@ -53,11 +55,55 @@ def added(scene: Scene, command: Add) -> tuple[Scene, Source | None]:
 
 
 def deleted(scene: Scene, name: str) -> Scene:
-    """Return the scene without the entry `name`, such as "colliders.1". Errors: SceneError."""
-    kind, index = place_of(scene, name)
+    """Return the scene without an entry of a list or a table in one: "colliders.1", "sources.0.profile".
+
+    Errors: SceneError.
+    """
+    *above, last = keys = name.split(".")
     tables = tables_of(scene)
-    del tables[kind][index]
+    if keys[0] not in entry_lists() or not isinstance(below(tables, keys, name), dict):
+        raise SceneError(f"{name} is not in this scene")
+    place = below(tables, above, name)
+    if isinstance(place, list):
+        del place[int(last)]
+    else:
+        del place[last]
     return checked(tables)
+
+
+def enlarged(scene: Scene, path: str) -> Scene:
+    """Return the scene with the table `path` that was left out, or with one more entry of the list `path`.
+
+    A new entry repeats the last one, a second later. Errors: SceneError.
+    """
+    keys = path.split(".")
+    if keys[0] not in entry_lists() or len(keys) < 3:
+        raise SceneError(f"{path} is not in this scene")
+    tables = tables_of(scene)
+    model = type(below_model(scene, keys[:-1], path))
+    field = model.model_fields.get(keys[-1])
+    place = below(tables, keys[:-1], path)
+    if field is not None and table_of_list(field.annotation):
+        entries = place.setdefault(keys[-1], [])
+        entries.append({**entries[-1], "t": entries[-1]["t"] + 1.0} if entries else {})
+    elif field is not None and part(field.annotation):
+        place.setdefault(keys[-1], {})
+    else:
+        raise SceneError(f"{path} is not a table")
+    return checked(tables)
+
+
+def below_model(scene: Scene, keys: list[str], path: str) -> Any:
+    """Return the part of the scene at `keys`, whose last may be a number. Errors: SceneError."""
+    place: Any = scene
+    for key in keys:
+        if isinstance(place, tuple) and key.isascii() and key.isdigit() and int(key) < len(place):
+            place = place[int(key)]
+        elif isinstance(place, BaseModel) and key in type(place).model_fields:
+            place = getattr(place, key)
+        else:
+            raise SceneError(f"{path} is not in this scene")
+    return place
 
 
 def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any = (0.0, 0.0, 0.0)) -> Scene:
@@ -65,6 +111,8 @@ def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any 
 
     velocity [m/s] and spin [rad/s] of a collider count from t = 0, as in a scene. Errors: SceneError.
     """
+    if move.name.startswith("robots."):
+        raise SceneError(f"{move.name.split('.', 2)[-1]} is part of a robot and cannot be dragged")
     kind, index = place_of(scene, move.name)
     if kind == "sources":
         raise SceneError(f"{move.name} is snow, and only solids can be dragged; use the grab tool")

@@ -53,12 +53,17 @@ class Live(Player):
         self._spent: dict[str, float] = {}  # seconds of each stage, lately
         self._due = 0.0  # clock from which the pages may see another moment
         self._hand, self._mover = Hand(), Mover()
+        self._sources: list[int] = []  # what each source of the wish is called in the running scene
         self._pieces = np.zeros(0, np.float32)  # the fragment of each particle, when last looked for
         self._pieces_next = 0.0  # clock from which to look again
 
     def solids(self) -> tuple[Solid, ...]:
         """Return the solids in the order of a snapshot's bodies."""
         return self._sim.model.solids
+
+    def running(self) -> Scene:
+        """Return the scene whose snow is shown, with what pages have thrown in."""
+        return self._sim.scene
 
     def state(self) -> dict[str, Any]:
         """Return whether it plays, and how fast."""
@@ -75,6 +80,7 @@ class Live(Player):
             warnings.simplefilter("ignore", SceneWarning)
             self._sim = Simulation(self.scene, threads=self._threads)
         self._frame, self._chunk, self._spent = 0, 1e-3, {}
+        self._sources = list(range(len(self.scene.sources)))
         self._hand, self._mover = Hand(), Mover()
         self._scene_changed()
         self._publish()
@@ -204,8 +210,12 @@ class Live(Player):
                 self._state_changed()
             case commands.Set():
                 self._set(command.path, command.value)
-            case commands.Add() | commands.Delete():
-                self._edit(command)
+            case commands.Add():
+                self._add(command)
+            case commands.Enlarge():
+                self._enlarge(command.path)
+            case commands.Delete():
+                self._delete(command.name)
             case commands.Throw():
                 self._throw(command)
             case commands.Touch():
@@ -228,29 +238,44 @@ class Live(Player):
     def _set(self, path: str, value: Any) -> None:
         wish = panel.changed(self.scene, path, value)
         if panel.is_live(path):
-            self._sim.change(panel.changed(self._sim.scene, path, value))
+            self._sim.change(panel.changed(self._sim.scene, self._running(path), value))
+        self._wish(wish)
+
+    def _add(self, command: commands.Add) -> None:
+        wish, source = edit.added(self.scene, command)
+        if source is None:
+            self._sim.change(edit.added(self._sim.scene, command)[0])
+        else:
+            self._grow(source)
+            self._sources.append(len(self._sim.scene.sources) - 1)
+        self._wish(wish)
+
+    def _enlarge(self, path: str) -> None:
+        wish = edit.enlarged(self.scene, path)
+        if panel.is_live(path):
+            self._sim.change(edit.enlarged(self._sim.scene, self._running(path)))
+        self._wish(wish)
+
+    def _delete(self, name: str) -> None:
+        wish = edit.deleted(self.scene, name)
+        if name.startswith("sources.") and name.count(".") == 1:
+            self.scene = wish
+            self._begin()  # whose snow is whose is known at the start alone
+        elif panel.is_live(name):
+            self._sim.change(edit.deleted(self._sim.scene, self._running(name)))
+        self._wish(wish)
+
+    def _wish(self, wish: Scene) -> None:
         self.scene = wish
         self._scene_changed()
         self._publish()
 
-    def _edit(self, command: commands.Add | commands.Delete) -> None:
-        if isinstance(command, commands.Add):
-            wish, source = edit.added(self.scene, command)
-            if source is None:
-                self._sim.change(edit.added(self._sim.scene, command)[0])
-            else:
-                self._grow(source)
-            self.scene = wish
-        else:
-            wish = edit.deleted(self.scene, command.name)
-            if command.name.startswith("sources."):
-                self.scene = wish
-                self._begin()  # whose snow is whose is known at the start alone
-            else:
-                self._sim.change(edit.deleted(self._sim.scene, command.name))
-                self.scene = wish
-        self._scene_changed()
-        self._publish()
+    def _running(self, path: str) -> str:
+        """Return what `path` is called in the running scene, where thrown balls stand between the sources."""
+        keys = path.split(".")
+        if keys[0] == "sources":
+            keys[1] = str(self._sources[int(keys[1])])
+        return ".".join(keys)
 
     def _throw(self, throw: commands.Throw) -> None:
         norm = sum(a * a for a in throw.direction) ** 0.5

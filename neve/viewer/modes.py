@@ -34,7 +34,7 @@ MODES: Mapping[str, Mode] = {
     "snow": Mode("snow", "", (), (0.0, 1.0)),
     "speed": Mode("speed", "m/s", ("v",)),
     "J_P": Mode("compaction J_P", "1", ("J_P",), (0.7, 1.3), "swing"),
-    "density": Mode("density", "kg/m3", ("density",)),
+    "density": Mode("density", "kg/m3", ("density",), (0.0, 1000.0)),
     "stress": Mode("von Mises stress", "Pa", ("tau", "F_E"), None, "fire"),
     "material": Mode("material", "", ("material",), (0.0, 65535.0), "names", True),
     "fragment": Mode("fragment", "", ("x", "J_P"), (0.0, 65535.0), "names", True),

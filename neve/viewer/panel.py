@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import types
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from neve.alter import FIXED
-from neve.scene.allowed import allowed, part, shapes, source, unit
+from neve.scene.allowed import allowed, part, shapes, source, table_of_list, unit
 from neve.scene.errors import SceneError
 from neve.scene.files import KEYS as FILE_KEYS
 from neve.scene.files import OWN, own_files
@@ -26,19 +27,29 @@ LIMITS = ("gt", "ge", "lt", "le")
 def panel(scene: Scene) -> list[dict[str, Any]]:
     """Return the sections of the panel: name, title, and fields with path, unit, limits, value and meaning.
 
-    `live` says whether a change acts at once or when the scene is started anew.
+    A section whose `parent` is another one lies in it. `can` is what can be done with a whole section: "add"
+    makes a table that is left out, or one more entry of a list; "delete" takes it away. `live` says whether a
+    change acts at once or when the scene is started anew.
     """
-    sections = [_section(name, name, getattr(scene, name)) for name in SECTIONS]
-    for name in lists():
+    sections = []
+    for name in SECTIONS:
+        sections += _sections(name, name, getattr(scene, name), "", "")
+    for name in entry_lists():
         for i, entry in enumerate(getattr(scene, name)):
-            shape = getattr(entry, "shape", "")
-            sections.append(_section(f"{name}.{i}", f"{name}.{i} {shape}".strip(), entry))
+            told = getattr(entry, "shape", "") or Path(getattr(entry, "file", "")).name
+            sections += _sections(f"{name}.{i}", f"{name}.{i} {told}".strip(), entry, "", "delete")
     return sections
 
 
 def lists() -> list[str]:
     """Return the keys of a scene that hold entries with a shape: sources, colliders and others."""
     return [name for name, field in Scene.model_fields.items() if shapes(field.annotation)]
+
+
+def entry_lists() -> list[str]:
+    """Return the keys of a scene that hold entries of any kind: those with a shape, and robots."""
+    fields = Scene.model_fields.items()
+    return [name for name, field in fields if shapes(field.annotation) or table_of_list(field.annotation)]
 
 
 def changed(scene: Scene, path: str, value: Any) -> Scene:
@@ -74,15 +85,7 @@ def is_live(path: str) -> bool:
 
 
 def _put(tables: dict[str, Any], keys: list[str], value: Any, path: str) -> None:
-    place: Any = tables
-    for key in keys[:-1]:
-        inside = isinstance(place, list) and key.isascii() and key.isdigit() and int(key) < len(place)
-        if inside:
-            place = place[int(key)]
-        elif isinstance(place, dict) and isinstance(place.get(key), (dict, list)):
-            place = place[key]
-        else:
-            raise SceneError(f"{path} is not in this scene")
+    place = below(tables, keys[:-1], path, make=True)
     if not isinstance(place, dict):
         raise SceneError(f"{path} is not a single value")
     if value is None:
@@ -91,28 +94,63 @@ def _put(tables: dict[str, Any], keys: list[str], value: Any, path: str) -> None
         place[keys[-1]] = value
 
 
-def _section(path: str, title: str, table: BaseModel) -> dict[str, Any]:
-    fields = []
+def below(tables: Any, keys: Sequence[str], path: str, make: bool = False) -> Any:
+    """Return what lies at `keys` in `tables`; `make` makes the last table if it is left out.
+
+    Errors: SceneError, which says that `path` is not there.
+    """
+    place = tables
+    for depth, key in enumerate(keys):
+        inside = isinstance(place, list) and key.isascii() and key.isdigit() and int(key) < len(place)
+        if inside:
+            place = place[int(key)]
+        elif isinstance(place, dict) and isinstance(place.get(key), (dict, list)):
+            place = place[key]
+        elif make and isinstance(place, dict) and key not in place and depth == len(keys) - 1:
+            place = place.setdefault(key, {})
+        else:
+            raise SceneError(f"{path} is not in this scene")
+    return place
+
+
+def _sections(path: str, title: str, table: BaseModel, parent: str, can: str) -> list[dict[str, Any]]:
+    """Return the section of a table, and after it those of the tables in it."""
+    fields, inner = [], []
     for name, field in type(table).model_fields.items():
         if name == "shape" or (path == "snow" and name not in _shown_snow(table)):
             continue
-        control = _control(field, getattr(table, name))
+        where, value = f"{path}.{name}", getattr(table, name)
+        control = _control(field, value)
         if control is not None:
-            fields.append(
-                {
-                    "path": f"{path}.{name}",
-                    "name": name,
-                    "text": field.description or "",
-                    "unit": unit(field),
-                    "allowed": allowed(field),
-                    "source": source(field),
-                    "default": _plain(field.default),
-                    "value": _plain(getattr(table, name)),
-                    "live": is_live(f"{path}.{name}"),
-                    **control,
-                }
-            )
-    return {"path": path, "title": title, "text": _about(type(table)), "fields": fields}
+            fields.append(_field(where, name, field, value) | control)
+        elif table_of_list(field.annotation):
+            inner.append(_bare(where, name, field.description or "", path, "add"))
+            for i, entry in enumerate(value):
+                inner += _sections(f"{where}.{i}", f"{name}.{i}", entry, where, "delete")
+        elif part(field.annotation) and value is None:
+            inner.append(_bare(where, name, field.description or "", path, "add"))
+        elif part(field.annotation):
+            inner += _sections(where, name, value, path, "delete" if field.default is None else "")
+    head = _bare(path, title, _about(type(table)), parent, can)
+    return [head | {"fields": fields}, *inner]
+
+
+def _bare(path: str, title: str, text: str, parent: str, can: str) -> dict[str, Any]:
+    return {"path": path, "title": title, "text": text, "parent": parent, "can": can, "fields": []}
+
+
+def _field(path: str, name: str, field: FieldInfo, value: Any) -> dict[str, Any]:
+    return {
+        "path": path,
+        "name": name,
+        "text": field.description or "",
+        "unit": unit(field),
+        "allowed": allowed(field),
+        "source": source(field),
+        "default": _plain(field.default),
+        "value": _plain(value),
+        "live": is_live(path),
+    }
 
 
 def _shown_snow(snow: Any) -> tuple[str, ...]:
@@ -124,7 +162,7 @@ def _about(model: type[BaseModel]) -> str:
 
 
 def _control(field: FieldInfo, value: Any) -> dict[str, Any] | None:
-    """Return what a page needs to draw a control for `field`, None for tables and lists of tables."""
+    """Return what a page needs to draw a control for `field`, None for a table or a list of tables."""
     extra = field.json_schema_extra
     if isinstance(extra, dict) and "suffixes" in extra:
         own = [f"{OWN}{name}" for name in own_files(str(extra["folder"]))] if extra["folder"] else []
@@ -151,8 +189,10 @@ def _kind(annotation: Any, metadata: list[Any]) -> dict[str, Any] | None:
     if origin is tuple:
         items = get_args(annotation)
         inner_kind = _kind(items[0], [])
-        if items[-1] is Ellipsis or inner_kind is None or inner_kind["control"] != "number":
+        if inner_kind is None or inner_kind["control"] != "number":
             return None
+        if items[-1] is Ellipsis:
+            return {**inner_kind, "control": "list"}
         return {**inner_kind, "control": "vector", "count": len(items)}
     if annotation is bool:
         return {"control": "switch"}
@@ -168,6 +208,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
     return value if isinstance(value, (bool, int, float, str, type(None))) else None
-
-
-__all__ = ["changed", "checked", "is_live", "lists", "panel", "part"]

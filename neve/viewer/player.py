@@ -61,6 +61,10 @@ class Player:
         """Return the solids in the order of a snapshot's bodies."""
         raise NotImplementedError
 
+    def running(self) -> Scene:
+        """Return the scene whose snow is shown, with what pages have thrown in."""
+        return self.scene
+
     def state(self) -> dict[str, Any]:
         """Return whether it plays, how fast, and how many frames there are to seek in."""
         raise NotImplementedError

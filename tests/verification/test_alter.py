@@ -179,11 +179,26 @@ def test_a_body_can_be_moved_and_a_collider_can_come():
     before = where(sim)
     scene = with_bodies()
     sim.change(scene.model_copy(update={"colliders": (*scene.colliders, Sphere(center=(5.0, 0.0, 0.0)))}))
-    np.testing.assert_allclose(where(sim)[0], before[0], atol=1e-12)
+    np.testing.assert_allclose(where(sim), before, atol=1e-12)  # the one on a hinge too
     moved = scene.bodies[0].model_copy(update={"center": (2.0, 0.0, 1.0), "velocity": (0.0, 0.0, 0.0)})
     sim.change(sim.scene.model_copy(update={"bodies": (moved, scene.bodies[1])}))
     np.testing.assert_allclose(where(sim)[0][:3], (2.0, 0.0, 1.0), atol=1e-12)
     np.testing.assert_allclose(where(sim)[0][12:15], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "motion", [{"velocity": (0.0, 0.5, 0.0)}, {"keyframes": ({"t": 0.0}, {"t": 1.0, "position": (5, 1, 0)})}]
+)
+def test_a_collider_can_begin_to_move_among_bodies(motion):
+    """The engine then holds one more solid that a script moves; the bodies go on from where they are."""
+    far = {"shape": "sphere", "center": (5.0, 0.0, 0.0)}
+    floor = {"shape": "plane"}
+    sim = march(simulate(with_bodies(colliders=[floor, far])), 50)
+    before = where(sim)
+    sim.change(with_bodies(colliders=[floor, far | motion]))
+    np.testing.assert_array_equal(where(sim), before)
+    same = march(simulate(with_bodies(colliders=[floor, far])), 50)
+    np.testing.assert_allclose(where(march(sim, 20)), where(march(same, 20)), rtol=0, atol=1e-12)
 
 
 def test_added_snow_keeps_out_of_solids():

@@ -6,7 +6,7 @@ import pytest
 
 from neve.scene.errors import SceneError
 from neve.scene.load import load, presets
-from neve.scene.scene import Scene
+from neve.scene.scene import Scene, Variation
 from neve.scene.snow import used
 from neve.viewer import commands, edit, panel, safety
 
@@ -53,7 +53,7 @@ def test_panel_tells_all_values_of_all_scenes(name):
         for field in section["fields"]:
             assert field["text"]
             assert field["allowed"]
-            assert field["control"] in ("number", "choice", "switch", "vector", "text")
+            assert field["control"] in ("number", "choice", "switch", "vector", "list", "text")
     shown = [f["name"] for f in sections["snow"]["fields"]]
     assert sorted(shown) == sorted(
         ["kind", "law", "plasticity", *used(scene.snow.law, scene.snow.plasticity)]
@@ -137,6 +137,38 @@ def test_entries_are_added_moved_and_deleted():
             edit.deleted(scene, bad)
     with pytest.raises(SceneError, match="sources"):
         edit.deleted(scene, "sources.0")  # a scene without snow is no scene
+
+
+def test_tables_in_entries_are_shown_made_and_taken_away():
+    """A list of tables grows by its last entry, a second later; an optional table comes and goes."""
+    scene, _ = edit.added(
+        load("throw_ball"), commands.Add(do="add", kind="colliders", shape="box", at=(0, 0, 0))
+    )
+    path = "colliders.1.keyframes"
+    grown = edit.enlarged(edit.enlarged(scene, path), path)
+    assert [k.t for k in grown.colliders[1].keyframes] == [0.0, 1.0]
+    told = {s["path"]: s for s in panel.panel(grown)}
+    assert (told[path]["parent"], told[path]["can"]) == ("colliders.1", "add")
+    assert (told[f"{path}.1"]["parent"], told[f"{path}.1"]["can"]) == (path, "delete")
+    set_ = panel.changed(grown, f"{path}.1.position", [0, 0, 2])
+    assert set_.colliders[1].keyframes[1].position == (0.0, 0.0, 2.0)
+    assert edit.deleted(edit.deleted(grown, f"{path}.1"), f"{path}.0") == scene
+
+    even = edit.deleted(scene, "sources.0.variation")
+    assert even.sources[0].variation is None
+    assert edit.enlarged(even, "sources.0.variation").sources[0].variation == Variation()
+    factors = panel.changed(
+        panel.changed(edit.enlarged(scene, "sources.0.profile"), "sources.0.profile.at", [0.0, 0.1]),
+        "sources.0.profile.stiffness", [1, 2],
+    )  # fmt: skip
+    assert factors.sources[0].profile.stiffness == (1.0, 2.0)
+    assert panel.changed(scene, "sources.0.snow.kind", "powder").sources[0].snow.kind == "powder"
+    for bad in ("colliders.1.size", "colliders.1", "numerics.dx", "colliders.1.nothing", "sources.9.profile"):
+        with pytest.raises(SceneError, match=r"not in this scene|not a table"):
+            edit.enlarged(scene, bad)
+    for bad in ("colliders.1.size", "colliders.1.center", "world.gravity", "camera", path):
+        with pytest.raises(SceneError, match="not in this scene"):
+            edit.deleted(scene, bad)
 
 
 @pytest.mark.parametrize(

@@ -331,3 +331,16 @@ def test_moments_are_shown_and_wishes_heard_between_two_steps(small):
     live.submit(commands.Pause(do="pause"))
     assert live._look_up(began)
     assert not live._look_up(monotonic() + 60.0)  # a piece that has hardly begun goes on
+
+
+def test_a_source_is_found_behind_a_thrown_ball(small):
+    """Snow that was added after a throw is the scene's second source and the running scene's third."""
+    live = prepare(str(small), threads=1).player
+    live._begin()
+    live._do(commands.Throw(do="throw", origin=(0, 0, 2), direction=(0, 0, -1), radius=0.2))
+    live._do(commands.Add(do="add", kind="sources", shape="box", at=(3, 0, 0)))
+    assert [s.shape for s in live.scene.sources] == ["sphere", "box"]
+    assert [s.shape for s in live.running().sources] == ["sphere", "sphere", "box"]
+    assert live._running("sources.1.snow.E0") == "sources.2.snow.E0"
+    assert live._running("sources.0.snow.E0") == "sources.0.snow.E0"
+    assert live._running("colliders.1.mu_c") == "colliders.1.mu_c"

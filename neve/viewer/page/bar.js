@@ -59,14 +59,17 @@ class Bar {
 
   tick() {
     const now = performance.now(), lately = (list) => {
-      while (list.length && now - list[0] > 1500) list.shift();
-      return list.length > 1 ? ((list.length - 1) * 1000) / Math.max(list[list.length - 1] - list[0], 1) : 0;
+      while (list.length > 2 && now - list[0] > 1500) list.shift();  // two tell how slow it is
+      const [first, last] = [list[0], list[list.length - 1]];
+      if (list.length < 2 || now - last > 2 * (last - first) + 1500) return "0";
+      const rate = ((list.length - 1) * 1000) / Math.max(last - first, 1);
+      return rate.toFixed(rate < 9.95 ? 1 : 0);
     };
     const m = this.moment, box = document.getElementById("figures");
     if (!m || (this.told && now - this.told < 250)) return;
     this.told = now;
     const f = m.facts, lines = [
-      [lately(this.drawn).toFixed(0), "pictures/s"], [lately(this.updates).toFixed(0), "updates/s"],
+      [lately(this.drawn), "pictures/s"], [lately(this.updates), "updates/s"],
       [m.n.toLocaleString("en"), "particles"],
     ];
     if (f.steps !== undefined) {
@@ -90,16 +93,27 @@ class Bar {
     box.hidden = false;
   }
 
+  // The lines of a legend of names; of pieces there are too many.
+  names(mode) {
+    const line = (value, text) => {
+      const dot = make("span", { class: "dot" });
+      dot.style.background = `rgb(${nameColor(value)})`;
+      return make("div", { class: "name" }, dot, text);
+    };
+    if (mode === "material") return this.app.scene.materials.map((text, i) => line(i, text));
+    return [line(0, "powder"), make("div", { class: "name" }, "any other colour: a piece")];
+  }
+
   legend(moment) {
     const root = document.getElementById("legend"), scene = this.app.scene;
     const entry = scene.modes && scene.modes.find((m) => m.name === moment.mode);
     root.hidden = !entry || moment.mode === "snow";
     if (root.hidden) return void (this.legendKey = "");
-    const key = `${moment.mode} ${moment.limits}`;
+    const key = `${moment.mode} ${moment.limits} ${scene.materials}`;
     if (key === this.legendKey) return;
     this.legendKey = key;
     root.replaceChildren(make("div", {}, entry.label + (entry.unit && entry.unit !== "1" ? ` [${entry.unit}]` : "")));
-    if (entry.classes) return void root.append(make("div", { class: "ends" }, "one colour for each"));
+    if (entry.classes) return void root.append(...this.names(moment.mode));
     const strip = make("canvas", { width: 220, height: 1 }), context = strip.getContext("2d"), stops = PALETTES[entry.palette];
     const fill = context.createLinearGradient(0, 0, 220, 0);
     stops.forEach((c, i) => fill.addColorStop(i / (stops.length - 1), `rgb(${c})`));

@@ -55,6 +55,8 @@ function short(value) {
 
 function say(text, bad = false, seconds = 6) {
   const words = document.getElementById("words");
+  const last = words.lastElementChild;
+  if (last && last.textContent === text) last.remove();  // said again: it stays longer, and only once
   const line = typeof text === "string" ? make("div", { class: bad ? "bad" : "" }, text) : text;
   words.append(line);
   while (words.children.length > 4) words.firstChild.remove();

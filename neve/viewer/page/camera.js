@@ -1,6 +1,10 @@
 "use strict";
 // The camera: it turns about a target, moves with it, and flies. z is up.
 
+// Ways to look at all of the snow, from the side on which the scene's own camera stands: turned by an angle about
+// the upward axis, so high above the ground [rad], and at so many times the distance that shows the whole.
+const VIEWS = { front: [0, 0.1, 1], side: [Math.PI / 2, 0.1, 1], back: [Math.PI, 0.1, 1], above: [0, 1.5, 1], close: [0.3, 0.35, 0.4] };
+
 class Camera {
   constructor() {
     this.set({ position: [4, -6, 2], target: [0, 0, 0.5], up: [0, 0, 1], fov: 35 });
@@ -16,6 +20,16 @@ class Camera {
     this.elevation = Math.asin(Math.max(-1, Math.min(1, back[2] / this.distance)));
     this.fov = fov;
     this.home = { position, target, fov };
+  }
+
+  // Take one of VIEWS of a ball: its middle and radius.
+  see(name, ball) {
+    const back = V.sub(this.home.position, this.home.target), [turn, rise, distance] = VIEWS[name];
+    this.fov = this.home.fov;
+    this.target = ball.slice(0, 3);
+    this.azimuth = Math.atan2(back[1], back[0]) + turn;
+    this.elevation = rise;
+    this.distance = (distance * ball[3]) / Math.sin((this.fov * Math.PI) / 360);
   }
 
   turn(right, down) {

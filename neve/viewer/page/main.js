@@ -23,6 +23,7 @@ class App {
     });
     this.link = new Link((moment) => this.take(moment), (word) => this.hear(word), (open) => this.line(open));
     this.last = performance.now();
+    this.rest = 0;  // clock from which to draw again
     requestAnimationFrame(() => this.loop());
   }
 
@@ -44,15 +45,16 @@ class App {
   loop() {
     const now = performance.now(), seconds = Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
-    if (this.link.take()) this.dirty = true;
+    if (now >= this.rest && this.link.take()) this.dirty = true;
     if (this.camera.fly(seconds)) this.dirty = true;
     this.tools.tick();
     this.bar.tick();
-    if (this.dirty && this.scene && this.moment) {
+    if (this.dirty && now >= this.rest && this.scene && this.moment) {
       this.dirty = false;
       this.camera.update(this.canvas.width, this.canvas.height, this.covered());
       this.stage.draw(this.camera);
       if (this.selected) this.stage.drawLines(this.camera, this.gizmo.strips());
+      this.rest = performance.now() + 0.5 * this.stage.finish();
       this.bar.drawn.push(now);
       document.body.dataset.drawn = String(Number(document.body.dataset.drawn || 0) + 1);
     }
@@ -131,6 +133,11 @@ class App {
 
   goHome() {
     this.camera.set(this.scene.camera);
+    this.redraw();
+  }
+
+  see(name) {
+    if (this.stage.snow) this.camera.see(name, this.stage.snow.ball);
     this.redraw();
   }
 

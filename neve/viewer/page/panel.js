@@ -2,6 +2,8 @@
 // The panel: built from what the server tells of the scene's fields. It checks nothing by itself: a wrong value
 // comes back with the sentence of the scene model.
 
+const KIND_NAMES = { sources: "snow", colliders: "collider", bodies: "body" };
+
 class Panel {
   constructor(root, app) {
     this.root = root, this.app = app;
@@ -13,7 +15,7 @@ class Panel {
 
   // Build the panel for a scene, or only set the values if the fields are the same.
   show(scene) {
-    const key = JSON.stringify([scene.name, scene.live, scene.panel.map((s) => [s.path, s.title, s.fields.map((f) => f.path)])]);
+    const key = JSON.stringify([scene.name, scene.live, scene.panel.map((s) => [s.path, s.title, s.can, s.fields.map((f) => f.path)])]);
     if (key === this.key) {
       for (const section of scene.panel) for (const field of section.fields) this.setValue(field);
       return;
@@ -24,8 +26,12 @@ class Panel {
     this.root.replaceChildren(
       this.sceneSection(scene), this.lookSection(scene), this.recordSection(scene),
       ...(scene.live ? [this.addSection(scene)] : []),
-      ...scene.panel.map((section) => this.section(section, scene.live)),
     );
+    const made = new Map();
+    for (const section of scene.panel) {  // one that lies in another comes after it
+      made.set(section.path, this.section(section, scene.live));
+      (made.get(section.parent) || this.root).append(made.get(section.path));
+    }
     this.root.scrollTop = top;
   }
 
@@ -49,8 +55,9 @@ class Panel {
       choose.value = scene.name in scene.presets ? scene.name : "";
       content.unshift(this.row("scene", choose));
     }
+    const views = Object.keys(VIEWS).map((name) => button(null, `See the snow: ${name}`, () => this.app.see(name), name));
+    content.push(make("div", { class: "buttons views" }, button("home", "Camera of the scene (h)", () => this.app.goHome()), ...views));
     content.push(make("div", { class: "buttons" },
-      button("home", "Camera of the scene", () => this.app.goHome(), " camera"),
       button(null, "Save the scene as TOML, with this camera", () => this.app.send({ do: "save", camera: this.app.camera.told() }), "save scene"),
     ));
     return this.fold("scene", "scene", ...content);
@@ -82,26 +89,33 @@ class Panel {
   }
 
   addSection(scene) {
-    const buttons = [];
-    for (const kind in scene.addable)
-      for (const shape of scene.addable[kind])
-        buttons.push(button(null, `Add to ${kind} at the middle of the view`, () =>
-          this.app.send({ do: "add", kind, shape, at: this.app.middle() }), `${kind.replace(/s$/, "")}: ${shape}`));
-    return this.fold("add", "add", make("div", { class: "buttons" }, ...buttons));
+    const rows = Object.keys(scene.addable).map((kind) => {
+      const shape = make("select", {}, ...scene.addable[kind].map((name) => make("option", { value: name }, name.replace("mesh:", ""))));
+      shape.setAttribute("aria-label", `shape to add to ${kind}`);
+      const add = button(null, `Add to ${kind}, in the middle of the view`, () =>
+        this.app.send({ do: "add", kind, shape: shape.value, at: this.app.middle() }), "add");
+      add.dataset.add = kind;
+      return this.row(KIND_NAMES[kind] || kind, shape, add);
+    });
+    return this.fold("add", "add", ...rows);
   }
 
   section(section, live) {
     const details = this.fold(section.path, section.title, make("p", { class: "hint" }, section.text),
       ...section.fields.map((field) => this.field(field)));
-    if (live && section.path.includes(".")) {
-      const kill = make("button", { class: "kill", type: "button", title: `Delete ${section.path}` }, "delete");
-      kill.addEventListener("click", (event) => {
+    if (!live) return details;
+    const wishes = { add: { do: "enlarge", path: section.path }, delete: { do: "delete", name: section.path } };
+    if (section.can) {
+      const change = make("button", { class: section.can, type: "button", title: `${section.can} ${section.path}` }, section.can);
+      change.addEventListener("click", (event) => {
         event.preventDefault();
-        this.app.send({ do: "delete", name: section.path });
+        this.open.add(section.path);
+        this.app.send(wishes[section.can]);
       });
-      details.querySelector("summary").append(kill);
-      details.addEventListener("toggle", () => details.open && this.app.select(section.path));
+      details.querySelector("summary").append(change);
     }
+    if (!section.parent && section.path.includes("."))
+      details.addEventListener("toggle", () => details.open && this.app.select(section.path));
     return details;
   }
 
@@ -139,7 +153,7 @@ class Panel {
   // Arrow keys change a number by a tenth of itself, with shift by a hundredth.
   nudge(event, input, field) {
     event.stopPropagation();
-    if (field.control === "text" || (event.key !== "ArrowUp" && event.key !== "ArrowDown")) return;
+    if (field.control === "text" || field.control === "list" || (event.key !== "ArrowUp" && event.key !== "ArrowDown")) return;
     event.preventDefault();
     const now = Number(input.value) || 0, by = event.shiftKey ? 0.01 : 0.1;
     const step = field.whole ? Math.max(1, Math.round(Math.abs(now) * by)) : Math.abs(now) * by || by;
@@ -156,8 +170,10 @@ class Panel {
     if (field.control === "choice") value = inputs[0].value === "" ? null : field.choices[Number(inputs[0].value)];
     else if (field.control === "switch") value = inputs[0].checked;
     else {
-      const numbers = inputs.map((input) => this.number(input.value, field));
-      value = field.control === "vector" ? (numbers.every((n) => n === null) ? null : numbers) : numbers[0];
+      const texts = field.control === "list" ? inputs[0].value.split(/[\s,;]+/).filter(Boolean) : inputs.map((input) => input.value);
+      const numbers = texts.map((text) => this.number(text, field));
+      if (field.control === "list" && numbers.some((n) => typeof n !== "number")) return this.refuse(path, `${path} needs numbers`);
+      value = field.control === "list" ? numbers : field.control === "vector" ? (numbers.every((n) => n === null) ? null : numbers) : numbers[0];
       if (field.control === "vector" && value && value.some((n) => typeof n !== "number"))
         return this.refuse(path, `${path} needs ${field.count} numbers`);
     }
@@ -181,6 +197,7 @@ class Panel {
     if (row.contains(document.activeElement) && document.activeElement.type === "text" && row.classList.contains("wrong")) return;
     if (field.control === "choice") inputs[0].value = value === null ? "" : String(field.choices.indexOf(value));
     else if (field.control === "switch") inputs[0].checked = Boolean(value);
+    else if (field.control === "list") inputs[0].value = (value || []).map((n) => Number(n.toPrecision(7))).join(", ");
     else inputs.forEach((input, i) => {
       const one = field.control === "vector" ? (value === null ? null : value[i]) : value;
       input.value = one === null ? "" : typeof one === "number" ? Number(one.toPrecision(7)) : one;
@@ -199,7 +216,8 @@ class Panel {
 
   // Point at a section, and open it.
   reveal(path) {
-    const details = this.root.querySelector(`details[data-section="${CSS.escape(path)}"]`);
+    const entry = path.split(".").slice(0, 2).join(".");  // a robot's part lies in the robot
+    const details = this.root.querySelector(`details[data-section="${CSS.escape(entry)}"]`);
     if (!details) return;
     details.open = true;
     details.scrollIntoView({ block: "nearest" });

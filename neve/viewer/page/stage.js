@@ -2,11 +2,17 @@
 // The stage: sky, solids and snow in one picture. It knows nothing of where they come from.
 
 const PALETTES = {
-  ice: [[8, 24, 58], [24, 82, 140], [58, 160, 190], [160, 222, 205], [250, 250, 210]],
-  fire: [[20, 16, 46], [96, 26, 94], [190, 54, 68], [246, 132, 42], [252, 236, 150]],
+  ice: [[34, 60, 122], [36, 104, 160], [58, 160, 190], [160, 222, 205], [250, 250, 210]],
+  fire: [[58, 34, 104], [122, 34, 104], [190, 54, 68], [246, 132, 42], [252, 236, 150]],
   swing: [[26, 62, 140], [110, 160, 214], [238, 238, 238], [232, 150, 96], [150, 34, 28]],
   names: [[128, 128, 128], [128, 128, 128]],
 };
+
+// The colour of a name, as the shader `named` has it.
+function nameColor(value) {
+  const turn = ((value * 0.61803399) % 1) * 6.2831853;
+  return value ? [0, 2.1, 4.2].map((phase) => Math.round(255 * (0.42 + 0.34 * Math.cos(turn + phase)))) : [128, 128, 128];
+}
 
 class Stage {
   constructor(canvas) {
@@ -186,6 +192,15 @@ class Stage {
       });
       mesh.draw();
     }, true);
+  }
+
+  // Where the processor draws, wait for the picture and return how long that took [ms]: a page that asks for the
+  // next one at once would have no time left for buttons.
+  finish() {
+    if (!this.software) return 0;
+    const began = performance.now();
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+    return performance.now() - began;
   }
 
   // Draw lines over the picture: [{color, points: [[x, y, z], ...]}], each a strip.
