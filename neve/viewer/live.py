@@ -97,13 +97,14 @@ class Live(Player):
             piece = end - sim.time
         if self._must_wait(sim.time + piece):
             return
-        self._mover.lead(sim, piece)
-        self._hand.act(sim, piece)
         began, start = monotonic(), sim.time
         try:
+            self._mover.lead(sim, piece)
+            self._hand.act(sim, piece)
             sim.advance(piece, lambda: self._look_up(began))
-        except RuntimeError as error:  # snow or a body that has lost its numbers
+        except (RuntimeError, ValueError) as error:  # lost numbers, or a drag that the scene refuses
             self._playing = self._one = False
+            self._mover = Mover()
             self._refuse(str(error))
             self._state_changed()
             return

@@ -208,6 +208,20 @@ def test_colours_have_a_legend_and_solids_a_gizmo(page, live):
     assert live.player.scene.colliders[1].center[2] > 0.35
 
 
+def test_a_table_is_added_and_the_snow_seen_from_above(page, live):
+    """The panel's button makes a keyframe, whose fields appear; a view turns the camera to the snow."""
+    page.locator("[data-section='colliders.1'] > summary").click()
+    page.locator("[data-section='colliders.1.keyframes'] > summary button").click()
+    page.wait_for_selector("[data-path='colliders.1.keyframes.0.t']", state="attached")
+    assert len(live.player.scene.colliders[1].keyframes) == 1
+    page.locator(".views button", has_text="above").click()
+    drawn(page)
+    assert page.evaluate("() => neve.camera.forward[2]") < -0.95
+    x, y, _ = page.evaluate("() => neve.camera.project([0, 0, 0.5])")  # the ball's middle
+    assert abs(x - page.evaluate("() => 0.5 - 0.5 * neve.camera.covered")) < 0.02
+    assert abs(y - 0.5) < 0.02
+
+
 def test_a_run_has_a_timeline(page, recorded):
     """The slider shows another frame of the run."""
     with shown(prepare(str(recorded))) as address:

@@ -304,6 +304,16 @@ def test_a_body_follows_the_pointer_and_the_other_falls_on(tmp_path):
         else:
             raise AssertionError("the body did not come")
         assert other[1] == pytest.approx(page.head["time"], abs=1e-6)
+        for _ in range(200):  # a collider of the scene too, which the engine must then move
+            await page.wish(do="move", name="colliders.1", position=[0.9, 0.4, 0.3])
+            count = len(page.states)
+            await page.until(lambda p, count=count: len(p.states) > count)
+            if abs(page.head["bodies"][1][1] - 0.4) < 0.03:
+                break
+        else:
+            raise AssertionError("the collider did not come")
+        assert page.head["bodies"][3][1] == pytest.approx(page.head["time"], abs=1e-6)
+        assert page.word("refused") is None
 
     converse(prepare(str(path), out=str(tmp_path / "out"), threads=1), talk)
 
