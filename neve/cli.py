@@ -1,4 +1,4 @@
-"""The command line: list, run, view, fragments, bench, validate, stress, info, cite.
+"""The command line: list, run, view, drive, fragments, bench, validate, stress, info, cite.
 
 Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
 (one sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that
@@ -7,7 +7,6 @@ needs it, so that `neve --help` is instant.
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 import sys
@@ -18,52 +17,13 @@ from typing import Any
 
 import click
 
-# Errors whose text is a sentence for the user, by module, so that asking for them imports nothing.
-USER_ERRORS = (
-    ("neve.scene.errors", "SceneError"),
-    ("neve.io.errors", "RunError"),
-    ("neve.look.film", "FilmError"),
-    ("neve.mpm.blowup", "Blowup"),
-    ("neve.viewer.show", "ViewError"),
-)
-
-
-class Commands(click.Group):
-    """A group whose complaint about a command names the nearest one."""
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that the first argument names."""
-        name = args[0]
-        if not name.startswith("-") and self.get_command(ctx, name) is None:
-            near = difflib.get_close_matches(name, self.commands, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"the commands are {', '.join(self.commands)}"
-            raise click.UsageError(f"there is no command {name} ({hint})", ctx)
-        return super().resolve_command(ctx, args)
-
-
-def _whole(ctx: click.Context, param: click.Parameter, value: str | None) -> int | None:
-    """Read a whole number of 1 or more."""
-    if value is None:
-        return None
-    if not (value.isascii() and value.isdigit() and len(value) < 20 and int(value) >= 1):
-        raise click.BadParameter(f"{value} is not a whole number of 1 or more", ctx, param)
-    return int(value)
-
-
-def _threads(ctx: click.Context, param: click.Parameter, value: str | None) -> int | None:
-    """Read a number of threads that the system can start."""
-    threads, most = _whole(ctx, param, value), 4 * (os.cpu_count() or 1)
-    if threads is not None and threads > most:
-        raise click.BadParameter(
-            f"{threads} is more than {most}, four threads for each processor", ctx, param
-        )
-    return threads
+from neve.console import Commands, thread_count, usage, user_error, whole_number
 
 
 @click.group(
-    cls=Commands, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]}
+    cls=Commands,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 @click.option("--version", is_flag=True, help="Show the version and exit.")
 @click.pass_context
@@ -103,8 +63,8 @@ def list_scenes(snow: bool, as_json: bool) -> None:
 @click.argument("scene")
 @click.option("--out", metavar="DIR", help="Run folder; runs/NAME by default.")
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
-@click.option("--frames", metavar="N", callback=_whole, help="Stop after frame N.")
-@click.option("--threads", metavar="N", callback=_threads, help="Number of threads; all by default.")
+@click.option("--frames", metavar="N", callback=whole_number, help="Stop after frame N.")
+@click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; all by default.")
 @click.option("--resume", is_flag=True, help="Go on in the run from its checkpoint.")
 @click.option("--force", is_flag=True, help="Replace the run that lies in the folder.")
 @click.option("--quiet", is_flag=True, help="Hide the progress; warnings and errors are still told.")
@@ -191,7 +151,7 @@ def _is_folder(path: Path) -> bool:
     "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
 )
 @click.option("--port", type=click.IntRange(0, 65535), help="Port; the first free one from 8420 by default.")
-@click.option("--threads", metavar="N", callback=_threads, help="Number of threads; all by default.")
+@click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; all by default.")
 @click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
 @click.option("--replay", metavar="FILE", help="Show nothing; write a page that plays the RUN by itself.")
 def view(
@@ -218,11 +178,24 @@ def view(
 
 
 @cli.command()
+@click.option(
+    "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
+)
+@click.option("--port", type=click.IntRange(0, 65535), help="Port; the first free one from 8440 by default.")
+@click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
+def drive(host: str, port: int | None, browse: bool) -> None:
+    """Drive a car on game snow in the browser: fast, pretty and not physical."""
+    from neve.drive import drive as serve
+
+    serve(host, port, browse, click.echo)
+
+
+@cli.command()
 @click.argument("run", metavar="RUN")
 @click.option("--out", metavar="FILE", help="Table to write; RUN/fragments.csv by default.")
 @click.option("--link", type=float, metavar="L", help="Link length in particle spacings.")
 @click.option("--torn", type=float, metavar="J", help="J_P above which snow is torn open and holds nothing.")
-@click.option("--least", metavar="N", callback=_whole, help="Fewer particles than N are powder.")
+@click.option("--least", metavar="N", callback=whole_number, help="Fewer particles than N are powder.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def fragments(
     run: str, out: str | None, link: float | None, torn: float | None, least: int | None, as_json: bool
@@ -270,7 +243,10 @@ def bench(cases: tuple[str, ...], as_json: bool) -> None:
     "--json", "as_json", is_flag=True, help="Print JSON; then the report is written only with --out."
 )
 @click.option(
-    "--threads", metavar="N", callback=_threads, help="Cases to run at once; all processors by default."
+    "--threads",
+    metavar="N",
+    callback=thread_count,
+    help="Cases to run at once; all processors by default.",
 )
 def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: int | None) -> int:
     """Run experiments whose answers are known and write a report. Exit code 1 when one fails."""
@@ -281,11 +257,11 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
 
 @cli.command()
 @click.option(
-    "--scenes", metavar="N", default="200", callback=_whole, help="How many scenes; 200 by default."
+    "--scenes", metavar="N", default="200", callback=whole_number, help="How many scenes; 200 by default."
 )
 @click.option("--seed", type=click.IntRange(0), default=0, help="Seed of the campaign; 0 by default.")
 @click.option("--only", type=click.IntRange(0), help="Run only the scene of this number.")
-@click.option("--threads", metavar="N", callback=_threads, help="Number of threads; one by default.")
+@click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; one by default.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def stress(scenes: int, seed: int, only: int | None, threads: int | None, as_json: bool) -> None:
     """Try to break the step with random scenes: any law, parameters over their ranges, impacts, presses.
@@ -344,10 +320,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _complain(str(cause) if cause is not None and str(cause) else "stopped")
         sys.exit(130)
     except click.ClickException as error:
-        _complain(_usage(error))
+        _complain(usage(error))
         sys.exit(2)
     except (MemoryError, OSError, RuntimeError, ValueError) as error:
-        sentence = _user_error(error)
+        sentence = user_error(error)
         if sentence is None:
             raise
         _complain(sentence)
@@ -357,41 +333,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _complain(sentence: str) -> None:
     click.echo(f"neve: {' '.join(sentence.split())}", err=True)
-
-
-def _user_error(error: Exception) -> str | None:
-    """Return the sentence for an error that the user can mend, None for a mistake in Neve."""
-    if isinstance(error, MemoryError):
-        return "this needs more memory than the machine has: choose a larger numerics.dx or less snow."
-    for module, name in USER_ERRORS:
-        known = getattr(sys.modules.get(module), name, None)
-        if known is not None and isinstance(error, known):
-            return str(error)
-    if isinstance(error, OSError):  # the last net: whoever touches files says more
-        from neve.io.errors import reason
-
-        return f"{error.filename}: {reason(error)}." if error.filename else f"{reason(error)}."
-    return None
-
-
-def _usage(error: click.ClickException) -> str:
-    """Put click's complaint into one sentence with the nearest right spelling."""
-    if isinstance(error, click.NoSuchOption):
-        parameters = error.ctx.command.params if error.ctx else []
-        known = [name for parameter in parameters for name in parameter.opts if name.startswith("--")]
-        near = difflib.get_close_matches(error.option_name, known, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"the options are {', '.join(known)}"
-        return f"there is no option {error.option_name} ({hint})"
-    if isinstance(error, click.MissingParameter) and error.param is not None:
-        return f"{(error.param.name or '').upper()} is missing: see {_command(error)} --help"
-    if isinstance(error, click.BadParameter) and error.param is not None:
-        return f"{error.param.opts[0]}: {error.message}"
-    message = error.format_message().rstrip(".")
-    return message[:1].lower() + message[1:] if message[:1].isupper() and message[1:2].islower() else message
-
-
-def _command(error: click.UsageError) -> str:
-    return error.ctx.command_path if error.ctx else "neve"
 
 
 if __name__ == "__main__":

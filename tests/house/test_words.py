@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SKIPPED = {".git", "build", "dist", "runs", "__pycache__", ".venv"}
-TEXT = {".py", ".hpp", ".cpp", ".toml", ".md", ".txt", ".cff", ".csv", ".cmake", ".bib", ""}
+SKIPPED = {".git", "build", "dist", "runs", "__pycache__", ".venv", "node_modules"}
+CODE = {".py", ".hpp", ".cpp", ".js", ".ts", ".html", ".css", ".cmake"}
+TEXT = {".toml", ".md", ".txt", ".cff", ".csv", ".bib", ""} | CODE
 PLACES = re.compile(
     r"(?<![\w.])/(?:home|root|Users|work|opt|tmp|mnt|scratch)/|[A-Z]:\\Users|index-url|localhost:"
 )
@@ -20,7 +21,8 @@ def texts():
     for path in sorted(ROOT.rglob("*")):
         parts = path.relative_to(ROOT).parts
         hidden = any(part.startswith(".") and part != ".ci" for part in parts[:-1])
-        built = SKIPPED & set(parts) or parts[0].startswith("build-")
+        made = parts[0].startswith("build-") or parts[:3] == ("neve", "drive", "page")
+        built = made or SKIPPED & set(parts)
         if path.is_file() and path.suffix in TEXT and not hidden and not built:
             yield path
 

@@ -12,7 +12,7 @@ import click
 import pytest
 
 import neve
-from neve import cli
+from neve import console
 from neve.cli import main
 from neve.scene.load import presets
 from neve.scene.snows import SNOWS
@@ -354,5 +354,5 @@ def test_command_line_loads_little():
 
 def test_user_errors_are_where_they_are_said_to_be():
     """The names of the errors that become sentences exist."""
-    for module, name in cli.USER_ERRORS:
+    for module, name in console.USER_ERRORS:
         assert issubclass(getattr(__import__(module, fromlist=[name]), name), Exception)

@@ -1,0 +1,86 @@
+"""What all commands share: how their arguments are read, and how a mistake becomes one sentence."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import sys
+
+import click
+
+# Errors whose text is a sentence for the user, by module, so that asking for them imports nothing.
+USER_ERRORS = (
+    ("neve.scene.errors", "SceneError"),
+    ("neve.io.errors", "RunError"),
+    ("neve.look.film", "FilmError"),
+    ("neve.mpm.blowup", "Blowup"),
+    ("neve.viewer.show", "ViewError"),
+    ("neve.drive.serve", "DriveError"),
+)
+
+
+class Commands(click.Group):
+    """A group whose complaint about a command names the nearest one."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that the first argument names."""
+        name = args[0]
+        if not name.startswith("-") and self.get_command(ctx, name) is None:
+            near = difflib.get_close_matches(name, self.commands, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"the commands are {', '.join(self.commands)}"
+            raise click.UsageError(f"there is no command {name} ({hint})", ctx)
+        return super().resolve_command(ctx, args)
+
+
+def whole_number(ctx: click.Context, param: click.Parameter, value: str | None) -> int | None:
+    """Read a whole number of 1 or more."""
+    if value is None:
+        return None
+    if not (value.isascii() and value.isdigit() and len(value) < 20 and int(value) >= 1):
+        raise click.BadParameter(f"{value} is not a whole number of 1 or more", ctx, param)
+    return int(value)
+
+
+def thread_count(ctx: click.Context, param: click.Parameter, value: str | None) -> int | None:
+    """Read a number of threads that the system can start."""
+    number, most = whole_number(ctx, param, value), 4 * (os.cpu_count() or 1)
+    if number is not None and number > most:
+        raise click.BadParameter(f"{number} is more than {most}, four threads for each processor", ctx, param)
+    return number
+
+
+def user_error(error: Exception) -> str | None:
+    """Return the sentence for an error that the user can mend, None for a mistake in Neve."""
+    if isinstance(error, MemoryError):
+        return "this needs more memory than the machine has: choose a larger numerics.dx or less snow."
+    for module, name in USER_ERRORS:
+        known = getattr(sys.modules.get(module), name, None)
+        if known is not None and isinstance(error, known):
+            return str(error)
+    if isinstance(error, OSError):  # the last net: whoever touches files says more
+        from neve.io.errors import reason
+
+        return f"{error.filename}: {reason(error)}." if error.filename else f"{reason(error)}."
+    return None
+
+
+def usage(error: click.ClickException) -> str:
+    """Put click's complaint into one sentence with the nearest right spelling."""
+    if isinstance(error, click.NoSuchOption):
+        parameters = error.ctx.command.params if error.ctx else []
+        known = [name for parameter in parameters for name in parameter.opts if name.startswith("--")]
+        near = difflib.get_close_matches(error.option_name, known, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"the options are {', '.join(known)}"
+        return f"there is no option {error.option_name} ({hint})"
+    if isinstance(error, click.MissingParameter) and error.param is not None:
+        return f"{(error.param.name or '').upper()} is missing: see {_command(error)} --help"
+    if isinstance(error, click.BadParameter) and error.param is not None:
+        return f"{error.param.opts[0]}: {error.message}"
+    message = error.format_message().rstrip(".")
+    return message[:1].lower() + message[1:] if message[:1].isupper() and message[1:2].islower() else message
+
+
+def _command(error: click.UsageError) -> str:
+    return error.ctx.command_path if error.ctx else "neve"

@@ -1,0 +1,131 @@
+"""`neve drive`: serve the built page of `web/drive`, read only.
+
+The page computes everything in the browser; a server is needed only because browsers load modules over HTTP
+alone. Any server of files, without Neve, does as well.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import http.server
+import socket
+import webbrowser
+from collections.abc import Callable, Iterator
+from http import HTTPStatus
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+PAGE = Path(__file__).parent / "page"
+PORT = 8440
+TRIES = 20
+"""Ports after the first that are tried when it is taken, unless one was asked for."""
+
+HOW_TO_BUILD = "npm ci && npm run build in web/drive of the source builds it (Node 20.19 or newer)"
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".wasm": "application/wasm",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".jpg": "image/jpeg",
+}
+
+
+class DriveError(RuntimeError):
+    """One sentence for the user: why the page cannot be served."""
+
+
+def drive(
+    host: str = "127.0.0.1",
+    port: int | None = None,
+    browse: bool = False,
+    tell: Callable[[str], None] = print,
+) -> None:
+    """Serve the page until Ctrl-C. browse: open it here. Errors: DriveError, one sentence."""
+    with listening(host, port) as server:
+        place, actual = server.server_address[:2]
+        shown = f"[{host}]" if ":" in host else host
+        tell(f"http://{shown}:{actual} is the car on snow; Ctrl-C ends.")
+        if place not in ("127.0.0.1", "::1"):
+            tell(f"warning: {host} can be reached from other machines; they can read the page, nothing else.")
+        if browse:
+            webbrowser.open(f"http://{shown}:{actual}")
+        server.serve_forever()
+
+
+@contextlib.contextmanager
+def listening(host: str, port: int | None, page: Path = PAGE) -> Iterator[http.server.ThreadingHTTPServer]:
+    """Open the server of a built page, not yet answering. Errors: DriveError."""
+    files = {f"/{path.relative_to(page).as_posix()}": path for path in page.rglob("*") if path.is_file()}
+    if "/index.html" not in files:
+        raise DriveError(f"this copy of Neve does not carry the page of neve drive: {HOW_TO_BUILD}.")
+    files["/"] = files["/index.html"]
+    handler = functools.partial(_Handler, files)
+    first = PORT if port is None else port
+    for number in range(first, first + (TRIES if port is None else 1)):
+        try:
+            server = _Server6((host, number), handler) if ":" in host else _Server((host, number), handler)
+        except OSError as error:
+            if number == first + TRIES - 1 or port is not None:
+                raise DriveError(
+                    f"port {number} of {host} cannot be used: {error.strerror or error}; choose another."
+                ) from error
+            continue
+        with server:
+            yield server
+        return
+
+
+class _Server(http.server.ThreadingHTTPServer):
+    daemon_threads = True
+    allow_reuse_address = True
+
+
+class _Server6(_Server):
+    address_family = socket.AF_INET6
+
+
+class _Handler(http.server.BaseHTTPRequestHandler):
+    """Answers GET and HEAD for the files of a list, nothing else."""
+
+    protocol_version = "HTTP/1.1"
+    timeout = 60  # [s] that a silent connection is kept
+
+    def __init__(self, files: dict[str, Path], *args: object) -> None:
+        self.files = files
+        super().__init__(*args)  # type: ignore[arg-type]
+
+    def do_GET(self) -> None:
+        """Send a file with its content."""
+        self._answer(with_body=True)
+
+    def do_HEAD(self) -> None:
+        """Send what would come before the content."""
+        self._answer(with_body=False)
+
+    def _answer(self, with_body: bool) -> None:
+        path = self.files.get(unquote(urlsplit(self.path).path))
+        if path is None:
+            body, kind, status = (
+                b"There is no such file.\n",
+                "text/plain; charset=utf-8",
+                HTTPStatus.NOT_FOUND,
+            )
+        else:
+            body, status = path.read_bytes(), HTTPStatus.OK
+            kind = TYPES.get(path.suffix, "application/octet-stream")
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
+        self.send_header("Cache-Control", "no-cache")
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("Referrer-Policy", "no-referrer")
+        self.end_headers()
+        if with_body:
+            with contextlib.suppress(ConnectionError):
+                self.wfile.write(body)
+
+    def log_message(self, format: str, *args: object) -> None:
+        """Say nothing: a line for each file is noise."""

@@ -1,0 +1,126 @@
+"""`neve drive`: it serves the files of the built page and nothing else."""
+
+import http.client
+import socket
+import threading
+
+import pytest
+
+from neve.cli import main
+from neve.drive import DriveError, serve
+
+
+@pytest.fixture
+def page(tmp_path):
+    """A page of two files, beside one that is nobody's business."""
+    folder = tmp_path / "page"
+    (folder / "assets").mkdir(parents=True)
+    (folder / "index.html").write_text("<title>snow</title>", encoding="utf-8")
+    (folder / "assets/main.js").write_bytes(b"export {};\n")
+    (tmp_path / "secret.txt").write_text("secret", encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def ask(page):
+    """Send one request to a server of the page; return status, headers and body."""
+    with serve.listening("127.0.0.1", 0, page) as server:
+        thread = threading.Thread(target=server.serve_forever, daemon=True)
+        thread.start()
+
+        def request(method, target):
+            line = http.client.HTTPConnection(*server.server_address[:2], timeout=30)
+            line.putrequest(method, target, skip_accept_encoding=True)
+            line.endheaders()
+            answer = line.getresponse()
+            found = answer.status, dict(answer.getheaders()), answer.read()
+            line.close()
+            return found
+
+        yield request
+        server.shutdown()
+        thread.join(30)
+
+
+@pytest.mark.parametrize(
+    ("target", "kind", "body"),
+    [
+        ("/", "text/html; charset=utf-8", b"<title>snow</title>"),
+        ("/index.html?depth=0.5#x", "text/html; charset=utf-8", b"<title>snow</title>"),
+        ("/assets/main.js", "text/javascript; charset=utf-8", b"export {};\n"),
+    ],
+)
+def test_files_of_the_page_are_served(ask, target, kind, body):
+    """Each has its content type; a query or an anchor changes nothing."""
+    status, headers, got = ask("GET", target)
+    assert (status, headers["Content-Type"], got) == (200, kind, body)
+    status, headers, got = ask("HEAD", target)
+    assert (status, headers["Content-Length"], got) == (200, str(len(body)), b"")
+
+
+@pytest.mark.parametrize(
+    "target", ["/secret.txt", "/../secret.txt", "/%2e%2e/secret.txt", "//secret.txt", "/assets", "/assets/"]
+)
+def test_nothing_else_is_served(ask, target):
+    """No path leads out of the list of files."""
+    status, _, body = ask("GET", target)
+    assert status == 404
+    assert b"secret" not in body
+
+
+def test_other_methods_are_refused(ask):
+    """The server only reads."""
+    assert ask("DELETE", "/index.html")[0] == 501
+
+
+def test_missing_page_is_told(tmp_path):
+    """A copy of Neve without the page says how to build it."""
+    with (
+        pytest.raises(DriveError, match=r"does not carry the page .*npm ci"),
+        serve.listening("127.0.0.1", 0, tmp_path),
+    ):
+        pass
+
+
+def test_taken_port_is_told(page):
+    """A port that was asked for and is taken is one sentence."""
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        with (
+            pytest.raises(DriveError, match=f"port {port} of 127.0.0.1 cannot be used"),
+            serve.listening("127.0.0.1", port, page),
+        ):
+            pass
+
+
+def test_next_free_port_is_taken(page):
+    """Without a wish, the first free port from the usual one is used."""
+    with serve.listening("127.0.0.1", None, page) as one, serve.listening("127.0.0.1", None, page) as two:
+        assert serve.PORT <= one.server_address[1] < two.server_address[1] < serve.PORT + serve.TRIES
+
+
+def test_command_without_page_fails_with_one_sentence(monkeypatch, tmp_path, capsys):
+    """Exit code 2, one line."""
+    monkeypatch.setattr(serve.listening.__wrapped__, "__defaults__", (tmp_path,))
+    with pytest.raises(SystemExit) as stop:
+        main(["drive"])
+    assert stop.value.code == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.count("\n") == 1
+
+
+def test_ctrl_c_ends_it(monkeypatch, page, capsys):
+    """The address is told; Ctrl-C ends with code 130."""
+
+    def stop(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(serve.listening.__wrapped__, "__defaults__", (page,))
+    monkeypatch.setattr(serve._Server, "serve_forever", stop)
+    with pytest.raises(SystemExit) as end:
+        main(["drive", "--host", "127.0.0.1"])
+    assert end.value.code == 130
+    assert capsys.readouterr().out.startswith("http://127.0.0.1:84")
