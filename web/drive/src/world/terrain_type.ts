@@ -1,0 +1,11 @@
+/** What the ground is at a place: the interface between terrain, car, snow and look. x east, y up, z south [m]. */
+export interface Terrain {
+  /** Height of the ground below the snow [m]. */
+  height(x: number, z: number): number;
+  /** Gradient of that height: [dh/dx, dh/dz]. */
+  slope(x: number, z: number): [number, number];
+  /** Depth of fresh snow as a factor of the depth in the settings, 0 (bare: steep, wind-swept) to about 1.5. */
+  cover(x: number, z: number): number;
+  /** Shares of the snow types [powder, packed, ice], each 0..1, sum 1. */
+  kinds(x: number, z: number): [number, number, number];
+}

@@ -1,0 +1,9 @@
+import { defineConfig } from "vitest/config";
+
+// The built page goes into the Python package, from where `neve drive` serves it. Paths are relative, so that any
+// folder of any server (or a docs site) can carry it.
+export default defineConfig({
+  base: "./",
+  build: { outDir: "../../neve/drive/page", emptyOutDir: true, chunkSizeWarningLimit: 3000 },
+  test: { include: ["tests/**/*.test.ts"], testTimeout: 120_000, hookTimeout: 120_000, fileParallelism: false },
+});
