@@ -30,8 +30,20 @@ const quantity = (
 
 export const QUANTITIES = {
   depth: quantity("snow", 0.45, [0.05, 1.2, 0.01], "m", "depth of fresh snow"),
-  compaction: quantity("snow", 0.7, [0.2, 1, 0.01], "", "share of what is pressed that is compacted; the rest goes to the rims"),
-  rimShare: quantity("snow", 0.75, [0, 1, 0.01], "", "share of the rims beside the wheel; the rest lies behind it"),
+  compaction: quantity(
+    "snow",
+    0.7,
+    [0.2, 1, 0.01],
+    "",
+    "share of what is pressed that is compacted; the rest goes to the rims",
+  ),
+  rimShare: quantity(
+    "snow",
+    0.75,
+    [0, 1, 0.01],
+    "",
+    "share of the rims beside the wheel; the rest lies behind it",
+  ),
   repose: quantity("snow", 42, [20, 70, 1], "°", "angle of repose, above which slopes of snow slide"),
   recovery: quantity("snow", 600, [5, 3600, 5], "s", "time constant by which tracks fade"),
   snowfall: quantity("weather", 0.0, [0, 200, 1], "mm/min", "rate at which falling snow refills tracks"),
@@ -47,9 +59,19 @@ export const QUANTITIES = {
 } as const satisfies Record<string, Quantity>;
 
 export const CHOICES = {
-  type: { group: "snow", value: "map", among: ["map", "powder", "packed", "ice"], meaning: "type of snow: by the map, or the same everywhere" },
+  type: {
+    group: "snow",
+    value: "map",
+    among: ["map", "powder", "packed", "ice"],
+    meaning: "type of snow: by the map, or the same everywhere",
+  },
   drive: { group: "car", value: "all", among: ["all", "front", "rear"], meaning: "driven wheels" },
-  resolution: { group: "picture", value: "1024", among: ["256", "512", "1024", "2048"], meaning: "texels along a side of the snow window" },
+  resolution: {
+    group: "picture",
+    value: "1024",
+    among: ["256", "512", "1024", "2048"],
+    meaning: "texels along a side of the snow window",
+  },
 } as const satisfies Record<string, Choice>;
 
 export type QuantityName = keyof typeof QUANTITIES;

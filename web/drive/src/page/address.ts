@@ -1,0 +1,50 @@
+import { CHOICES, QUANTITIES, defaults } from "../settings";
+import type { ChoiceName, QuantityName, Settings } from "../settings";
+
+/**
+ * The settings in an address: what differs from the defaults, as `#depth=0.6&type=powder`.
+ * What an address holds is checked: an unknown name, a word that is no number or a value out of range is left out
+ * and told in one sentence each.
+ */
+export interface Read {
+  readonly settings: Settings;
+  readonly complaints: readonly string[];
+}
+
+/** Read settings from the part of an address after `#`. */
+export function readAddress(hash: string): Read {
+  const settings: Record<string, number | string> = defaults();
+  const complaints: string[] = [];
+  for (const [name, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
+    const complaint = take(settings, name, text);
+    if (complaint) complaints.push(complaint);
+  }
+  return { settings: settings as Settings, complaints };
+}
+
+/** Write settings into the part of an address after `#`: empty if nothing differs from the defaults. */
+export function writeAddress(settings: Settings): string {
+  const usual = defaults();
+  const names = [...Object.keys(QUANTITIES), ...Object.keys(CHOICES)] as (QuantityName | ChoiceName)[];
+  const changed = names.filter((name) => settings[name] !== usual[name]);
+  return changed.map((name) => `${name}=${encodeURIComponent(settings[name])}`).join("&");
+}
+
+function take(settings: Record<string, number | string>, name: string, text: string): string | undefined {
+  if (Object.hasOwn(QUANTITIES, name)) {
+    const { min, max, unit } = QUANTITIES[name as QuantityName];
+    const value = text.trim() === "" ? Number.NaN : Number(text);
+    if (!(value >= min && value <= max)) {
+      return `${name}: ${text || "nothing"} is not a number from ${min} to ${max}${unit && ` ${unit}`}.`;
+    }
+    settings[name] = value;
+  } else if (Object.hasOwn(CHOICES, name)) {
+    const { among } = CHOICES[name as ChoiceName];
+    if (!(among as readonly string[]).includes(text))
+      return `${name}: ${text || "nothing"} is not one of ${among.join(", ")}.`;
+    settings[name] = text;
+  } else {
+    return `There is no setting ${name}.`;
+  }
+  return undefined;
+}
