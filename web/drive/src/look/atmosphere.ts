@@ -1,6 +1,6 @@
 /**
  * What all that is seen shares: the colours of the hour, haze that lies in the valleys, shadows of the mountains, and
- * the sun's two shadow maps (a fine one about the car, a coarse one about that).
+ * the sun's two shadow maps (a fine one of the car, a coarse one of what stands about).
  */
 import { Color, ShaderChunk, Vector3 } from "three";
 import type { IUniform, Material, WebGLProgramParametersWithUniforms } from "three";
@@ -13,6 +13,10 @@ uniform vec3 lightColour;
 uniform vec3 skyZenith;
 uniform vec3 skyHorizon;
 uniform vec3 skyGlow;
+uniform vec3 skyLight;
+uniform vec3 lampPlace;
+uniform vec3 lampDirection;
+uniform vec3 lampColour;
 uniform vec3 hazeShape; // extinction [1/m] at the base, height of the base [m], height over which it falls by e [m]
 
 vec3 skyColour(vec3 d) {
@@ -22,6 +26,17 @@ vec3 skyColour(vec3 d) {
   float band = exp(-5.0 * up);
   c += skyGlow * (0.34 * pow(toLight, 6.0) * band + 0.26 * pow(toLight, 40.0) + 0.3 * pow(toLight, 400.0));
   return c;
+}
+
+// Light on small things in the air (flakes, spray), which throw it forward: sun or moon, sky, headlamps.
+vec3 lightInAir(vec3 place, vec3 eye, float shade) {
+  vec3 d = normalize(place - eye);
+  float toLight = dot(d, lightDirection);
+  vec3 fromLamp = place - lampPlace;
+  float away = max(length(fromLamp), 0.3);
+  float cone = smoothstep(0.8, 0.97, dot(fromLamp / away, lampDirection));
+  vec3 c = skyLight * 0.3 + lightColour * shade * (0.12 + 0.1 * toLight * toLight + 0.34 * pow(max(toLight, 0.0), 8.0));
+  return c + lampColour * cone * 0.3 / (1.0 + 0.03 * away * away);
 }
 
 vec3 haze(vec3 colour, vec3 place, vec3 eye) {
@@ -67,13 +82,13 @@ function sunlit(): string {
     getDirectionalLightInfo(directionalLights[0], directLight);
     float sunVisible = vHillLight;
     #if defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 1
-      vec2 fromMiddle = abs(vDirectionalShadowCoord[0].xy - 0.5);
-      float fine = 1.0 - smoothstep(0.42, 0.49, max(fromMiddle.x, fromMiddle.y));
-      float fall = 1.0;
-      if (fine > 0.0) fall = getShadow(directionalShadowMap[0], directionalLightShadows[0].shadowMapSize, 1.0,
+      // The car is in the fine map alone, woods and rocks in the coarse one.
+      float fall = getShadow(directionalShadowMap[0], directionalLightShadows[0].shadowMapSize, 1.0,
         directionalLightShadows[0].shadowBias, directionalLightShadows[0].shadowRadius, vDirectionalShadowCoord[0]);
-      if (fine < 1.0) fall = mix(getShadow(directionalShadowMap[1], directionalLightShadows[1].shadowMapSize, 1.0,
-        directionalLightShadows[1].shadowBias, directionalLightShadows[1].shadowRadius, vDirectionalShadowCoord[1]), fall, fine);
+      vec2 edge = abs(vDirectionalShadowCoord[1].xy - 0.5);
+      fall *= mix(getShadow(directionalShadowMap[1], directionalLightShadows[1].shadowMapSize, 1.0,
+        directionalLightShadows[1].shadowBias, directionalLightShadows[1].shadowRadius, vDirectionalShadowCoord[1]),
+        1.0, smoothstep(0.42, 0.5, max(edge.x, edge.y)));
       if (receiveShadow) sunVisible *= fall;
     #endif
     SUN_HOOK
@@ -108,6 +123,10 @@ export class Atmosphere {
     skyZenith: { value: new Color() },
     skyHorizon: { value: new Color() },
     skyGlow: { value: new Color() },
+    skyLight: { value: new Color() },
+    lampPlace: { value: new Vector3() },
+    lampDirection: { value: new Vector3(1, 0, 0) },
+    lampColour: { value: new Color(0) },
     hazeShape: { value: new Vector3(1e-4, 0, 40) },
   };
   /** `vec3 skyColour(vec3 direction)`, `vec3 haze(vec3 colour, vec3 place, vec3 eye)`. */
@@ -132,6 +151,7 @@ export class Atmosphere {
     u.skyZenith.value.setRGB(...light.zenith);
     u.skyHorizon.value.setRGB(...light.horizon);
     u.skyGlow.value.setRGB(...light.glow);
+    u.skyLight.value.setRGB(...light.sky);
     // In fog the sky overhead is fog too.
     const thick = Math.max(0, fog - 0.45) / 0.55;
     u.skyZenith.value.lerp(u.skyHorizon.value, 0.9 * thick);

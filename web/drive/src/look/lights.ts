@@ -1,5 +1,6 @@
 /** Sun or moon with two shadow maps about the car, and the light of sky and snow. */
 import { DirectionalLight, Group, HemisphereLight, Vector3 } from "three";
+import type { Light, Object3D } from "three";
 import type { Daylight } from "./daylight";
 
 /** Half widths of what the two shadow maps see [m], and their texels along a side. */
@@ -8,6 +9,12 @@ const COARSE = { reach: 170, size: 2048 };
 
 /** Bytes of the shadow maps: 32 bits of depth. */
 export const SHADOW_BYTES = 4 * (FINE.size ** 2 + COARSE.size ** 2);
+
+/** Who throws shadows into which map: the car into the fine one, which is drawn every time, the rest into the coarse. */
+export interface Casters {
+  readonly fine: readonly Object3D[];
+  readonly coarse: readonly Object3D[];
+}
 
 export class Lights {
   readonly group = new Group();
@@ -18,7 +25,7 @@ export class Lights {
   private readonly middle = new Vector3(Infinity, 0, 0);
   private readonly drawn = new Vector3(0, 1, 0);
 
-  constructor() {
+  constructor(casters: Casters) {
     for (const [light, { reach, size }] of [
       [this.sun, FINE],
       [this.far, COARSE],
@@ -35,6 +42,8 @@ export class Lights {
     }
     this.sun.shadow.radius = 2;
     this.far.shadow.radius = 2;
+    only(this.sun, casters.fine, casters.coarse);
+    only(this.far, casters.coarse, casters.fine);
     this.far.shadow.autoUpdate = false;
     this.group.add(this.sky);
   }
@@ -60,8 +69,8 @@ export class Lights {
     this.far.shadow.needsUpdate = true;
   }
 
-  /** After a lost context: draw both maps anew. */
-  restore(): void {
+  /** Draw the coarse map anew with the next picture. */
+  refresh(): void {
     this.middle.set(Infinity, 0, 0);
   }
 
@@ -88,4 +97,18 @@ function snapped(focus: Vector3, direction: Vector3, texel: number): Vector3 {
   const at = direction.clone().multiplyScalar(focus.dot(direction));
   for (const axis of [side, up]) at.addScaledVector(axis, Math.round(focus.dot(axis) / texel) * texel);
   return at;
+}
+
+/**
+ * Let only `these` throw shadows into the map of `light`, not `others`. three asks a shadow for its matrices right
+ * before it draws the map, and has no other way to choose what a light sees.
+ */
+function only(light: DirectionalLight, these: readonly Object3D[], others: readonly Object3D[]): void {
+  const { shadow } = light;
+  const update = shadow.updateMatrices.bind(shadow);
+  shadow.updateMatrices = (of: Light) => {
+    for (const object of these) object.castShadow = true;
+    for (const object of others) object.castShadow = false;
+    update(of as DirectionalLight);
+  };
 }

@@ -59,3 +59,6 @@ export function noiseTexture(size = 256): DataTexture {
   texture.needsUpdate = true;
   return texture;
 }
+
+/** Bytes of the noise with its smaller copies. */
+export const NOISE_BYTES = Math.round((4 / 3) * 4 * 256 ** 2);

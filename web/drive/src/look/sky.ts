@@ -9,6 +9,7 @@ uniform sampler2D noiseMap;
 uniform float stars;
 uniform float time;
 uniform float veil;
+uniform float snowBelow;
 
 float starAt(vec3 d) {
   // Cells on the faces of a cube; one star in some of them.
@@ -34,6 +35,8 @@ void main() {
   float disc = smoothstep(0.99985, 0.99994, toLight) * step(-0.03, d.y);
   c += lightColour * disc * mix(6.0, 2.5, stars) * (1.0 - 0.85 * veil);
   c += vec3(0.85, 0.92, 1.0) * starAt(d) * stars * smoothstep(0.0, 0.2, up) * (1.0 - cloud) * (1.0 - veil) * 1.6;
+  // What the paint of the car mirrors below the horizon: snow under the same sky.
+  c = mix(c, (skyLight + lightColour * max(lightDirection.y, 0.0)) * 0.27, snowBelow * smoothstep(0.01, -0.06, d.y));
   gl_FragColor = vec4(c, 1.0);
   #include <tonemapping_fragment>
   #include <colorspace_fragment>
@@ -43,7 +46,7 @@ void main() {
 export class Sky {
   readonly mesh: Mesh<SphereGeometry, ShaderMaterial>;
 
-  constructor(air: Atmosphere, noise: Texture) {
+  constructor(air: Atmosphere, noise: Texture, snowBelow = 0) {
     const material = new ShaderMaterial({
       uniforms: {
         ...air.uniforms,
@@ -51,6 +54,7 @@ export class Sky {
         stars: { value: 0 },
         time: { value: 0 },
         veil: { value: 0 },
+        snowBelow: { value: snowBelow },
       },
       vertexShader: /* glsl */ `
         varying vec3 vDirection;

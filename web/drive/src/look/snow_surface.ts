@@ -20,7 +20,7 @@ export interface RingSize {
   readonly cell: number;
 }
 
-export const RINGS: RingSize = { cells: 128, levels: 10, cell: 0.1 };
+export const RINGS: RingSize = { cells: 112, levels: 10, cell: 0.1 };
 
 export class SnowSurface {
   readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial>;

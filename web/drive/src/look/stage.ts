@@ -1,19 +1,24 @@
 /** The stage: everything that is seen, put together. */
-import { PerspectiveCamera, Scene, Vector3 } from "three";
-import type { WebGLRenderer } from "three";
-import { ACESFilmicToneMapping, PCFShadowMap } from "three";
-import type { CarPose } from "./car_pose";
+import { ACESFilmicToneMapping, PCFShadowMap, Scene, Vector2, Vector3 } from "three";
+import type { PerspectiveCamera, WebGLRenderer } from "three";
 import type { Settings } from "../settings";
 import type { GroundSource } from "../world/ground_source";
 import type { Terrain } from "../world/terrain_type";
 import { Atmosphere } from "./atmosphere";
+import type { CarPose } from "./car_pose";
+import { CarView } from "./car_view";
 import { daylight } from "./daylight";
+import { Flakes } from "./flakes";
 import { GroundClipmap } from "./ground_clipmap";
+import { Lamps } from "./lamps";
 import { Lights, SHADOW_BYTES } from "./lights";
-import { noiseTexture } from "./noise_texture";
+import { MIRROR_BYTES, MirroredSky } from "./mirrored_sky";
+import { NOISE_BYTES, noiseTexture } from "./noise_texture";
+import { Scenery } from "./scenery";
 import { Sky } from "./sky";
 import { RINGS, SnowSurface } from "./snow_surface";
 import type { RingSize, Tracks } from "./snow_surface";
+import { Spray } from "./spray";
 
 export interface StageOptions {
   readonly terrain: Terrain;
@@ -22,6 +27,7 @@ export interface StageOptions {
   readonly rings?: RingSize;
 }
 
+/** Of the last picture: draw calls and triangles of all its passes, bytes of the look's own textures. */
 export interface StageStats {
   drawCalls: number;
   triangles: number;
@@ -38,8 +44,16 @@ export class Stage {
   private readonly noise = noiseTexture();
   private readonly snow: SnowSurface;
   private readonly sky: Sky;
-  private readonly lights = new Lights();
+  private readonly mirror: MirroredSky;
+  private readonly lights: Lights;
+  private readonly car: CarView;
+  private readonly lamps: Lamps;
+  private readonly scenery: Scenery;
+  private readonly spray: Spray;
+  private readonly flakes: Flakes;
   private readonly focus = new Vector3();
+  private snowed = 0.35;
+  private speed = 0;
 
   constructor(renderer: WebGLRenderer, { terrain, settings, rings = RINGS }: StageOptions) {
     this.renderer = renderer;
@@ -52,7 +66,17 @@ export class Stage {
     this.air = new Atmosphere(this.clipmap);
     this.snow = new SnowSurface(this.air, this.noise, rings);
     this.sky = new Sky(this.air, this.noise);
-    this.scene.add(this.snow.mesh, this.sky.mesh, this.lights.group);
+    this.mirror = new MirroredSky(renderer, this.air, this.noise);
+    this.car = new CarView(this.air, this.noise);
+    this.lamps = new Lamps(this.air);
+    this.scenery = new Scenery(this.air, this.noise, terrain);
+    this.spray = new Spray(this.air, this.noise, (x, z) => terrain.height(x, z));
+    this.flakes = new Flakes(this.air);
+    this.lights = new Lights({ fine: this.car.casters, coarse: this.scenery.casters });
+    const { snow, sky, spray, flakes } = this;
+    for (const part of [snow, sky, spray, flakes]) this.scene.add(part.mesh);
+    for (const part of [this.lights, this.car, this.lamps, this.scenery]) this.scene.add(part.group);
+    this.scenery.follow(0, 0, 30);
     this.light(settings, 0);
   }
 
@@ -65,9 +89,16 @@ export class Stage {
   update(dt: number, car: CarPose, camera: PerspectiveCamera, settings: Settings): void {
     this.focus.set(...car.position);
     this.clipmap.follow(this.focus.x, this.focus.z);
+    if (this.scenery.follow(camera.position.x, camera.position.z)) this.lights.refresh();
     const ahead = camera.getWorldDirection(new Vector3());
     this.snow.update(settings.depth, camera.position.x + 5 * ahead.x, camera.position.z + 5 * ahead.z);
-    this.light(settings, dt);
+    const light = this.light(settings, dt);
+    this.driveOn(dt, car, light.lamps, this.pixels(camera));
+    this.flakes.update(
+      dt,
+      Math.max(settings.flakes, Math.min(1, settings.snowfall / 60)),
+      this.pixels(camera),
+    );
   }
 
   render(camera: PerspectiveCamera): void {
@@ -76,7 +107,7 @@ export class Stage {
     this.renderer.render(this.scene, camera);
     this.stats.drawCalls = info.render.calls;
     this.stats.triangles = info.render.triangles;
-    this.stats.textureBytes = this.clipmap.textureBytes + SHADOW_BYTES + (4 / 3) * 4 * 256 ** 2;
+    this.stats.textureBytes = this.clipmap.textureBytes + SHADOW_BYTES + NOISE_BYTES + MIRROR_BYTES;
   }
 
   /** Size of the canvas in CSS pixels, and device pixels per CSS pixel. */
@@ -88,22 +119,47 @@ export class Stage {
   /** After a lost and restored context. */
   restore(): void {
     this.clipmap.restore();
-    this.lights.restore();
+    this.lights.refresh();
+    this.mirror.restore();
   }
 
   dispose(): void {
-    this.snow.dispose();
-    this.sky.dispose();
-    this.lights.dispose();
-    this.clipmap.dispose();
-    this.noise.dispose();
+    for (const part of [this.snow, this.sky, this.mirror, this.lights, this.car, this.lamps, this.scenery])
+      part.dispose();
+    for (const part of [this.spray, this.flakes, this.clipmap, this.noise]) part.dispose();
   }
 
-  private light(settings: Settings, dt: number): void {
+  private driveOn(dt: number, car: CarPose, need: number, pixels: number): void {
+    // Snow gathers on the car where it digs through deep snow, and blows off slowly.
+    const deep = car.wheels.reduce((sum, w) => sum + (w.grounded ? w.sinkage : 0), 0) / car.wheels.length;
+    const speed = Math.hypot(...car.velocity);
+    const gain = Math.min(1, deep / 0.15) * Math.min(1, speed / 6);
+    this.snowed += dt * (0.06 * gain * (1 - this.snowed) - 0.004 * (this.snowed - 0.25));
+    // Brake lamps shine when it slows faster than snow and air would make it.
+    const slowing = dt > 0 ? (this.speed - speed) / dt : 0;
+    this.speed = speed;
+    const braking = Math.min(1, Math.max(0, (slowing - 1.5) / 2));
+    this.car.update(car, this.snowed);
+    this.car.shine(need, Math.max(0.35 * need, braking));
+    this.lamps.update(this.car, need, braking, pixels);
+    this.spray.update(dt, car);
+  }
+
+  /** Pixels of the canvas that a metre takes one metre before the camera. */
+  private pixels(camera: PerspectiveCamera): number {
+    const { y } = this.renderer.getDrawingBufferSize(new Vector2());
+    return y / (2 * Math.tan((camera.fov * Math.PI) / 360));
+  }
+
+  private light(settings: Settings, dt: number) {
     const light = daylight(settings.hour);
+    const veil = Math.max(0, settings.fog - 0.45) / 0.55;
     this.air.set(light, settings.fog);
     this.lights.update(light, this.focus);
-    this.sky.update(light.stars, dt, Math.max(0, settings.fog - 0.45) / 0.55);
+    this.sky.update(light.stars, dt, veil);
+    const mirrored = this.mirror.update(settings.hour, settings.fog, veil);
+    if (mirrored) this.car.mirror(mirrored);
     this.renderer.toneMappingExposure = settings.exposure;
+    return light;
   }
 }

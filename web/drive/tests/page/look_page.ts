@@ -32,6 +32,7 @@ const stage = new Stage(renderer, {
 });
 stage.attachSnow(paintedTracks(settings.depth, terrain));
 const ready = performance.now() - begin;
+const marks = performance.getEntriesByType("measure").map((m) => `${m.name} ${Math.round(m.duration)}`);
 const camera = new PerspectiveCamera(50, 1, 0.1, 8000);
 
 function show(view: View, changes: Partial<Settings> = {}): object {
@@ -51,7 +52,7 @@ function show(view: View, changes: Partial<Settings> = {}): object {
   const start = performance.now();
   stage.render(camera);
   renderer.getContext().finish();
-  return { ...stage.stats, ms: performance.now() - start, ready };
+  return { ...stage.stats, ms: performance.now() - start, ready, marks };
 }
 
 declare global {
