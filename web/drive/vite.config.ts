@@ -4,7 +4,12 @@ import { defineConfig } from "vitest/config";
 // folder of any server (or a docs site) can carry it.
 export default defineConfig({
   base: "./",
-  build: { outDir: "../../neve/drive/page", emptyOutDir: true, chunkSizeWarningLimit: 3000 },
+  build: {
+    outDir: "../../neve/drive/page",
+    emptyOutDir: true,
+    chunkSizeWarningLimit: 3000,
+    rolldownOptions: { input: ["index.html", "lab.html"] },
+  },
   test: {
     include: ["tests/**/*.test.ts"],
     testTimeout: 120_000,
