@@ -40,7 +40,7 @@ export class SnowField {
   readonly resolution: number;
   /** `snowAt`, `snowInside` for shaders, and what they read. */
   readonly glsl: string;
-  readonly uniforms: Record<"snowMap" | "snowWindow" | "snowDepth", IUniform>;
+  readonly uniforms: Record<"snowMap" | "snowWindow" | "snowFresh", IUniform>;
   /** Bytes that the last update read and wrote, and its draws. */
   bytesPerUpdate = 0;
   drawCalls = 0;
@@ -85,7 +85,7 @@ export class SnowField {
     this.uniforms = {
       snowMap: { value: this.passes.snow.texture },
       snowWindow: { value: new Vector4() },
-      snowDepth: { value: this.depth },
+      snowFresh: { value: this.depth },
     };
     renderer.domElement.addEventListener("webglcontextlost", this.onLost);
     renderer.domElement.addEventListener("webglcontextrestored", this.onRestored);
@@ -237,7 +237,7 @@ export class SnowField {
     const { depth, compaction, repose } = this.settings;
     if (this.made && depth !== this.depth) this.rescale(depth / this.depth);
     this.depth = depth;
-    this.uniforms.snowDepth.value = uniforms["depth"]!.value = depth;
+    this.uniforms.snowFresh.value = uniforms["depth"]!.value = depth;
     uniforms["compaction"]!.value = compaction;
     uniforms["repose"]!.value = Math.tan((repose * Math.PI) / 180);
     uniforms["count"]!.value = stamps.count;

@@ -264,7 +264,7 @@ void main() {
 export const sampling = (linear: boolean) => `
 uniform highp sampler2D snowMap;
 uniform highp vec4 snowWindow;   // least corner, size, texel [m]
-uniform highp float snowDepth;   // fresh depth of the settings [m]
+uniform highp float snowFresh;   // fresh depth of the settings [m]
 
 // 1 inside the window, fading to 0 towards its edge, 0 outside.
 float snowInside(vec2 xz) {
@@ -274,7 +274,7 @@ float snowInside(vec2 xz) {
 // Depth and mass (as depth at fresh density) of the snow [m]. Outside the window: the fresh depth without the cover.
 vec2 snowAt(vec2 xz) {
   vec2 q = abs(xz - snowWindow.xy - 0.5 * snowWindow.z);
-  if (max(q.x, q.y) >= 0.5 * snowWindow.z) return vec2(snowDepth);
+  if (max(q.x, q.y) >= 0.5 * snowWindow.z) return vec2(snowFresh);
 ${
   linear
     ? "  return texture(snowMap, fract(xz / snowWindow.z)).xy;"
