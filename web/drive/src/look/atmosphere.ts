@@ -152,9 +152,6 @@ export class Atmosphere {
     u.skyHorizon.value.setRGB(...light.horizon);
     u.skyGlow.value.setRGB(...light.glow);
     u.skyLight.value.setRGB(...light.sky);
-    // In fog the sky overhead is fog too.
-    const thick = Math.max(0, fog - 0.45) / 0.55;
-    u.skyZenith.value.lerp(u.skyHorizon.value, 0.9 * thick);
     u.hazeShape.value.x = 1e-4 * 320 ** fog;
     u.hazeShape.value.z = 24 + 90 * fog;
   }

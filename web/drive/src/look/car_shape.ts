@@ -139,6 +139,7 @@ function dark(): BufferGeometry {
       .translate(-2.14, 0.52, 0.14),
     BLACK,
   );
+  p.lamp([-2.14, 0.52, 0.14], 0.21, 0.12, GREY).lamp([-2.24, 0.52, 0.14], 0.06, 0.06, BLACK);
   return p.merged();
 }
 

@@ -135,6 +135,25 @@ const fade = (from: number, to: number, v: number) => {
   return t * t * (3 - 2 * t);
 };
 
+/** The same light below clouds, `clouds` 0..1: little sun, a grey and even sky. */
+export function overcast(light: Daylight, clouds: number): Daylight {
+  const grey = (c: Triple, level: number): Triple => {
+    const y = level * (0.3 * c[0] + 0.5 * c[1] + 0.2 * c[2]);
+    return [0.97 * y, y, 1.06 * y];
+  };
+  const above = grey(light.horizon, 0.95);
+  return {
+    ...light,
+    sun: blend(light.sun, grey(light.sun, 0.12), clouds),
+    zenith: blend(light.zenith, above, 0.9 * clouds),
+    horizon: blend(light.horizon, grey(light.horizon, 1), 0.7 * clouds),
+    glow: blend(light.glow, [0, 0, 0], 0.9 * clouds),
+    sky: blend(light.sky, grey(light.sky, 1.5), clouds),
+    bounce: blend(light.bounce, grey(light.bounce, 1.3), clouds),
+    stars: light.stars * (1 - clouds),
+  };
+}
+
 /** The light at `hour` [h]. */
 export function daylight(hour: number): Daylight {
   const toSun = sunDirection(hour);

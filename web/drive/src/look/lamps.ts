@@ -13,13 +13,20 @@ import { Vector3 } from "three";
 import type { Atmosphere } from "./atmosphere";
 import { HEADLAMPS, TAILLAMPS } from "./car_shape";
 import type { CarView } from "./car_view";
+import type { Point } from "./solid_parts";
 
 const WARM = 0xffe2b8;
+
+/** Two beams stand for six lamps: a wide one from the front, a long one from the rack. */
+const BEAMS: readonly { from: Point; to: Point; angle: number; candela: number }[] = [
+  { from: [1.95, 0.42, 0], to: [14, -0.35, 0], angle: 0.62, candela: 120 },
+  { from: [0.25, 1.55, 0], to: [30, -0.4, 0], angle: 0.4, candela: 520 },
+];
 
 export class Lamps {
   readonly group = new Group();
   private readonly air: Atmosphere;
-  private readonly beams = HEADLAMPS.map(() => new SpotLight(WARM, 0, 90, 0.46, 0.85, 1.7));
+  private readonly beams = BEAMS.map(({ angle }) => new SpotLight(WARM, 0, 120, angle, 0.9, 1.6));
   private readonly tail = new PointLight(0xff1808, 0, 9, 1.8);
   private readonly halos: Points<BufferGeometry, ShaderMaterial>;
 
@@ -53,14 +60,14 @@ export class Lamps {
       .sub(car.toWorld(9, 0, 0))
       .normalize();
     this.beams.forEach((beam, k) => {
-      const [x, y, z] = HEADLAMPS[k]!;
-      beam.position.copy(car.toWorld(x + 0.05, y, z));
-      beam.target.position.copy(car.toWorld(x + 16, y - 0.75, z * 1.6));
+      const { from, to, candela } = BEAMS[k]!;
+      beam.position.copy(car.toWorld(...from));
+      beam.target.position.copy(car.toWorld(...to));
+      beam.intensity = candela * need;
       beam.target.updateMatrixWorld();
-      beam.intensity = 130 * need;
     });
     this.tail.position.copy(car.toWorld(-2.5, 0.35, 0));
-    this.tail.intensity = 1.6 * need + 3 * braking * (0.3 + 0.7 * need);
+    this.tail.intensity = 0.22 * need + 1.2 * braking * (0.3 + 0.7 * need);
     const u = this.air.uniforms;
     u.lampPlace.value.copy(car.toWorld(1.6, 0.4, 0));
     u.lampDirection.value.copy(ahead);

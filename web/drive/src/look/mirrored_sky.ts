@@ -1,4 +1,4 @@
-/** The sky as paint and glass mirror it, made anew when the hour or the fog has changed. */
+/** The sky as paint and glass mirror it, made anew when the hour or the clouds have changed. */
 import { PMREMGenerator, Scene } from "three";
 import type { Texture, WebGLRenderer, WebGLRenderTarget } from "three";
 import type { Atmosphere } from "./atmosphere";
@@ -21,12 +21,12 @@ export class MirroredSky {
     this.scene.add(this.sky.mesh);
   }
 
-  /** The texture for `envMap` at this hour [h] and fog, or null if the last one still holds. */
-  update(hour: number, fog: number, veil: number): Texture | null {
-    const wanted = `${Math.round(hour * 8)} ${Math.round(fog * 10)}`;
+  /** The texture for `envMap` at this hour [h] below `clouds` 0..1, or null if the last one still holds. */
+  update(hour: number, clouds: number): Texture | null {
+    const wanted = `${Math.round(hour * 8)} ${Math.round(clouds * 8)}`;
     if (wanted === this.made) return null;
     this.made = wanted;
-    this.sky.update(0, 0, veil);
+    this.sky.update(0, 0, clouds);
     const generator = new PMREMGenerator(this.renderer);
     const old = this.target;
     this.target = generator.fromScene(this.scene, 0, 0.1, 100, { size: SIZE });

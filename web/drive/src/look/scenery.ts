@@ -42,13 +42,16 @@ const PINE = /* glsl */ `
 float snow = 0.0;
 if (vLeaf.z > 0.5) {
   vec4 n = texture2D(noiseMap, vec2(vLeaf.y * 0.37, vLeaf.x * 0.33 + vLocal.y * 1.9));
-  vec4 fine = texture2D(noiseMap, vec2(vLeaf.y * 1.9, vLeaf.x * 0.9 + vLocal.y * 3.1));
+  vec4 sharp = texture2D(noiseMap, vec2(vLeaf.y * 1.9, vLeaf.x * 0.9 + vLocal.y * 3.1));
   // The rim frays into needles.
-  if (vLeaf.x > 0.72 + 0.5 * (fine.b - 0.3) + 0.25 * (n.a - 0.5)) discard;
-  vec3 needles = mix(vec3(0.022, 0.048, 0.036), vec3(0.06, 0.095, 0.055), fine.b) * (0.7 + 0.7 * vLeaf.x);
-  snow = gl_FrontFacing ? smoothstep(0.34, 0.5, 0.56 * n.b + 0.44 * fine.b + 0.13 - 0.16 * abs(vLeaf.x - 0.45)) : 0.0;
-  vec3 under = needles * vec3(0.55, 0.62, 0.75);
-  diffuseColor.rgb = mix(gl_FrontFacing ? needles : under, vec3(0.8, 0.84, 0.9), snow);
+  if (vLeaf.x > 0.74 + 0.6 * (sharp.b - 0.36) + 0.3 * (n.a - 0.5)) discard;
+  vec3 needles = mix(vec3(0.026, 0.055, 0.042), vec3(0.075, 0.11, 0.065), sharp.b) * (0.75 + 0.7 * vLeaf.x);
+  // Snow lies in cushions on the branches and has slid off between them.
+  float cushion = 0.55 * n.b + 0.45 * sharp.b + 0.1 * cos(6.283 * vLeaf.y) - 0.3 * smoothstep(0.6, 1.0, vLeaf.x) - 0.12 * smoothstep(0.25, 0.0, vLeaf.x);
+  snow = smoothstep(0.36, 0.52, cushion + 0.06);
+  // From below one sees needles, and the light of the snow on the ground on them.
+  if (!gl_FrontFacing) snow *= 0.22;
+  diffuseColor.rgb = mix(gl_FrontFacing ? needles : needles * 0.8, vec3(0.8, 0.84, 0.9), snow);
 } else {
   diffuseColor.rgb = vec3(0.075, 0.058, 0.048);
 }

@@ -101,8 +101,8 @@ Matter matterAt(vec2 xz, float level, vec3 kind, vec2 ground, float near) {
   // Grain: crumbs where snow was thrown up, ripples of the wind where it lies as it fell.
   vec2 grain = 0.5 * bump(turned(xz, 0.3) * 1.9) + 0.5 * bump(turned(xz, 2.1) * 0.61) * (0.5 + moved);
   vec2 crumbs = bump(turned(xz, 1.7) * 0.23) * (0.35 + 1.2 * moved * m.loose);
-  vec2 ripples = bump(turned(xz * vec2(1.0, 2.1), 0.8) * 0.021) * 0.42 * (1.0 - moved) * (1.0 - kind.y);
-  vec2 swells = bump(turned(xz, 2.6) * 0.0047) * 0.3 * (1.0 - kind.z);
+  vec2 ripples = bump(turned(xz * vec2(1.0, 2.1), 0.8) * 0.021) * 0.5 * (1.0 - moved) * (1.0 - kind.y);
+  vec2 swells = bump(turned(xz, 2.6) * 0.0047) * 0.46 * (1.0 - kind.z);
   float soft = mix(0.55, 1.0, m.loose) * mix(1.0, 0.12, kind.z * (1.0 - m.snowy));
   m.slope = ground + tilt + soft * (0.55 * grain + crumbs + ripples) + swells * (1.0 - moved);
   return m;
@@ -116,11 +116,11 @@ float rutLight(vec2 xz, float depth, vec2 ground, vec3 light, float dither) {
   float across = max(length(light.xz), 1e-3);
   vec2 d = light.xz / across;
   float climb = light.y / across - dot(ground, d);
-  float t = 0.035 * (1.0 + dither);
-  for (int k = 0; k < 8; k++) {
+  float t = 0.03 * (1.0 + 0.4 * dither);
+  for (int k = 0; k < 10; k++) {
     float over = depth + 0.008 + climb * t - snowAt(xz + d * t).x;
-    least = min(least, 0.5 + over / (0.012 + 0.11 * t));
-    t *= 1.62;
+    least = min(least, 0.5 + over / (0.02 + 0.16 * t));
+    t *= 1.5;
   }
   return smoothstep(0.0, 1.0, least);
 }

@@ -7,7 +7,7 @@ import type { Terrain } from "../world/terrain_type";
 import { Atmosphere } from "./atmosphere";
 import type { CarPose } from "./car_pose";
 import { CarView } from "./car_view";
-import { daylight } from "./daylight";
+import { daylight, overcast } from "./daylight";
 import { Flakes } from "./flakes";
 import { GroundClipmap } from "./ground_clipmap";
 import { Lamps } from "./lamps";
@@ -94,11 +94,7 @@ export class Stage {
     this.snow.update(settings.depth, camera.position.x + 5 * ahead.x, camera.position.z + 5 * ahead.z);
     const light = this.light(settings, dt);
     this.driveOn(dt, car, light.lamps, this.pixels(camera));
-    this.flakes.update(
-      dt,
-      Math.max(settings.flakes, Math.min(1, settings.snowfall / 60)),
-      this.pixels(camera),
-    );
+    this.flakes.update(dt, falling(settings), this.pixels(camera));
   }
 
   render(camera: PerspectiveCamera): void {
@@ -152,14 +148,21 @@ export class Stage {
   }
 
   private light(settings: Settings, dt: number) {
-    const light = daylight(settings.hour);
     const veil = Math.max(0, settings.fog - 0.45) / 0.55;
+    // Thick snow falls from thick clouds.
+    const clouds = Math.max(veil, 1.6 * (falling(settings) - 0.5), 0);
+    const light = overcast(daylight(settings.hour), clouds);
     this.air.set(light, settings.fog);
     this.lights.update(light, this.focus);
-    this.sky.update(light.stars, dt, veil);
-    const mirrored = this.mirror.update(settings.hour, settings.fog, veil);
+    this.sky.update(light.stars, dt, clouds);
+    const mirrored = this.mirror.update(settings.hour, clouds);
     if (mirrored) this.car.mirror(mirrored);
     this.renderer.toneMappingExposure = settings.exposure;
     return light;
   }
+}
+
+/** How thick the falling snow is, 0..1: as it is wished to look, or as thick as what falls needs. */
+function falling(settings: Settings): number {
+  return Math.max(settings.flakes, Math.min(1, settings.snowfall / 60));
 }

@@ -1,6 +1,7 @@
 /** Stand-ins to look at the stage alone: hills, painted ruts, a parked car. */
 import { DataTexture, FloatType, LinearFilter, RepeatWrapping, RGFormat } from "three";
 import type { CarPose, WheelPose } from "../../src/look/car_pose";
+import { tiled } from "../../src/look/noise_texture";
 import type { Tracks } from "../../src/look/snow_surface";
 import type { Terrain } from "../../src/world/terrain_type";
 
@@ -22,11 +23,11 @@ export function paintedTracks(fresh: number, terrain: Terrain): Tracks {
       const here = fresh * terrain.cover(x, z);
       let [h, mass] = [here, here];
       const off = Math.abs(Math.abs(aside(x, z)) - 0.76);
-      const lumps = 1 + 0.5 * Math.sin(7 * x) * Math.sin(5.3 * x + 3) + 0.3 * Math.sin(23 * x + 9 * z);
+      const lumps = 0.25 + 1.5 * tiled(3.1 * x, 3.7 * z, 1024, 2) * tiled(9.3 * x, 9.1 * z, 1024, 3) ** 0.5;
       if (x < 1.6 && off < 0.13) [h, mass] = [0.34 * here, 0.8 * here];
       else if (x < 1.6 && off < 0.45) {
         const wall = Math.max(0, 1 - (off - 0.13) / 0.06) * -0.3 * here;
-        const rim = 0.11 * lumps * Math.exp(-(((off - 0.24) / 0.08) ** 2));
+        const rim = 0.13 * lumps * Math.exp(-(((off - 0.24) / 0.08) ** 2));
         h = here + wall + rim;
         mass = h * (1 + 0.1 * rim);
       }
