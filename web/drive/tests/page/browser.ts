@@ -39,7 +39,8 @@ async function built(path: string): Promise<string | undefined> {
   if (path === "") return undefined;
   const outDir = mkdtempSync(join(tmpdir(), "neve-page-"));
   const options = { outDir, emptyOutDir: true, rolldownOptions: { input: join(ROOT, path) } };
-  await build({ root: ROOT, logLevel: "error", build: options });
+  // Without the settings of the demo, whose pages are not wanted here.
+  await build({ root: ROOT, configFile: false, base: "./", logLevel: "error", build: options });
   return outDir;
 }
 

@@ -1,80 +1,25 @@
-import { afterAll, beforeAll, describe, expect, test } from "vitest";
+import { afterAll, afterEach, beforeAll, describe, expect, test } from "vitest";
 import { press, standingSlope } from "../../src/snow/law";
 import type { Stamp } from "../../src/snow/stamps";
-import { NO_BROWSER, visit, type Visit } from "./browser";
-import type { Start } from "./snow";
-
-const N = 256;
-const TEXEL = 0.05;
-/** Rounding of float32. */
-const EPS = 2 ** -24;
-
-const wheelAt = (x: number, z: number, bottom: number, more: object = {}): Stamp => ({
-  shape: "wheel",
-  x,
-  y: bottom + 0.38,
-  z,
-  heading: 0.3,
-  radius: 0.38,
-  width: 0.26,
-  slip: 0,
-  ...more,
-});
+import { NO_BROWSER } from "./browser";
+import { EPS, N, SnowVisit, sums, TEXEL, wheelAt } from "./snow_visit";
 
 describe.skipIf(NO_BROWSER)("the snow field", () => {
-  let visitor: Visit;
+  let field: SnowVisit;
   beforeAll(async () => {
-    visitor = await visit("tests/page/snow.html");
-    await visitor.page.waitForFunction(() => "snow" in window);
+    field = await SnowVisit.open();
   });
   afterAll(async () => {
-    expect(visitor.errors).toEqual([]);
-    await visitor.close();
+    await field.visit.close();
+  });
+  afterEach(() => {
+    expect(field.visit.errors).toEqual([]);
   });
 
-  const start = (options: Start = {}) =>
-    visitor.page.evaluate(
-      (given) => {
-        window.snow.start(given);
-        window.snow.field!.update(0, []);
-      },
-      { ...options, settings: { ...options.settings } },
-    );
-  const update = (dt: number, stamps: Stamp[], times = 1) =>
-    visitor.page.evaluate(
-      ([step, list, count]) => {
-        for (let i = 0; i < count; i++) window.snow.field!.update(step, list);
-      },
-      [dt, stamps, times] as const,
-    );
-  /** Slide in the middle of the window, where the stamps are: in software a step costs two seconds for a million texels. */
-  const relax = (steps: number) =>
-    visitor.page.evaluate((n) => window.snow.field!.relax(n, { x: 0, z: 0, reach: 2 }), steps);
-  const all = () => visitor.page.evaluate(() => window.snow.all());
-  /** Slide until a hundred steps more change nothing, bit for bit. */
-  const atRest = async () => {
-    let snow = await all();
-    for (let i = 0; i < 20; i++) {
-      await relax(100);
-      const next = await all();
-      if (next.every((a, k) => a === snow[k])) return snow;
-      snow = next;
-    }
-    throw new Error("snow slid for 2000 steps and did not come to rest");
-  };
-  const sums = (snow: number[]) => {
-    let [h, W] = [0, 0];
-    for (let i = 0; i < snow.length; i += 2) {
-      h += snow[i]!;
-      W += snow[i + 1]!;
-    }
-    return { h, W };
-  };
-
   test("begins fresh, by depth and cover", async () => {
-    await start({ patchy: true });
-    const snow = await all();
-    const corner = await visitor.page.evaluate(() => window.snow.field!.corner);
+    await field.start({ patchy: true });
+    const snow = await field.all();
+    const corner = await field.visit.page.evaluate(() => window.snow.field!.corner);
     expect(corner).toEqual({ x: -6.4, z: -6.4 });
     for (const [i, j] of [
       [0, 0],
@@ -91,15 +36,13 @@ describe.skipIf(NO_BROWSER)("the snow field", () => {
   });
 
   test("a wheel presses by its underside, by the law", async () => {
-    await start();
-    await update(0, [wheelAt(0.025, 0.025, 0.2, { heading: 0 })]);
-    const [h, W] = await visitor.page.evaluate(() => window.snow.field!.read(0, 0, 1, 1)).then(Object.values);
+    await field.start();
+    await field.update(0, [wheelAt(0.025, 0.025, 0.2, { heading: 0 })]);
+    const [h, W] = (await field.read(0, 0)) as [number, number];
     expect(Math.abs(h - 0.2)).toBeLessThan(1e-6);
     // GPUs may round exp2 and log2, of which pow is made, at 2^-21 or so.
     expect(Math.abs(W - press({ h: 0.5, W: 0.5 }, 0.2, 0.6).W)).toBeLessThan(1e-5);
-    const [side] = await visitor.page
-      .evaluate(() => window.snow.field!.read(0.2, 0, 1, 1))
-      .then(Object.values);
+    const [side] = (await field.read(0.2, 0)) as [number, number];
     expect(Math.abs(side - (0.2 + 0.38 - Math.sqrt(0.38 ** 2 - 0.2 ** 2)))).toBeLessThan(1e-6);
   });
 
@@ -120,11 +63,11 @@ describe.skipIf(NO_BROWSER)("the snow field", () => {
         slopeAcross: -0.1,
       },
     ];
-    await start({ patchy: true });
-    await update(0, stamps);
-    const once = await all();
-    await update(0, stamps);
-    expect(await all()).toEqual(once);
+    await field.start({ patchy: true });
+    await field.update(0, stamps);
+    const once = await field.all();
+    await field.update(0, stamps);
+    expect(await field.all()).toEqual(once);
     expect(sums(once).h).toBeLessThan(N * N * 0.5);
   });
 
@@ -155,9 +98,9 @@ describe.skipIf(NO_BROWSER)("the snow field", () => {
   ] as [string, Stamp[]][])(
     "%s: rims are what was displaced times (1 - compaction), mass stays",
     async (_, stamps) => {
-      await start();
-      await update(0, stamps);
-      const snow = await all();
+      await field.start();
+      await field.update(0, stamps);
+      const snow = await field.all();
       let [displaced, rim] = [0, 0];
       for (let i = 0; i < snow.length; i += 2) {
         if (snow[i]! < 0.5) displaced += 0.5 - snow[i]!;
@@ -171,27 +114,27 @@ describe.skipIf(NO_BROWSER)("the snow field", () => {
   );
 
   test("the second of two different stamps presses only what the first left", async () => {
-    await start({ settings: { compaction: 1 } });
-    await update(0, [wheelAt(0, 0, 0.3)]);
-    await update(0, [wheelAt(0, 0, 0.2)]);
-    const twice = await all();
-    await start({ settings: { compaction: 1 } });
-    await update(0, [wheelAt(0, 0, 0.2)]);
-    expect(await all()).toEqual(twice);
+    await field.start({ settings: { compaction: 1 } });
+    await field.update(0, [wheelAt(0, 0, 0.3)]);
+    await field.update(0, [wheelAt(0, 0, 0.2)]);
+    const twice = await field.all();
+    await field.start({ settings: { compaction: 1 } });
+    await field.update(0, [wheelAt(0, 0, 0.2)]);
+    expect(await field.all()).toEqual(twice);
   });
 
   test("sliding conserves volume and mass, and ends", async () => {
-    await start();
-    await update(0, [wheelAt(0, 0, 0.1), wheelAt(0.2, 0.8, 0.05)]);
-    const before = sums(await all());
-    await relax(200);
-    const settled = await all();
+    await field.start();
+    await field.update(0, [wheelAt(0, 0, 0.1), wheelAt(0.2, 0.8, 0.05)]);
+    const before = sums(await field.all());
+    await field.relax(200);
+    const settled = await field.all();
     const after = sums(settled);
     // Each of 200 steps rounds the few thousand texels that move by EPS or so, in any direction.
     expect(Math.abs(after.h - before.h)).toBeLessThan(200 * 3000 * EPS);
     expect(Math.abs(after.W - before.W)).toBeLessThan(200 * 3000 * EPS);
-    await relax(20);
-    expect(await all()).toEqual(settled);
+    await field.relax(20);
+    expect(await field.all()).toEqual(settled);
   });
 
   /** The largest slope of the surface between neighbours as a multiple of what may stand there. */
@@ -223,7 +166,7 @@ describe.skipIf(NO_BROWSER)("the snow field", () => {
   ] as [[number, number], number][])(
     "no slope stays above the angle of repose: ground rising by %j, repose %i degrees",
     async (slope, repose) => {
-      await start({ slope, settings: { repose } });
+      await field.start({ slope, settings: { repose } });
       const ground = (x: number, z: number) => slope[0] * x + slope[1] * z;
       // Deep and packed, and a second heap of rims beside it; then a hole to the ground.
       const stamps = [
@@ -231,9 +174,9 @@ describe.skipIf(NO_BROWSER)("the snow field", () => {
         wheelAt(0.1, 0.6, ground(0.1, 0.6) + 0.1, { slip: 8 }),
         wheelAt(-0.9, -0.6, ground(-0.9, -0.6) - 0.3),
       ];
-      await update(0, stamps);
-      expect(steepest(await all(), slope, repose, false)).toBeGreaterThan(1.5);
-      const snow = await atRest();
+      await field.update(0, stamps);
+      expect(steepest(await field.all(), slope, repose, false)).toBeGreaterThan(1.5);
+      const snow = await field.atRest();
       // The surface is known to float32: 2^-24 of some metres over 5 cm.
       expect(steepest(snow, slope, repose, false)).toBeLessThan(1 + 1e-4);
       expect(steepest(snow, slope, repose, true)).toBeLessThan(1 + 1e-4);
@@ -242,15 +185,15 @@ describe.skipIf(NO_BROWSER)("the snow field", () => {
   );
 
   test("fresh snow on ground steeper than repose stays as it fell", async () => {
-    await start({ slope: [1.5, 0], patchy: true });
-    const fresh = await all();
-    await relax(10);
-    expect(await all()).toEqual(fresh);
+    await field.start({ slope: [1.5, 0], patchy: true });
+    const fresh = await field.all();
+    await field.relax(10);
+    expect(await field.all()).toEqual(fresh);
   });
 
   test("a car that drives leaves two ruts with rims, in time too", async () => {
-    await start();
-    await visitor.page.evaluate(() => {
+    await field.start();
+    await field.visit.page.evaluate(() => {
       const field = window.snow.field!;
       const wheel = (x: number, z: number, from: number) => ({
         shape: "wheel" as const,
@@ -268,7 +211,7 @@ describe.skipIf(NO_BROWSER)("the snow field", () => {
         field.update(1 / 60, [wheel(x, 0.8, from), wheel(x, -0.8, from)]);
       }
     });
-    const snow = await all();
+    const snow = await field.all();
     const across = Array.from({ length: N }, (_, j) => snow[2 * (N / 2 + N * j)]!);
     const at = (z: number) => across[Math.floor((z + 6.4) / TEXEL)]!;
     expect(at(0.8)).toBeLessThan(0.3);
