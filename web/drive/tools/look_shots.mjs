@@ -45,7 +45,7 @@ const page = await browser.newPage({ viewport: { width, height } });
 page.on("console", (m) => m.type() !== "debug" && say(m.type(), m.text()));
 page.on("pageerror", (e) => say("error", e.message));
 const local = server.resolvedUrls.local[0];
-await page.goto(`${local}tests/page/look.html${query}`);
+await page.goto(`${local}tests/page/look.html${query}`, { timeout: 120_000 });
 await page.waitForFunction(() => "show" in globalThis, null, { timeout: 120_000 });
 for (const name of names.length ? names : Object.keys(VIEWS)) {
   const stats = await page.evaluate(([view, settings]) => {

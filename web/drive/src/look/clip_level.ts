@@ -9,8 +9,8 @@ import type { Terrain } from "../world/terrain_type";
 export const CLIP_SIZE = 256;
 /** Points along a side of the coarser lattice that holds cover and kinds of snow. */
 export const KIND_SIZE = CLIP_SIZE / 2;
-/** Levels move by this many points at once: fewer, larger uploads. */
-const STEP = 8;
+/** Levels move by this many points at once (even): few uploads, and no more than some milliseconds of heights. */
+const STEP = 4;
 
 /** A rectangle of lattice points: columns from i0 to before i1, rows from j0 to before j1. */
 export type Rectangle = readonly [i0: number, i1: number, j0: number, j1: number];

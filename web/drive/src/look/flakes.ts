@@ -72,11 +72,11 @@ void main() {
   vec4 view = viewMatrix * vec4(place, 1.0);
   gl_Position = projectionMatrix * view;
   float away = length(p);
-  float pixels = scale * (0.011 + 0.013 * seed.x / 6.283) / max(-view.z, 0.2);
+  float pixels = scale * (0.014 + 0.016 * seed.x / 6.283) / max(-view.z, 0.2);
   gl_PointSize = clamp(pixels, 1.5, 26.0);
   // A flake smaller than its point is fainter; one at the lens is a blur; the cube's end is not seen.
   vAlpha = 0.85 * min(1.0, pixels / 1.5) * smoothstep(0.35, 1.6, away) * (1.0 - smoothstep(${(SIDE * 0.36).toFixed(1)}, ${(SIDE * 0.5).toFixed(1)}, away));
-  vColour = lightInAir(place, cameraPosition, 1.0) * 1.15;
+  vColour = lightInAir(place, cameraPosition, 1.0) * 1.5;
 }
 `;
 

@@ -88,7 +88,7 @@ export class Scenery {
   private readonly rocks: Kind;
   private readonly poles: Kind;
   private readonly chosenAt = new Vector3(Infinity, 0, 0);
-  private pending = true;
+  private unseen = 0;
 
   constructor(air: Atmosphere, noise: Texture, terrain: Terrain, seed = 7) {
     this.terrain = terrain;
@@ -109,14 +109,18 @@ export class Scenery {
     this.poles = { mesh: this.instances(pole(), paint, POLES.most, true), from: 0, ...POLES };
   }
 
-  /** Choose what is drawn about (x, z) [m]; at most `tiles` new tiles of the world are planted in one call. */
-  follow(x: number, z: number, tiles = 6): boolean {
-    const before = this.tiles.size;
-    this.plant(x, z, tiles);
-    this.pending ||= this.tiles.size !== before;
+  /**
+   * Choose what is drawn about (x, z) [m]; at most `tiles` new tiles of the world are planted in one call. True if
+   * something else is drawn than before.
+   */
+  follow(x: number, z: number, tiles = 1): boolean {
+    const planted = this.plant(x, z, tiles);
+    this.unseen += planted;
+    // New tiles are shown by the dozen: to choose costs more than to plant.
+    const due = this.unseen >= 24 || (this.unseen > 0 && planted < tiles);
     const moved = Math.hypot(x - this.chosenAt.x, z - this.chosenAt.z) > STRIDE;
-    if (!moved && !this.pending) return false;
-    this.pending = false;
+    if (!moved && !due) return false;
+    this.unseen = 0;
     this.chosenAt.set(x, 0, z);
     this.choose(x, z);
     return true;
@@ -146,9 +150,10 @@ export class Scenery {
     return mesh;
   }
 
-  /** Plant the tiles in sight that are not known yet, the nearest first. */
-  private plant(x: number, z: number, budget: number): void {
+  /** Plant the tiles in sight that are not known yet, the nearest first, at most `budget`; how many it were. */
+  private plant(x: number, z: number, budget: number): number {
     const reach = Math.ceil(RANGES[2].far / TILE);
+    let planted = 0;
     const [ci, cj] = [Math.floor(x / TILE), Math.floor(z / TILE)];
     for (let ring = 0; ring <= reach; ring++) {
       for (let dj = -ring; dj <= ring; dj++) {
@@ -156,13 +161,15 @@ export class Scenery {
         for (let di = -ring; di <= ring; di += Math.max(1, step)) {
           const key = `${ci + di},${cj + dj}`;
           if (this.tiles.has(key)) continue;
-          if (budget-- <= 0) return;
+          if (planted === budget) return planted;
+          planted++;
           this.tiles.set(key, placesOf(this.terrain, ci + di, cj + dj, this.seed));
           // The oldest goes: a Map keeps the order in which its keys came.
           if (this.tiles.size > KNOWN) this.tiles.delete(this.tiles.keys().next().value!);
         }
       }
     }
+    return planted;
   }
 
   private choose(x: number, z: number): void {

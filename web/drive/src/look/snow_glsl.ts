@@ -104,7 +104,7 @@ Matter matterAt(vec2 xz, float level, vec3 kind, vec2 ground, float near) {
   vec2 ripples = bump(turned(xz * vec2(1.0, 2.1), 0.8) * 0.021) * 0.5 * (1.0 - moved) * (1.0 - kind.y);
   vec2 swells = bump(turned(xz, 2.6) * 0.0047) * 0.46 * (1.0 - kind.z);
   float soft = mix(0.55, 1.0, m.loose) * mix(1.0, 0.12, kind.z * (1.0 - m.snowy));
-  m.slope = ground + tilt + soft * (0.55 * grain + crumbs + ripples) + swells * (1.0 - moved);
+  m.slope = ground + tilt + soft * (1.5 * grain + crumbs + ripples) + swells * (1.0 - moved);
   return m;
 }
 `;

@@ -80,7 +80,7 @@ describe("ClipLevel", () => {
   it("stays where it is for small steps", () => {
     const { level } = makeLevel(PLANE, 0.5);
     expect(level.move(0, 0)).toBe(true);
-    expect(level.move(1.9, -1.9)).toBe(false);
-    expect(level.move(2.1, 0)).toBe(true);
+    expect(level.move(0.9, -0.9)).toBe(false);
+    expect(level.move(1.1, 0)).toBe(true);
   });
 });
