@@ -97,6 +97,11 @@ async function profile(field: SnowField): Promise<{ across: number[]; height: nu
 }
 
 /** Sinkage of a wheel with a load [N] into fresh snow of a depth [m], as the game reckons it. */
-export function sinkage(wheel: Wheel, snow: Pick<SnowType, "strain" | "pressure">, depth: number, compaction: number) {
+export function sinkage(
+  wheel: Wheel,
+  snow: Pick<SnowType, "strain" | "pressure">,
+  depth: number,
+  compaction: number,
+) {
   return wheelSinkage(wheel, { h: depth, W: depth }, { ...SNOW_TYPES.powder, ...snow }, compaction);
 }

@@ -37,6 +37,10 @@ export interface StageStats {
 export class Stage {
   readonly scene = new Scene();
   readonly ground: GroundSource;
+  /** Whether the headlights shine; null: by the daylight. */
+  headlights: boolean | null = null;
+  /** Whether the daylight asks for them. */
+  dark = false;
   readonly stats: StageStats = { drawCalls: 0, triangles: 0, textureBytes: 0 };
   private readonly renderer: WebGLRenderer;
   private readonly clipmap: GroundClipmap;
@@ -93,7 +97,9 @@ export class Stage {
     const ahead = camera.getWorldDirection(new Vector3());
     this.snow.update(settings.depth, camera.position.x + 5 * ahead.x, camera.position.z + 5 * ahead.z);
     const light = this.light(settings, dt);
-    this.driveOn(dt, car, light.lamps, this.pixels(camera));
+    this.dark = light.lamps > 0.5;
+    const lamps = this.headlights === null ? light.lamps : Number(this.headlights);
+    this.driveOn(dt, car, lamps, this.pixels(camera));
     this.flakes.update(dt, falling(settings), this.pixels(camera));
   }
 

@@ -18,7 +18,11 @@ export const PACKED: [number, number, number] = [0, 1, 0];
 export const ICE: [number, number, number] = [0, 0, 1];
 
 /** What Car.create wants, with fresh snow of a depth [m] everywhere. */
-export function options(terrain: Terrain, depth: number, changes: Partial<CarOptions["settings"]> = {}): CarOptions {
+export function options(
+  terrain: Terrain,
+  depth: number,
+  changes: Partial<CarOptions["settings"]> = {},
+): CarOptions {
   return { terrain, snow: () => ({ h: depth, W: depth }), settings: { ...defaults(), ...changes } };
 }
 

@@ -1,0 +1,137 @@
+import { PerspectiveCamera } from "three";
+import type { WebGLRenderer } from "three";
+import { aim, Cameras } from "./car/cameras";
+import type { CameraInput } from "./car/cameras";
+import type { Controls } from "./car/controls";
+import { Car } from "./car/vehicle";
+import { Stage } from "./look/stage";
+import type { Reading } from "./page/dash";
+import type { Cost } from "./page/figures";
+import { snowSettings } from "./page/snow_settings";
+import type { ChoiceName, QuantityName, Settings } from "./settings";
+import { SnowField } from "./snow/field";
+import type { Column } from "./snow/law";
+import { mixSnow } from "./snow/types";
+import { makeTerrain } from "./world/terrain";
+import type { Terrain } from "./world/terrain_type";
+import { withType } from "./world/uniform";
+
+/** The world that everybody sees. */
+const SEED = 7;
+/** What a frame may last for the car [s]; in a longer one (a hidden tab) it stands still for the rest. */
+const LONGEST = 0.1;
+
+/** Car, snow and picture together: what happens in a frame, and in which order. It knows no panel and no keys. */
+export class Demo {
+  readonly camera = new PerspectiveCamera(55, 1, 0.1, 8000);
+  readonly cameras: Cameras;
+  readonly settings: Settings;
+  readonly terrain: Terrain;
+  readonly stage: Stage;
+  readonly car: Car;
+  field: SnowField;
+  private readonly renderer: WebGLRenderer;
+
+  /** Make the world; loads the physics first. Errors: Error with a sentence, when the browser lacks something. */
+  static async create(renderer: WebGLRenderer, settings: Settings): Promise<Demo> {
+    const missing = SnowField.missing(renderer);
+    if (missing) throw new Error(missing);
+    const terrain = withType(makeTerrain(SEED), () => settings.type);
+    let demo: Demo | null = null;
+    const snow = (x: number, z: number): Column => {
+      const fresh = settings.depth * terrain.cover(x, z);
+      return demo?.field.probe(x, z) ?? { h: fresh, W: fresh };
+    };
+    const car = await Car.create({ terrain, snow, settings });
+    return (demo = new Demo(renderer, settings, terrain, car));
+  }
+
+  private constructor(renderer: WebGLRenderer, settings: Settings, terrain: Terrain, car: Car) {
+    this.renderer = renderer;
+    this.settings = settings;
+    this.terrain = terrain;
+    this.car = car;
+    this.stage = new Stage(renderer, { terrain, settings });
+    this.cameras = new Cameras((x, z) => terrain.height(x, z) + settings.depth * terrain.cover(x, z));
+    this.field = this.makeField();
+  }
+
+  /** Let dt [s] pass: car, camera, ground, snow. Nothing is drawn. */
+  advance(dt: number, controls: Controls, look?: CameraInput): void {
+    const { car, stage, camera, settings, field } = this;
+    car.step(Math.min(dt, LONGEST), controls);
+    aim(camera, this.cameras.update(car.state, Math.min(dt, LONGEST), look));
+    camera.updateMatrixWorld();
+    stage.update(Math.min(dt, LONGEST), car.state, camera, settings);
+    const [x, , z] = car.state.position;
+    field.follow(x, z);
+    field.update(dt, car.stamps());
+  }
+
+  /** Draw what the camera sees. */
+  draw(): void {
+    this.stage.render(this.camera);
+  }
+
+  /** Drive for some seconds in frames of 1/60 s without drawing: for tests, pictures and the console. */
+  drive(seconds: number, controls: Partial<Controls>): void {
+    const all = { steer: 0, throttle: 0, brake: 0, handbrake: 0, reset: false, ...controls };
+    for (let i = Math.round(60 * seconds); i > 0; i--) this.advance(1 / 60, all);
+  }
+
+  /** Take over a changed setting. Another resolution begins a new window, without the tracks. */
+  changed(name: QuantityName | ChoiceName): void {
+    this.field.settings = snowSettings(this.settings);
+    if (name !== "resolution" && name !== "type") return;
+    this.field.dispose();
+    this.field = this.makeField();
+  }
+
+  /** Fit the picture to its canvas; `ratio` device pixels for each CSS pixel. */
+  resize(width: number, height: number, ratio: number): void {
+    this.stage.resize(width, height, ratio);
+    this.camera.aspect = width / Math.max(1, height);
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Switch the headlights, which otherwise follow the daylight. */
+  switchLights(): void {
+    this.stage.headlights = !(this.stage.headlights ?? this.stage.dark);
+  }
+
+  /** What the driver reads. */
+  reading(): Reading {
+    const { speed, gear, position, wheels } = this.car.state;
+    const [x, , z] = position;
+    const type = mixSnow(this.terrain.kinds(x, z)).name;
+    const depth = this.settings.depth * this.terrain.cover(x, z);
+    return { speed, gear, type, depth, sinkage: wheels.map((wheel) => wheel.sinkage) };
+  }
+
+  /** What the last frame cost, which took `frame` [s]. */
+  cost(frame: number): Cost {
+    const { stage, field } = this;
+    return {
+      frame,
+      drawCalls: stage.stats.drawCalls + field.drawCalls,
+      triangles: stage.stats.triangles,
+      textureBytes: stage.stats.textureBytes + field.textureBytes,
+      snowBytes: field.bytesPerUpdate,
+      storedTiles: field.storedTiles,
+      window: field.size,
+    };
+  }
+
+  private makeField(): SnowField {
+    const { renderer, terrain, settings, stage } = this;
+    const resolution = Number(settings.resolution);
+    const field = new SnowField(renderer, {
+      resolution,
+      ground: stage.ground,
+      terrain,
+      settings: snowSettings(settings),
+    });
+    stage.attachSnow(field);
+    return field;
+  }
+}
