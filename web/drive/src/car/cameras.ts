@@ -43,7 +43,7 @@ export class Cameras {
   private readonly surface: Surface;
   /** Direction in which the chasing camera looks [rad]; null until the first view. */
   private heading: number | null = null;
-  private height = 0;
+  private height: number | null = null;
   /** The visitor's own part: angles and distance about the car, and how far the middle has flown from it. */
   private orbit = { turn: 0, tilt: 0.35, distance: 8 };
   private away: Vec = [0, 0, 0];
@@ -99,8 +99,9 @@ export class Cameras {
     const pace = Math.min(1, Math.abs(state.speed) / 30);
     const distance = (5.6 + 1.8 * pace) * this.zoom;
     const [x, y, z] = state.position;
-    if (Math.abs(this.height - y) > 5) this.height = y; // first view, or the car was put elsewhere
-    this.height += (y - this.height) * -Math.expm1(-RISING * dt);
+    // The first view, or the car was put elsewhere: no sweep.
+    const before = this.height === null || Math.abs(this.height - y) > 5 ? y : this.height;
+    this.height = before + (y - before) * -Math.expm1(-RISING * dt);
     const back: Vec = [
       -Math.cos(heading) * distance,
       1.75 * this.zoom + 0.2 * pace,

@@ -25,6 +25,7 @@ export function pushUnderside(
   const { position, rotation, velocity } = chassis;
   const forward = turn(rotation, [1, 0, 0]);
   const speed = forward[0] * velocity[0] + forward[1] * velocity[1] + forward[2] * velocity[2];
+  const velocityAt = chassis.motion();
   let deepest = 0;
   // The snow cannot do more than stop the car: no force above what takes this share of its speed in a step.
   const most = (0.1 * mass * Math.abs(speed)) / step;
@@ -38,7 +39,7 @@ export function pushUnderside(
       const clearance = at[1] - ground;
       const patch = { column, type, compaction: where.compaction, clearance, area: AREA };
       const up = Math.min(lift(patch), 0.3 * mass * GRAVITY);
-      const moves = chassis.velocityAt(at);
+      const moves = velocityAt(at);
       if (up > 0) {
         const rub = Math.min(rubbing(up), most);
         const against = scale(

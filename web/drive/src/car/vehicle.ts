@@ -145,12 +145,14 @@ export class Car {
     this.steer += Math.min(most, Math.max(-most, target - this.steer));
 
     const torques = this.torques(controls, speed);
-    // All forces come from the same velocities: one wheel after the other, the car would pull to one side.
+    // All forces come from the velocities that the last step left. One wheel after the other, the car would pull to
+    // one side; with what the springs have just added, a car that is held on a slope would creep.
+    const motion = chassis.motion();
     const forces = chassis.suspend().map((strut, i) => {
       const wheel = this.wheels[i]!;
       wheel.strut = strut;
       wheel.carried += (strut.load - wheel.carried) * (STEP / YIELDING);
-      return this.turnWheel(i, torques[i]!);
+      return this.turnWheel(i, torques[i]!, motion);
     });
     for (const [i, force] of forces.entries()) chassis.push(force, this.wheels[i]!.strut.contact);
     const types = this.wheels.map(({ meeting }) => meeting.type);
@@ -183,7 +185,7 @@ export class Car {
   }
 
   /** Turn wheel `index` for a step; the force of the ground on it [N]. */
-  private turnWheel(index: number, torque: Torque): Vec {
+  private turnWheel(index: number, torque: Torque, motion: (at: Vec) => Vec): Vec {
     const { chassis } = this;
     const { mass, tyreRadius: radius } = this.options.settings;
     const wheel = this.wheels[index]!;
@@ -192,7 +194,7 @@ export class Car {
     const normal = meeting.normal;
     const ahead = unit(inPlane(turn(chassis.rotation, this.pointing(index)), normal));
     const right = cross(ahead, normal);
-    const velocity = chassis.velocityAt(strut.contact);
+    const velocity = motion(strut.contact);
     const forward = dot(velocity, ahead);
     const load = strut.load;
     const footing = { load, forward, right: dot(velocity, right), friction, sideFriction };
@@ -218,7 +220,7 @@ export class Car {
     const { chassis } = this;
     const wheel = this.wheels[index]!;
     const centre = chassis.wheelCentre(index, wheel.strut.length);
-    const [x, , z] = add(centre, scale(chassis.velocityAt(centre), STEP));
+    const [x, , z] = add(centre, scale(chassis.motion()(centre), STEP));
     wheel.meeting = this.meetingAt(index, x, z);
     this.chassis.pads.place(index, [x, wheel.meeting.height, z], wheel.meeting.normal);
   }

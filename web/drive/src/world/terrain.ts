@@ -20,38 +20,58 @@ export interface LatticeTerrain extends Terrain {
 const SLOTS = 1 << 17;
 const ROW = 362;
 
-class LatticeLand implements LatticeTerrain {
-  private readonly land: Landscape;
-  private readonly heights = new Float32Array(SLOTS);
+/** Numbers that belong to lattice points, kept for as long as no other point needs their place. */
+class Memory {
+  readonly values: Float32Array;
+  private readonly size: number;
   private readonly columns = new Int32Array(SLOTS).fill(0x7fffffff);
   private readonly rows = new Int32Array(SLOTS);
+  private readonly fill: (i: number, j: number, at: number) => void;
 
-  constructor(land: Landscape) {
-    this.land = land;
+  /** `fill` puts `size` numbers of point (i, j) into `values`, from index `at`. */
+  constructor(size: number, fill: (i: number, j: number, at: number) => void) {
+    this.size = size;
+    this.values = new Float32Array(size * SLOTS);
+    this.fill = fill;
   }
 
-  lattice(i: number, j: number): number {
+  /** Index of the first number of a point. */
+  find(i: number, j: number): number {
     const slot = (Math.imul(j, ROW) + i) & (SLOTS - 1);
+    const at = slot * this.size;
     if (this.columns[slot] !== i || this.rows[slot] !== j) {
       this.columns[slot] = i;
       this.rows[slot] = j;
-      this.heights[slot] = this.land.height(i * SPACING, j * SPACING);
+      this.fill(i, j, at);
     }
-    return this.heights[slot]!;
+    return at;
+  }
+}
+
+/** Where the surface of a point's numbers is kept: cover, share of packed snow, share of ice. */
+const COVER = 0;
+const PACKED = 1;
+const ICE = 2;
+
+class LatticeLand implements LatticeTerrain {
+  private readonly land: Landscape;
+  private readonly heights: Memory;
+  private readonly surfaces: Memory;
+
+  constructor(land: Landscape) {
+    this.land = land;
+    this.heights = new Memory(1, (i, j, at) => {
+      this.heights.values[at] = land.height(i * SPACING, j * SPACING);
+    });
+    this.surfaces = new Memory(3, (i, j, at) => this.fillSurface(i, j, at));
+  }
+
+  lattice(i: number, j: number): number {
+    return this.heights.values[this.heights.find(i, j)]!;
   }
 
   height(x: number, z: number): number {
-    const i = Math.floor(x / SPACING);
-    const j = Math.floor(z / SPACING);
-    const u = x / SPACING - i;
-    const v = z / SPACING - j;
-    const a = this.lattice(i, j);
-    // On the lines of the lattice two or three corners have no weight: coarse levels of detail pay for one.
-    const near = u === 0 ? a : a + (this.lattice(i + 1, j) - a) * u;
-    if (v === 0) return near;
-    const c = this.lattice(i, j + 1);
-    const far = u === 0 ? c : c + (this.lattice(i + 1, j + 1) - c) * u;
-    return near + (far - near) * v;
+    return this.between(this.heights, 0, x, z);
   }
 
   slope(x: number, z: number): [number, number] {
@@ -65,24 +85,45 @@ class LatticeLand implements LatticeTerrain {
   }
 
   cover(x: number, z: number): number {
-    const { land } = this;
-    // Slope over two metres: snow holds on a step of half a metre, not on a cliff.
-    const east = land.height(x + 1, z) - land.height(x - 1, z);
-    const south = land.height(x, z + 1) - land.height(x, z - 1);
-    const holds = smoothstep(1.3, 0.7, Math.hypot(east, south) / 2);
-    const road = land.road(x, z);
-    const ice = land.ice(x, z) * (1 - road);
-    const drifted = 1 + 0.4 * land.wind(x, z);
-    return holds * (drifted * (1 - road) * (1 - 0.85 * ice) + 0.45 * road);
+    return this.between(this.surfaces, COVER, x, z);
   }
 
   kinds(x: number, z: number): [number, number, number] {
+    const packed = this.between(this.surfaces, PACKED, x, z);
+    const ice = this.between(this.surfaces, ICE, x, z);
+    return [Math.max(0, 1 - packed - ice), packed, ice];
+  }
+
+  private between(memory: Memory, offset: number, x: number, z: number): number {
+    const i = Math.floor(x / SPACING);
+    const j = Math.floor(z / SPACING);
+    const u = x / SPACING - i;
+    const v = z / SPACING - j;
+    const value = (column: number, row: number) => memory.values[memory.find(column, row) + offset]!;
+    const a = value(i, j);
+    // On the lines of the lattice two or three corners have no weight: coarse levels of detail pay for one.
+    const near = u === 0 ? a : a + (value(i + 1, j) - a) * u;
+    if (v === 0) return near;
+    const c = value(i, j + 1);
+    const far = u === 0 ? c : c + (value(i + 1, j + 1) - c) * u;
+    return near + (far - near) * v;
+  }
+
+  private fillSurface(i: number, j: number, at: number): void {
     const { land } = this;
+    const [x, z] = [i * SPACING, j * SPACING];
+    // Slope over two metres: snow holds on a step of half a metre, not on a cliff.
+    const east = this.lattice(i + 2, j) - this.lattice(i - 2, j);
+    const south = this.lattice(i, j + 2) - this.lattice(i, j - 2);
+    const holds = smoothstep(1.3, 0.7, Math.hypot(east, south) / 2);
     const road = land.road(x, z);
     const ice = land.ice(x, z) * (1 - road);
-    const crust = 0.5 * smoothstep(-0.25, -0.6, land.wind(x, z)) * (1 - road - ice);
-    const packed = road + crust;
-    return [1 - packed - ice, packed, ice];
+    const wind = land.wind(x, z);
+    const crust = 0.5 * smoothstep(-0.25, -0.6, wind) * (1 - road - ice);
+    const { values } = this.surfaces;
+    values[at + COVER] = holds * ((1 + 0.4 * wind) * (1 - road) * (1 - 0.85 * ice) + 0.45 * road);
+    values[at + PACKED] = road + crust;
+    values[at + ICE] = ice;
   }
 }
 

@@ -25,6 +25,3 @@ export function options(
 ): CarOptions {
   return { terrain, snow: () => ({ h: depth, W: depth }), settings: { ...defaults(), ...changes } };
 }
-
-/** Controls with some of them pressed. */
-export const HANDS_OFF = { steer: 0, throttle: 0, brake: 0, handbrake: 0, reset: false };

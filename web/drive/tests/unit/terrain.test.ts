@@ -54,8 +54,9 @@ describe("terrain", () => {
     for (const land of lands) {
       for (const [x, z] of places) {
         const kinds = land.kinds(x, z);
-        expect(Math.abs(kinds[0] + kinds[1] + kinds[2] - 1)).toBeLessThan(1e-12);
-        for (const share of kinds) expect(share).toBeGreaterThanOrEqual(-1e-12);
+        // The lattice keeps float32: each share is known to 2^-24.
+        expect(Math.abs(kinds[0] + kinds[1] + kinds[2] - 1)).toBeLessThan(2 ** -22);
+        for (const share of kinds) expect(share).toBeGreaterThanOrEqual(0);
         expect(land.cover(x, z)).toBeGreaterThanOrEqual(0);
         expect(land.cover(x, z)).toBeLessThanOrEqual(1.5);
       }
