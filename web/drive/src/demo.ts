@@ -21,6 +21,9 @@ const SEED = 7;
 /** What a frame may last for the car [s]; in a longer one (a hidden tab) it stands still for the rest. */
 const LONGEST = 0.1;
 
+/** Grid rings for machines without a graphics card: a tenth of the triangles. */
+const COARSE_RINGS = { cells: 40, levels: 9, cell: 0.2 };
+
 /** Car, snow and picture together: what happens in a frame, and in which order. It knows no panel and no keys. */
 export class Demo {
   readonly camera = new PerspectiveCamera(55, 1, 0.1, 8000);
@@ -30,6 +33,8 @@ export class Demo {
   readonly stage: Stage;
   readonly car: Car;
   field: SnowField;
+  /** Whether the page holds still between calls of `drive` and `draw`: for tests and pictures. */
+  held = false;
   private readonly renderer: WebGLRenderer;
 
   /** Make the world; loads the physics first. Errors: Error with a sentence, when the browser lacks something. */
@@ -51,7 +56,8 @@ export class Demo {
     this.settings = settings;
     this.terrain = terrain;
     this.car = car;
-    this.stage = new Stage(renderer, { terrain, settings });
+    const low = settings.detail === "low" || (settings.detail === "auto" && drawsByProcessor(renderer));
+    this.stage = new Stage(renderer, { terrain, settings, ...(low && { rings: COARSE_RINGS }) });
     this.cameras = new Cameras((x, z) => terrain.height(x, z) + settings.depth * terrain.cover(x, z));
     this.field = this.makeField();
   }
@@ -60,6 +66,7 @@ export class Demo {
   advance(dt: number, controls: Controls, look?: CameraInput): void {
     const { car, stage, camera, settings, field } = this;
     car.step(Math.min(dt, LONGEST), controls);
+    stage.braking = car.state.gear === "R" ? controls.throttle : controls.brake; // backwards they change places
     aim(camera, this.cameras.update(car.state, Math.min(dt, LONGEST), look));
     camera.updateMatrixWorld();
     stage.update(Math.min(dt, LONGEST), car.state, camera, settings);
@@ -134,4 +141,14 @@ export class Demo {
     stage.attachSnow(field);
     return field;
   }
+}
+
+/** Whether WebGL has no graphics card to draw with, as far as the browser tells. */
+function drawsByProcessor(renderer: WebGLRenderer): boolean {
+  const gl = renderer.getContext();
+  const told = gl.getExtension("WEBGL_debug_renderer_info");
+  return (
+    told !== null &&
+    /swiftshader|llvmpipe|software/i.test(String(gl.getParameter(told.UNMASKED_RENDERER_WEBGL)))
+  );
 }

@@ -63,8 +63,10 @@ function run(demo: Demo, devices: Devices, canvas: HTMLCanvasElement): void {
   let last = performance.now();
   let told = 0;
   const frame = (now: number): void => {
+    requestAnimationFrame(frame);
     const dt = Math.max(0, (now - last) / 1e3);
     last = now;
+    if (demo.held) return;
     if (sharpness.take(dt)) fit();
     const { controls, presses } = devices.read(dt);
     if (presses.camera) say(`${demo.cameras.next()} camera`, 1.5);
@@ -72,12 +74,10 @@ function run(demo: Demo, devices: Devices, canvas: HTMLCanvasElement): void {
     demo.advance(dt, controls, devices.readCamera());
     demo.draw();
     const smooth = mean.take(dt, dt);
-    if (now - told > 100) {
-      told = now;
-      dash.show(demo.reading());
-      if (!figures.hidden) figures.textContent = lines(demo.cost(smooth)).join("\n");
-    }
-    requestAnimationFrame(frame);
+    if (now - told < 100) return;
+    told = now;
+    dash.show(demo.reading());
+    if (!figures.hidden) figures.textContent = lines(demo.cost(smooth)).join("\n");
   };
   demo.advance(0, HANDS_OFF);
   requestAnimationFrame(frame);

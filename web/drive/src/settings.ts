@@ -66,6 +66,13 @@ export const CHOICES = {
     meaning: "type of snow: by the map, or the same everywhere",
   },
   drive: { group: "car", value: "all", among: ["all", "front", "rear"], meaning: "driven wheels" },
+  detail: {
+    group: "picture",
+    value: "auto",
+    among: ["auto", "high", "low"],
+    meaning:
+      "how fine the ground is drawn; auto is low where the processor draws; acts when the page is loaded",
+  },
   resolution: {
     group: "picture",
     value: "1024",

@@ -39,6 +39,8 @@ export class Stage {
   readonly ground: GroundSource;
   /** Whether the headlights shine; null: by the daylight. */
   headlights: boolean | null = null;
+  /** How far the brake is pressed, 0..1: the brake lamps. */
+  braking = 0;
   /** Whether the daylight asks for them. */
   dark = false;
   readonly stats: StageStats = { drawCalls: 0, triangles: 0, textureBytes: 0 };
@@ -57,7 +59,6 @@ export class Stage {
   private readonly flakes: Flakes;
   private readonly focus = new Vector3();
   private snowed = 0.35;
-  private speed = 0;
 
   constructor(renderer: WebGLRenderer, { terrain, settings, rings = RINGS }: StageOptions) {
     this.renderer = renderer;
@@ -137,13 +138,9 @@ export class Stage {
     const speed = Math.hypot(...car.velocity);
     const gain = Math.min(1, deep / 0.15) * Math.min(1, speed / 6);
     this.snowed += dt * (0.06 * gain * (1 - this.snowed) - 0.004 * (this.snowed - 0.25));
-    // Brake lamps shine when it slows faster than snow and air would make it.
-    const slowing = dt > 0 ? (this.speed - speed) / dt : 0;
-    this.speed = speed;
-    const braking = Math.min(1, Math.max(0, (slowing - 1.5) / 2));
     this.car.update(car, this.snowed);
-    this.car.shine(need, Math.max(0.35 * need, braking));
-    this.lamps.update(this.car, need, braking, pixels);
+    this.car.shine(need, Math.max(0.35 * need, this.braking));
+    this.lamps.update(this.car, need, this.braking, pixels);
     this.spray.update(dt, car);
   }
 

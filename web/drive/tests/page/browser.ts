@@ -34,13 +34,16 @@ export interface Visit {
   close(): Promise<void>;
 }
 
-/** Build one page of this folder into a folder of its own; the demo itself is taken as `npm run build` made it. */
-async function built(path: string): Promise<string | undefined> {
-  if (path === "") return undefined;
+/** Build one page of this folder, or the demo with all its pages (""), into a folder of its own. */
+async function built(path: string): Promise<string> {
   const outDir = mkdtempSync(join(tmpdir(), "neve-page-"));
-  const options = { outDir, emptyOutDir: true, rolldownOptions: { input: join(ROOT, path) } };
-  // Without the settings of the demo, whose pages are not wanted here.
-  await build({ root: ROOT, configFile: false, base: "./", logLevel: "error", build: options });
+  const quiet = { root: ROOT, base: "./", logLevel: "error" } as const;
+  if (path === "") await build({ ...quiet, build: { outDir, emptyOutDir: true } });
+  else {
+    const options = { outDir, emptyOutDir: true, rolldownOptions: { input: join(ROOT, path) } };
+    // Without the settings of the demo, whose pages are not wanted here.
+    await build({ ...quiet, configFile: false, build: options });
+  }
   return outDir;
 }
 
@@ -53,8 +56,8 @@ async function launch(): Promise<Browser> {
 }
 
 /**
- * Open a page of this folder: "tests/page/snow.html" is built for it, "" is the demo itself as it was built. A query
- * or a hash goes into `search`.
+ * Open a page of this folder: "tests/page/snow.html", or "" for the demo itself; it is built for this. A query or a
+ * hash goes into `search`.
  */
 export async function visit(
   path: string,
@@ -65,7 +68,7 @@ export async function visit(
     root: ROOT,
     logLevel: "error",
     preview: { host: "127.0.0.1", port: 0 },
-    ...(outDir ? { build: { outDir } } : {}),
+    build: { outDir },
   });
   const port = server.httpServer.address();
   if (!port || typeof port === "string") throw new Error("the server of the page has no port");
@@ -89,7 +92,7 @@ export async function visit(
     async close() {
       await browser.close();
       await server.close();
-      if (outDir) rmSync(outDir, { recursive: true });
+      rmSync(outDir, { recursive: true });
     },
   };
 }

@@ -16,6 +16,7 @@ describe("address", () => {
       for (const name of Object.keys(QUANTITIES) as QuantityName[]) settings[name] = QUANTITIES[name][end];
       settings.type = "ice";
       settings.drive = "rear";
+      settings.detail = "low";
       settings.resolution = "256";
       expect(readAddress(`#${writeAddress(settings)}`)).toEqual({ settings, complaints: [] });
     }

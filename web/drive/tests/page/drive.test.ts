@@ -1,0 +1,177 @@
+import { afterAll, beforeAll, describe, expect, test } from "vitest";
+import type { Demo } from "../../src/demo";
+import { NO_BROWSER, visit, type Visit } from "./browser";
+
+declare global {
+  interface Window {
+    neveDrive?: Demo;
+  }
+}
+
+const SMALL = "#resolution=256&flakes=0";
+
+async function open(search: string): Promise<Visit> {
+  const visitor = await visit("", { search });
+  await visitor.page.waitForFunction(() => window.neveDrive, null, { timeout: 110_000 });
+  await visitor.page.evaluate(() => (window.neveDrive!.held = true));
+  return visitor;
+}
+
+/** Depths of the snow across the track two metres behind the rear axle [m], and the fresh depths there. */
+const ACROSS = async () => {
+  const { car, field, terrain, settings } = window.neveDrive!;
+  const [x, , z] = car.state.position;
+  const n = 80;
+  const at = (j: number) => z + (j - n / 2) * field.texel;
+  const snow = await field.read(x - 4, at(0), 1, n);
+  return Array.from({ length: n }, (_, j) => ({
+    z: at(j) - z,
+    depth: snow[2 * j]!,
+    fresh: settings.depth * terrain.cover(x - 4, at(j)),
+  }));
+};
+
+describe.skipIf(NO_BROWSER)("the page", () => {
+  let visitor: Visit;
+  beforeAll(async () => {
+    visitor = await open(SMALL);
+  });
+  afterAll(async () => {
+    await visitor.close();
+  });
+
+  test("loads, stands still, and draws a picture that is not one colour", async () => {
+    const { page } = visitor;
+    const colours = await page.evaluate(() => {
+      const demo = window.neveDrive!;
+      demo.drive(0.5, {});
+      demo.draw();
+      const view = document.querySelector("canvas")!;
+      const copy = Object.assign(document.createElement("canvas"), { width: 32, height: 20 });
+      const pen = copy.getContext("2d")!;
+      pen.drawImage(view, 0, 0, 32, 20);
+      const data = pen.getImageData(0, 0, 32, 20).data;
+      return new Set(Array.from({ length: 640 }, (_, i) => data.slice(4 * i, 4 * i + 3).join())).size;
+    });
+    expect(colours).toBeGreaterThan(50);
+    expect(Math.abs(await page.evaluate(() => window.neveDrive!.car.state.speed))).toBeLessThan(0.3);
+  });
+
+  test("driving forward leaves two ruts, a track width apart", async () => {
+    await visitor.page.evaluate(() => window.neveDrive!.drive(4, { throttle: 0.6 }));
+    const across = await visitor.page.evaluate(ACROSS);
+    // A rut is where more than a fifth of the fresh depth is gone; runs of them are counted.
+    const low = across.map(({ depth, fresh }) => depth < 0.8 * fresh);
+    const starts = low.flatMap((is, j) => (is && !low[j - 1] ? [j] : []));
+    expect(starts).toHaveLength(2);
+    const middles = starts.map((j) => {
+      let end = j;
+      while (low[end]) end++;
+      return 0.5 * (across[j]!.z + across[end - 1]!.z);
+    });
+    // The wheels stand 1.56 m apart (body.ts); a texel is 0.05 m, and the walls slide in by some texels each.
+    expect(Math.abs(middles[1]! - middles[0]! - 1.56)).toBeLessThan(0.15);
+  });
+
+  test("a row of the panel changes the snow and the address", async () => {
+    const { page } = visitor;
+    await page.getByRole("button", { name: "Snow and car" }).click(); // closed in so narrow a window
+    const row = page.locator(".lil-controller", { hasText: "repose" }).locator("input");
+    await row.fill("35");
+    await row.press("Enter");
+    expect(await page.evaluate(() => window.neveDrive!.field.settings.repose)).toBe(35);
+    expect(await page.evaluate(() => location.hash)).toContain("repose=35");
+  });
+
+  test("a long pause, as of a hidden tab, moves the car little and the snow by all of it", async () => {
+    const before = await visitor.page.evaluate(ACROSS);
+    const way = await visitor.page.evaluate(() => {
+      const demo = window.neveDrive!;
+      demo.settings.recovery = 30;
+      demo.changed("recovery");
+      const [x, , z] = demo.car.state.position;
+      const speed = Math.abs(demo.car.state.speed);
+      demo.advance(30, { steer: 0, throttle: 0, brake: 0, handbrake: 0, reset: false });
+      const [x1, , z1] = demo.car.state.position;
+      return { moved: Math.hypot(x1 - x, z1 - z), speed };
+    });
+    expect(way.moved).toBeLessThan(0.1 * way.speed + 0.05);
+    const after = await visitor.page.evaluate(ACROSS);
+    const deepest = (row: typeof before) => Math.max(...row.map(({ depth, fresh }) => fresh - depth));
+    // The car rolled on a little between the two rows; the ruts there are alike to a tenth.
+    expect(deepest(after) / deepest(before)).toBeGreaterThan(0.9 * Math.exp(-1));
+    expect(deepest(after) / deepest(before)).toBeLessThan(1.1 * Math.exp(-1));
+  });
+
+  test("the canvas follows the window", async () => {
+    const { page } = visitor;
+    await page.setViewportSize({ width: 400, height: 160 });
+    await page.waitForFunction(() => window.neveDrive!.camera.aspect === 2.5);
+    const sizes = await page.evaluate(() => {
+      const view = document.querySelector("canvas")!;
+      return [view.clientWidth / view.clientHeight, view.width / view.height];
+    });
+    expect(sizes[0]).toBe(2.5);
+    expect(sizes[1]).toBeCloseTo(2.5, 1); // whole pixels
+  });
+
+  test("keys drive, change the camera and show the figures", async () => {
+    const { page } = visitor;
+    await page.evaluate(() => {
+      window.neveDrive!.car.reset();
+      window.neveDrive!.held = false;
+    });
+    await page.keyboard.press("KeyF");
+    await page.keyboard.down("KeyC");
+    await page.waitForFunction(() => window.neveDrive!.cameras.name === "cockpit", null, { timeout: 60_000 });
+    await page.keyboard.up("KeyC");
+    await page.keyboard.down("KeyW");
+    await page.waitForFunction(() => window.neveDrive!.car.state.speed > 0.5, null, { timeout: 90_000 });
+    await page.keyboard.up("KeyW");
+    await page.waitForFunction(() => document.getElementById("figures")!.textContent!.includes("draw calls"));
+    await page.evaluate(() => (window.neveDrive!.held = true));
+  });
+
+  test("a lost context comes back with the picture", async () => {
+    const { page } = visitor;
+    const drawn = await page.evaluate(async () => {
+      const view = document.querySelector("canvas")!;
+      const gl = view.getContext("webgl2")!;
+      const lose = gl.getExtension("WEBGL_lose_context")!;
+      const heard = (name: string) =>
+        new Promise((done) => view.addEventListener(name, done, { once: true }));
+      const lost = heard("webglcontextlost");
+      lose.loseContext();
+      await lost;
+      window.neveDrive!.drive(0.2, {});
+      await new Promise((later) => setTimeout(later, 50)); // the browser restores only after the event is over
+      const back = heard("webglcontextrestored");
+      lose.restoreContext();
+      await back;
+      window.neveDrive!.drive(0.2, { throttle: 1 });
+      window.neveDrive!.draw();
+      return { error: gl.getError(), calls: window.neveDrive!.stage.stats.drawCalls };
+    });
+    expect(drawn.error).toBe(0);
+    expect(drawn.calls).toBeGreaterThan(5);
+  });
+
+  test("nothing was complained about", () => {
+    const told = visitor.errors.filter((line) => !/Context Lost|CONTEXT_LOST/i.test(line));
+    expect(told).toEqual([]);
+  });
+});
+
+describe.skipIf(NO_BROWSER)("an address", () => {
+  test("with mistakes is told of them and taken without them", async () => {
+    const visitor = await open("#depth=9&type=slush&hour=8&resolution=256");
+    const told = await visitor.page.locator("#message").textContent();
+    expect(told).toBe(
+      "depth: 9 is not a number from 0.05 to 1.2 m.\ntype: slush is not one of map, powder, packed, ice.",
+    );
+    const settings = await visitor.page.evaluate(() => window.neveDrive!.settings);
+    expect([settings.depth, settings.type, settings.hour]).toEqual([0.45, "map", 8]);
+    expect(visitor.errors).toEqual([]);
+    await visitor.close();
+  });
+});
