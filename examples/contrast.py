@@ -4,8 +4,8 @@
     python examples/contrast.py game [--out DIR]                 # the page of neve drive, a Chromium
     python examples/contrast.py show [--out DIR] [--image FILE]  # plot (matplotlib) and table
 
-The game's snow has three numbers that no snow has: they are fitted to the ruts of the lightest and of the
-heaviest load by MPM; the load between is what it foretells.
+The game's snow has three numbers that no snow has: the compaction is what MPM shows, the other two are fitted
+to the depths of the ruts by MPM.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def rim_share(run: dict[str, Any]) -> float:
 
 
 def play(out: Path) -> None:
-    """Fit the game's snow to the lightest and the heaviest run, and roll the wheel of each over it."""
+    """Fit the game's snow to the ruts by MPM, and roll each load over it."""
     from playwright.sync_api import sync_playwright
 
     from neve.drive.serve import listening
@@ -148,11 +148,9 @@ def play(out: Path) -> None:
             ask = "([wheel, snow, depth, c]) => neveLab.sinkage(wheel, snow, depth, c)"
             return float(page.evaluate(ask, [wish["wheel"], wish["snow"], DEPTH, compaction]))
 
-        ends = (runs[0], runs[-1])
-
         def miss(guess: Array) -> list[float]:
             strain, pressure = 1.0 / (1.0 + np.exp(-guess[0])), np.exp(guess[1])
-            return [sinkage(run["load"], strain, pressure) - rut_depth(run) for run in ends]
+            return [sinkage(run["load"], strain, pressure) - rut_depth(run) for run in runs]
 
         found = least_squares(miss, [0.5, np.log(3e4)]).x
         snow = {"strain": 1.0 / (1.0 + np.exp(-found[0])), "pressure": float(np.exp(found[1]))}
