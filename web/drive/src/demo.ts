@@ -12,6 +12,7 @@ import type { ChoiceName, QuantityName, Settings } from "./settings";
 import { SnowField } from "./snow/field";
 import type { Column } from "./snow/law";
 import { mixSnow } from "./snow/types";
+import { placesOf, TILE } from "./world/places";
 import { makeTerrain } from "./world/terrain";
 import type { Terrain } from "./world/terrain_type";
 import { withType } from "./world/uniform";
@@ -41,14 +42,16 @@ export class Demo {
   static async create(renderer: WebGLRenderer, settings: Settings): Promise<Demo> {
     const missing = SnowField.missing(renderer);
     if (missing) throw new Error(missing);
-    const terrain = withType(makeTerrain(SEED), () => settings.type);
+    const map = makeTerrain(SEED);
+    const terrain = withType(map, () => settings.type);
     let demo: Demo | null = null;
     const snow = (x: number, z: number): Column => {
       const fresh = settings.depth * terrain.cover(x, z);
       return demo?.field.probe(x, z) ?? { h: fresh, W: fresh };
     };
-    const car = await Car.create({ terrain, snow, settings });
-    return (demo = new Demo(renderer, settings, terrain, car));
+    const standing = { tile: TILE, on: (i: number, j: number) => placesOf(map, i, j, SEED) };
+    const car = await Car.create({ terrain, snow, settings, standing });
+    return (demo = new Demo(renderer, settings, map, car));
   }
 
   private constructor(renderer: WebGLRenderer, settings: Settings, terrain: Terrain, car: Car) {
@@ -57,7 +60,7 @@ export class Demo {
     this.terrain = terrain;
     this.car = car;
     const low = settings.detail === "low" || (settings.detail === "auto" && drawsByProcessor(renderer));
-    this.stage = new Stage(renderer, { terrain, settings, ...(low && { rings: COARSE_RINGS }) });
+    this.stage = new Stage(renderer, { terrain, settings, seed: SEED, ...(low && { rings: COARSE_RINGS }) });
     this.cameras = new Cameras((x, z) => terrain.height(x, z) + settings.depth * terrain.cover(x, z));
     this.field = this.makeField();
   }
@@ -89,7 +92,7 @@ export class Demo {
   /** Take over a changed setting. Another resolution begins a new window, without the tracks. */
   changed(name: QuantityName | ChoiceName): void {
     this.field.settings = snowSettings(this.settings);
-    if (name !== "resolution" && name !== "type") return;
+    if (name !== "resolution") return;
     this.field.dispose();
     this.field = this.makeField();
   }
@@ -110,7 +113,8 @@ export class Demo {
   reading(): Reading {
     const { speed, gear, position, wheels } = this.car.state;
     const [x, , z] = position;
-    const type = mixSnow(this.terrain.kinds(x, z)).name;
+    const { type: wanted } = this.settings;
+    const type = wanted === "map" ? mixSnow(this.terrain.kinds(x, z)).name : wanted;
     const depth = this.settings.depth * this.terrain.cover(x, z);
     return { speed, gear, type, depth, sinkage: wheels.map((wheel) => wheel.sinkage) };
   }

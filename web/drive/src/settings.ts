@@ -63,7 +63,8 @@ export const CHOICES = {
     group: "snow",
     value: "map",
     among: ["map", "powder", "packed", "ice"],
-    meaning: "type of snow: by the map, or the same everywhere",
+    meaning:
+      "type of snow under the wheels: by the map, or the same everywhere (the picture keeps the map's)",
   },
   drive: { group: "car", value: "all", among: ["all", "front", "rear"], meaning: "driven wheels" },
   detail: {

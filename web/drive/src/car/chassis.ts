@@ -4,6 +4,7 @@ import type { Terrain } from "../world/terrain_type";
 import { BODY, GRAVITY, inertia, suspension, WHEELS } from "./body";
 import { add, cross, multiply, scale, turn, unit, yaw, type Quaternion, type Vec } from "./geometry";
 import { GroundChunks } from "./ground_chunks";
+import { Obstacles, type Standing } from "./obstacles";
 import { CHASSIS_GROUPS, RAY_GROUPS } from "./groups";
 import { Pads } from "./pads";
 
@@ -21,7 +22,8 @@ const xyz = ([x, y, z]: Readonly<Vec>): Xyz => ({ x, y, z });
 
 export class Chassis {
   readonly pads: Pads;
-  readonly ground: GroundChunks;
+  private readonly ground: GroundChunks;
+  private readonly obstacles: Obstacles | null;
   private readonly world: RAPIER.World;
   private readonly body: RAPIER.RigidBody;
   private readonly controller: RAPIER.DynamicRayCastVehicleController;
@@ -34,7 +36,7 @@ export class Chassis {
     await RAPIER.init();
   }
 
-  constructor(terrain: Terrain, step: number) {
+  constructor(terrain: Terrain, step: number, standing?: Standing) {
     this.step = step;
     this.world = new RAPIER.World({ x: 0, y: -GRAVITY, z: 0 });
     this.world.timestep = step;
@@ -60,6 +62,7 @@ export class Chassis {
     }
     this.pads = new Pads(RAPIER, this.world, WHEELS.length);
     this.ground = new GroundChunks(RAPIER, this.world, terrain);
+    this.obstacles = standing ? new Obstacles(RAPIER, this.world, standing) : null;
   }
 
   /** Take over mass [kg], frequency of the suspension [Hz] and radius of the tyres [m]. */
@@ -93,7 +96,13 @@ export class Chassis {
     this.body.setRotation({ x, y, z, w: real }, true);
     this.body.setLinvel({ x: 0, y: 0, z: 0 }, true);
     this.body.setAngvel({ x: 0, y: 0, z: 0 }, true);
-    this.ground.follow(position[0], position[2]);
+    this.follow(position[0], position[2]);
+  }
+
+  /** Have the ground and what stands on it about (x, z) [m]. */
+  follow(x: number, z: number): void {
+    this.ground.follow(x, z);
+    this.obstacles?.follow(x, z);
   }
 
   get position(): Vec {

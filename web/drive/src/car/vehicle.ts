@@ -13,6 +13,7 @@ import { drivenSpeed, share, type Torque } from "./driveline";
 import { meet, type Meeting, type SnowSample, type Surroundings } from "./footing";
 import { Gearbox, steeringLimit } from "./gearbox";
 import { add, cross, dot, inPlane, scale, turn, unit, type Vec } from "./geometry";
+import type { Standing } from "./obstacles";
 import { bellyStamp, interpolate, upright, wheelStamp, type CarState } from "./state";
 import { roll, type Tyre } from "./tyre";
 import { pushUnderside } from "./underside";
@@ -38,6 +39,8 @@ export interface CarOptions {
     Settings,
     "mass" | "power" | "tyreWidth" | "tyreRadius" | "stiffness" | "drive" | "compaction"
   >;
+  /** What stands in the way; left out, nothing does. */
+  readonly standing?: Standing;
   /** Where it begins [m] and its heading [rad]: (cos, sin) in (x, z). */
   readonly start?: { x: number; z: number; heading: number };
 }
@@ -79,7 +82,7 @@ export class Car {
 
   private constructor(options: CarOptions) {
     this.options = options;
-    this.chassis = new Chassis(options.terrain, STEP);
+    this.chassis = new Chassis(options.terrain, STEP, options.standing);
     this.good = options.start ?? { x: 0, z: 0, heading: 0 };
     this.wheels = WHEELS.map((_, i) => this.freshWheel(i));
     this.tune();
@@ -294,7 +297,7 @@ export class Car {
       this.put(this.good);
     } else {
       this.good = { x, z, heading: Math.atan2(ahead[2], ahead[0]) };
-      this.chassis.ground.follow(x, z);
+      this.chassis.follow(x, z);
     }
   }
 

@@ -1,7 +1,7 @@
 /** Falling snow: points without memory, wrapped about the camera, so that they are everywhere at no cost. */
 import { BufferAttribute, BufferGeometry, Points, ShaderMaterial, Vector3 } from "three";
 import type { Atmosphere } from "./atmosphere";
-import { hash } from "./noise_texture";
+import { random } from "../world/noise";
 
 /** Flakes at most, and side of the cube about the camera that they fill [m]. */
 const COUNT = 7000;
@@ -13,7 +13,7 @@ export class Flakes {
 
   constructor(air: Atmosphere) {
     const places = new Float32Array(4 * COUNT);
-    for (let k = 0; k < places.length; k++) places[k] = hash(k, 3, 11);
+    for (let k = 0; k < places.length; k++) places[k] = random(k, 3, 11);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(places, 4));
     const material = new ShaderMaterial({

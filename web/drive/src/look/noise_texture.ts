@@ -1,13 +1,6 @@
 /** Noise that tiles, made once: a smooth fractal, its slopes, and white grains. */
 import { DataTexture, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping, RGBAFormat } from "three";
-
-/** A number in [0, 1) for a place on a lattice: the same for the same place (integer hash after Wang). */
-export function hash(i: number, j: number, salt: number): number {
-  let h = Math.imul(i, 0x27d4eb2d) ^ Math.imul(j, 0x165667b1) ^ Math.imul(salt, 0x9e3779b1);
-  h = Math.imul(h ^ (h >>> 15), 0x85ebca6b);
-  h = Math.imul(h ^ (h >>> 13), 0xc2b2ae35);
-  return ((h ^ (h >>> 16)) >>> 0) / 4294967296;
-}
+import { random } from "../world/noise";
 
 /** Smooth noise of a period of `period` lattice steps, 0..1, at (x, y) in steps. */
 export function tiled(x: number, y: number, period: number, salt: number): number {
@@ -15,7 +8,7 @@ export function tiled(x: number, y: number, period: number, salt: number): numbe
   const [u, v] = [x - i, y - j];
   const [s, t] = [u * u * (3 - 2 * u), v * v * (3 - 2 * v)];
   const wrap = (k: number) => ((k % period) + period) % period;
-  const at = (k: number, l: number) => hash(wrap(k), wrap(l), salt);
+  const at = (k: number, l: number) => random(wrap(k), wrap(l), salt);
   const near = at(i, j) * (1 - s) + at(i + 1, j) * s;
   const far = at(i, j + 1) * (1 - s) + at(i + 1, j + 1) * s;
   return near * (1 - t) + far * t;
@@ -47,7 +40,7 @@ export function noiseTexture(size = 256): DataTexture {
       data[k] = byte(0.5 + 3 * (at(i + 1, j) - at(i - 1, j)));
       data[k + 1] = byte(0.5 + 3 * (at(i, j + 1) - at(i, j - 1)));
       data[k + 2] = byte(0.5 + 0.62 * soft[j * size + i]!);
-      data[k + 3] = byte(hash(i, j, 77));
+      data[k + 3] = byte(random(i, j, 77));
     }
   }
   const texture = new DataTexture(data, size, size, RGBAFormat);

@@ -1,7 +1,7 @@
 /** Shapes of pines, rocks and poles, one metre high or wide; the attribute `leaf` says what a vertex is part of. */
 import { BufferAttribute, BufferGeometry, CylinderGeometry, IcosahedronGeometry } from "three";
 import { mergeGeometries, mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
-import { hash } from "./noise_texture";
+import { random } from "../world/noise";
 
 /** How finely a pine is made: whorls of branches, branches in a whorl, steps along a branch. */
 export interface PineSize {
@@ -22,15 +22,16 @@ export function pine({ whorls, branches, steps }: PineSize, seed: number): Buffe
   for (let w = 0; w < whorls; w++) {
     const up = w / whorls;
     const top = 0.2 + 0.8 * up + 0.8 / whorls;
-    const reach = (0.205 * (1 - up) ** 0.86 + 0.022) * (0.9 + 0.2 * hash(w, 1, seed));
+    const reach = (0.205 * (1 - up) ** 0.86 + 0.022) * (0.9 + 0.2 * random(w, 1, seed));
     const fall = (1.12 / whorls) * (1 + 0.5 * (1 - up));
     const around = 2 * branches;
     const first = position.length / 3;
     for (let s = 0; s <= steps; s++) {
       const along = s / steps;
       for (let b = 0; b < around; b++) {
-        const angle = (2 * Math.PI * (b + 0.5 * (w % 2))) / around + 0.35 * (hash(w, b, seed + 2) - 0.5) + w;
-        const tip = b % 2 === 0 ? 1 + 0.28 * (hash(w, b, seed) - 0.4) : 0.62;
+        const angle =
+          (2 * Math.PI * (b + 0.5 * (w % 2))) / around + 0.35 * (random(w, b, seed + 2) - 0.5) + w;
+        const tip = b % 2 === 0 ? 1 + 0.28 * (random(w, b, seed) - 0.4) : 0.62;
         const r = reach * (0.08 + 0.92 * along * (along > 0.99 ? tip : 0.9 * tip + 0.1));
         const droop = fall * (0.35 * along + 0.65 * along ** 2) * (b % 2 === 0 ? 1.0 : 0.78);
         position.push(r * Math.cos(angle), Math.min(top, 1) - droop, r * Math.sin(angle));
@@ -70,10 +71,10 @@ export function rock(): BufferGeometry {
   const whole = mergeVertices(ball);
   const p = whole.getAttribute("position");
   const planes = Array.from({ length: 11 }, (_, k) => {
-    const z = 2 * hash(k, 1, 5) - 1;
-    const angle = 6.283 * hash(k, 2, 5);
+    const z = 2 * random(k, 1, 5) - 1;
+    const angle = 6.283 * random(k, 2, 5);
     const r = Math.sqrt(1 - z * z);
-    return [r * Math.cos(angle), z, r * Math.sin(angle), 0.27 + 0.16 * hash(k, 3, 5)] as const;
+    return [r * Math.cos(angle), z, r * Math.sin(angle), 0.27 + 0.16 * random(k, 3, 5)] as const;
   });
   for (let k = 0; k < p.count; k++) {
     let [x, y, z] = [p.getX(k), p.getY(k), p.getZ(k)];

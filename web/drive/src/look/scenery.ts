@@ -16,8 +16,8 @@ import type { Terrain } from "../world/terrain_type";
 import type { Atmosphere, Changes } from "./atmosphere";
 import { put } from "./atmosphere";
 import { pine, pole, rock } from "./plant_shapes";
-import type { Place, Places } from "./places";
-import { placesOf, TILE } from "./places";
+import type { Place, Places } from "../world/places";
+import { placesOf, TILE } from "../world/places";
 
 /** Trees: up to which distance [m] each shape is drawn, how many at most, whether it throws shadows. */
 const RANGES = [
@@ -90,7 +90,7 @@ export class Scenery {
   private readonly chosenAt = new Vector3(Infinity, 0, 0);
   private unseen = 0;
 
-  constructor(air: Atmosphere, noise: Texture, terrain: Terrain, seed = 7) {
+  constructor(air: Atmosphere, noise: Texture, terrain: Terrain, seed: number) {
     this.terrain = terrain;
     this.seed = seed;
     const shapes = [

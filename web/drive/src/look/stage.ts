@@ -23,6 +23,8 @@ import { Spray } from "./spray";
 export interface StageOptions {
   readonly terrain: Terrain;
   readonly settings: Settings;
+  /** Of what stands in the world, as the car meets it. */
+  readonly seed: number;
   /** Grid rings of the snow; coarser ones for slow machines. */
   readonly rings?: RingSize;
 }
@@ -60,7 +62,7 @@ export class Stage {
   private readonly focus = new Vector3();
   private snowed = 0.35;
 
-  constructor(renderer: WebGLRenderer, { terrain, settings, rings = RINGS }: StageOptions) {
+  constructor(renderer: WebGLRenderer, { terrain, settings, seed, rings = RINGS }: StageOptions) {
     this.renderer = renderer;
     renderer.shadowMap.enabled = true;
     renderer.shadowMap.type = PCFShadowMap;
@@ -74,7 +76,7 @@ export class Stage {
     this.mirror = new MirroredSky(renderer, this.air, this.noise);
     this.car = new CarView(this.air, this.noise);
     this.lamps = new Lamps(this.air);
-    this.scenery = new Scenery(this.air, this.noise, terrain);
+    this.scenery = new Scenery(this.air, this.noise, terrain, seed);
     this.spray = new Spray(this.air, this.noise, (x, z) => terrain.height(x, z));
     this.flakes = new Flakes(this.air);
     this.lights = new Lights({ fine: this.car.casters, coarse: this.scenery.casters });

@@ -28,6 +28,7 @@ const begin = performance.now();
 const stage = new Stage(renderer, {
   terrain,
   settings,
+  seed: 7,
   rings: { ...RINGS, cells: Number(wanted.get("cells") ?? RINGS.cells) },
 });
 stage.attachSnow(paintedTracks(settings.depth, terrain));

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { CLEARING, placesOf, TILE, treeMayStand } from "../../src/look/places";
+import { CLEARING, placesOf, TILE, treeMayStand } from "../../src/world/places";
 import { makeTerrain } from "../../src/world/terrain";
 import type { Terrain } from "../../src/world/terrain_type";
 

@@ -2,8 +2,8 @@
  * Where trees, rocks and poles stand: chosen by hashes of cells of the world, the same in every visit, without a list
  * of the world.
  */
-import type { Terrain } from "../world/terrain_type";
-import { hash } from "./noise_texture";
+import type { Terrain } from "./terrain_type";
+import { random } from "./noise";
 
 export interface Place {
   readonly x: number;
@@ -34,7 +34,7 @@ function smooth(x: number, z: number, scale: number, salt: number): number {
   const [i, j] = [Math.floor(u), Math.floor(v)];
   const ease = (t: number) => t * t * (3 - 2 * t);
   const [s, t] = [ease(u - i), ease(v - j)];
-  const row = (k: number) => hash(i, k, salt) * (1 - s) + hash(i + 1, k, salt) * s;
+  const row = (k: number) => random(i, k, salt) * (1 - s) + random(i + 1, k, salt) * s;
   return row(j) * (1 - t) + row(j + 1) * t;
 }
 
@@ -52,10 +52,10 @@ export function placesOf(terrain: Terrain, i: number, j: number, seed: number): 
   const cell = TILE / CELLS;
   for (let k = 0; k < CELLS * CELLS; k++) {
     const [ci, cj] = [i * CELLS + (k % CELLS), j * CELLS + Math.floor(k / CELLS)];
-    const x = (ci + 0.15 + 0.7 * hash(ci, cj, seed)) * cell;
-    const z = (cj + 0.15 + 0.7 * hash(ci, cj, seed + 1)) * cell;
+    const x = (ci + 0.15 + 0.7 * random(ci, cj, seed)) * cell;
+    const z = (cj + 0.15 + 0.7 * random(ci, cj, seed + 1)) * cell;
     if (Math.hypot(x, z) < CLEARING) continue;
-    const chance = hash(ci, cj, seed + 2);
+    const chance = random(ci, cj, seed + 2);
     const wood = woodland(x, z, seed);
     // A few stand alone in the open.
     if (chance < 0.03 + 0.75 * wood) addTree(trees, terrain, x, z, ci, cj, seed, wood);
@@ -98,11 +98,11 @@ function addTree(
   wood: number,
 ): void {
   if (!treeMayStand(terrain, x, z)) return;
-  const tall = hash(ci, cj, seed + 5);
-  const young = hash(ci, cj, seed + 6) < 0.2 ? 0.45 : 1;
+  const tall = random(ci, cj, seed + 5);
+  const young = random(ci, cj, seed + 6) < 0.2 ? 0.45 : 1;
   const size = (4.2 + 7.5 * tall ** 1.3 + 2.5 * wood) * young;
   const place = { x, y: terrain.height(x, z) - 0.1, z, size };
-  to.push({ ...place, turn: 6.283 * hash(ci, cj, seed + 7), rank: hash(ci, cj, seed + 8) });
+  to.push({ ...place, turn: 6.283 * random(ci, cj, seed + 7), rank: random(ci, cj, seed + 8) });
 }
 
 function addRock(
@@ -118,10 +118,10 @@ function addRock(
   if (packed > 0.2 || ice > 0.05) return;
   const [a, b] = terrain.slope(x, z);
   const steep = Math.min(1, Math.hypot(a, b) / 0.8);
-  const kind = hash(ci, cj, seed + 9);
+  const kind = random(ci, cj, seed + 9);
   if (kind > 0.25 + 0.75 * steep) return;
-  const size = 0.5 + 2.1 * hash(ci, cj, seed + 10) ** 2 * (0.5 + steep);
-  to.push({ x, y: terrain.height(x, z), z, size, turn: 6.283 * kind * 4, rank: hash(ci, cj, seed + 11) });
+  const size = 0.5 + 2.1 * random(ci, cj, seed + 10) ** 2 * (0.5 + steep);
+  to.push({ x, y: terrain.height(x, z), z, size, turn: 6.283 * kind * 4, rank: random(ci, cj, seed + 11) });
 }
 
 /** A pole where the edge of a road passes through a cell; one for each cell at most. */
@@ -136,7 +136,14 @@ function addPole(to: Place[], terrain: Terrain, x0: number, z0: number, cell: nu
       (d) => terrain.kinds(x + d, z)[1] > 0.9 || terrain.kinds(x, z + d)[1] > 0.9,
     );
     if (!beside) continue;
-    to.push({ x, y: terrain.height(x, z), z, size: 1, turn: hash(k, Math.round(x0), seed) * 6.283, rank: 0 });
+    to.push({
+      x,
+      y: terrain.height(x, z),
+      z,
+      size: 1,
+      turn: random(k, Math.round(x0), seed) * 6.283,
+      rank: 0,
+    });
     return;
   }
 }
