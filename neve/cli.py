@@ -151,7 +151,9 @@ def _is_folder(path: Path) -> bool:
     "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
 )
 @click.option("--port", type=click.IntRange(0, 65535), help="Port; the first free one from 8420 by default.")
-@click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; all by default.")
+@click.option(
+    "--threads", metavar="N", callback=thread_count, help="Threads of the simulation; all but one by default."
+)
 @click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
 @click.option("--replay", metavar="FILE", help="Show nothing; write a page that plays the RUN by itself.")
 def view(

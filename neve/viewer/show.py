@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -34,7 +35,8 @@ def view(
     """Show a scene live, or play a run folder that has frames, until Ctrl-C.
 
     It plays as soon as the first page is there. out: folder for what the pages save; the run itself, or
-    runs/NAME-live. browse: open the page in this machine's browser.
+    runs/NAME-live. threads: of the simulation; all but one by default, which is for the pages. browse: open
+    the page in this machine's browser.
     Errors: ViewError, SceneError, RunError, one sentence each.
     """
     server = prepare(what, changes, out, host, threads)
@@ -89,7 +91,7 @@ def prepare(
     name = what if what in presets() else Path(what).resolve().stem
     folder = Path(out) if out else Path("runs") / f"{name}-live"
     recorder = Recorder(folder)
-    player = Live(name, scene, threads, recorder)
+    player = Live(name, scene, threads or max(1, (os.cpu_count() or 1) - 1), recorder)
     return Server(player, Exports(folder, player, recorder), host)
 
 
