@@ -1,8 +1,11 @@
 """`neve drive`: it serves the files of the built page and nothing else."""
 
+import contextlib
 import http.client
+import re
 import socket
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -21,9 +24,9 @@ def page(tmp_path):
     return folder
 
 
-@pytest.fixture
-def ask(page):
-    """Send one request to a server of the page; return status, headers and body."""
+@contextlib.contextmanager
+def asking(page):
+    """Send requests to a server of the page; each returns status, headers and body."""
     with serve.listening("127.0.0.1", 0, page) as server:
         thread = threading.Thread(target=server.serve_forever, daemon=True)
         thread.start()
@@ -40,6 +43,13 @@ def ask(page):
         yield request
         server.shutdown()
         thread.join(30)
+
+
+@pytest.fixture
+def ask(page):
+    """Send one request to a server of the page."""
+    with asking(page) as request:
+        yield request
 
 
 @pytest.mark.parametrize(
@@ -124,3 +134,16 @@ def test_ctrl_c_ends_it(monkeypatch, page, capsys):
         main(["drive", "--host", "127.0.0.1"])
     assert end.value.code == 130
     assert capsys.readouterr().out.startswith("http://127.0.0.1:84")
+
+
+def test_built_page_is_carried_whole():
+    """If web/drive was built before Neve was installed, the page and all that it names are served."""
+    built = Path(__file__).parents[2] / "neve/drive/page/index.html"
+    if not built.exists():
+        pytest.skip("web/drive is not built: npm ci && npm run build there")
+    with asking(serve.PAGE) as request:
+        status, _, body = request("GET", "/")
+        assert status == 200
+        named = re.findall(r'(?:src|href)="\./([^"]+)"', body.decode())
+        assert any(name.endswith(".js") for name in named)
+        assert {name: request("GET", f"/{name}")[0] for name in named} == dict.fromkeys(named, 200)
