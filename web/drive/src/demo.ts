@@ -46,8 +46,9 @@ export class Demo {
     const terrain = withType(map, () => settings.type);
     let demo: Demo | null = null;
     const snow = (x: number, z: number): Column => {
+      if (demo) return demo.field.column(x, z);
       const fresh = settings.depth * terrain.cover(x, z);
-      return demo?.field.probe(x, z) ?? { h: fresh, W: fresh };
+      return { h: fresh, W: fresh };
     };
     const standing = { tile: TILE, on: (i: number, j: number) => placesOf(map, i, j, SEED) };
     const car = await Car.create({ terrain, snow, settings, standing });

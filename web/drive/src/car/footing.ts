@@ -77,7 +77,11 @@ export function meet(where: Surroundings, wheel: RollingWheel): Meeting {
   const side = 0.5 * width;
   const [fore, aft] = [bears(reach * ax, reach * az), bears(-reach * ax, -reach * az)];
   const [left, right] = [bears(side * az, -side * ax), bears(-side * az, side * ax)];
-  const height = 0.5 * bears(0, 0) + 0.25 * (fore + aft);
+  // Over a crest the wheel rides softly; into a dip, its own print above all, it goes until its rim rests on the edges.
+  const middle = bears(0, 0);
+  const dip = 0.5 * (fore + aft) - middle;
+  const curve = radius - Math.sqrt(radius * radius - reach * reach);
+  const height = middle + (dip > 0 ? Math.max(0, dip - curve) : 0.5 * dip);
   const along = steep((fore - aft) / (2 * reach));
   const across = steep((right - left) / (2 * side));
   const [gx, gz] = [along * ax - across * az, along * az + across * ax];

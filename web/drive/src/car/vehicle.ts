@@ -6,7 +6,7 @@
 import type { Settings } from "../settings";
 import type { Place, Stamp } from "../snow/stamps";
 import type { Terrain } from "../world/terrain_type";
-import { BODY, GRAVITY, WHEELS } from "./body";
+import { BODY, GRAVITY, suspension, WHEELS } from "./body";
 import { Chassis, normalOver, type Strut } from "./chassis";
 import { clean, type Controls } from "./controls";
 import { drivenSpeed, share, type Torque } from "./driveline";
@@ -240,14 +240,15 @@ export class Car {
 
   private freshWheel(index: number): Wheel {
     const { x, z } = WHEELS[index]!;
-    const carried = (this.options.settings.mass * GRAVITY) / 4;
-    const { tyreRadius: radius, tyreWidth: width } = this.options.settings;
+    const { mass, stiffness, tyreRadius: radius, tyreWidth: width } = this.options.settings;
+    const carried = (mass * GRAVITY) / 4;
     const still = { ahead: [1, 0] as const, sense: 1, speed: 0, slip: 0, load: carried };
     const meeting = meet(this.where, { x, z, radius, width, ...still });
     const strut: Strut = {
       grounded: false,
       load: 0,
-      length: BODY.restLength,
+      // As under the car's weight: hanging free it would press a hole before the first ray is cast.
+      length: BODY.restLength - suspension(stiffness).sag,
       contact: [x, meeting.height, z],
     };
     return {
@@ -277,6 +278,9 @@ export class Car {
     const up = scale(normal, settings.tyreRadius + BODY.axle);
     this.chassis.put(add([place.x, mean, place.z], up), normal, place.heading);
     for (let i = 0; i < WHEELS.length; i++) this.placePad(i);
+    // Rays find the plates only after a step. It makes the car fall a little: it is put up again.
+    this.chassis.advance();
+    this.chassis.put(add([place.x, mean, place.z], up), normal, place.heading);
     this.from.length = 0;
   }
 

@@ -5,6 +5,7 @@ import { slideRect, stampRect, STAMPS } from "./footprint";
 import type { Column } from "./law";
 import { Passes } from "./passes";
 import { Patch } from "./patch";
+import { Prints } from "./prints";
 import { Readback } from "./readback";
 import { dueTiles, recoverTiles } from "./recovery";
 import { area, common, hull, joined, wrapped, type Rect } from "./rects";
@@ -55,6 +56,8 @@ export class SnowField {
   private lost = false;
   private depth: number;
   private patch: Patch | null = null;
+  private readonly prints = new Prints();
+  private readonly terrain: Terrain;
   private patchAsked = false;
 
   /** A sentence for the visitor if the browser cannot do this, else null. */
@@ -73,6 +76,7 @@ export class SnowField {
         `The resolution of the snow must be a power of two from ${2 * TILE}, not ${resolution}.`,
       );
     this.renderer = renderer;
+    this.terrain = terrain;
     this.resolution = resolution;
     this.texel = options.texel ?? 0.05;
     this.settings = settings;
@@ -136,7 +140,7 @@ export class SnowField {
     const inside = stamps.filter((stamp) => area(common(stampRect(stamp, this.texel), rect)) > 0);
     for (let i = 0; i < inside.length; i += STAMPS) this.press(inside.slice(i, i + STAMPS), dt);
     this.traffic.save({ now: this.now, depth: this.depth });
-    this.look(inside, dt);
+    this.look(inside, dt, this.prints.add(inside));
     const due = dueTiles(this.window.tiles, this.settings, this.now);
     if (due.length > 0) recoverTiles(this.passes, due, this.settings, this.now, BUDGET - this.passes.bytes);
     this.passes.end();
@@ -147,6 +151,16 @@ export class SnowField {
   /** The snow at a place [m] as last read from about the stamps, some frames ago; null where it is not known. */
   probe(x: number, z: number): Column | null {
     return this.patch?.at(x, z) ?? null;
+  }
+
+  /**
+   * The snow at a place [m] as it is now, as well as the processor knows: what was last read, or fresh snow where
+   * nothing was, pressed by the stamps since. Rims and slides since then are not in it.
+   */
+  column(x: number, z: number): Column {
+    const fresh = this.settings.depth * this.terrain.cover(x, z);
+    const known = this.probe(x, z) ?? { h: fresh, W: fresh };
+    return this.prints.press(known, x, z, this.terrain.height(x, z), this.settings.compaction);
   }
 
   /**
@@ -301,8 +315,8 @@ export class SnowField {
     }
   }
 
-  /** Ask for a patch about the stamps and where they are going, unless one is on its way. */
-  private look(stamps: readonly Stamp[], dt: number): void {
+  /** Ask for a patch about the stamps, those of `turn` among them, and where they go, unless one is on its way. */
+  private look(stamps: readonly Stamp[], dt: number, turn: number): void {
     if (this.patchAsked || stamps.length === 0) return;
     const rects = stamps.flatMap((stamp) => {
       const rect = stampRect(stamp, this.texel);
@@ -317,7 +331,9 @@ export class SnowField {
     this.patchAsked = true;
     this.traffic.read(rect, (data) => {
       this.patchAsked = false;
-      if (data) this.patch = new Patch(rect, data, this.texel);
+      if (!data) return;
+      this.patch = new Patch(rect, data, this.texel);
+      this.prints.forget(turn);
     });
   }
 }
