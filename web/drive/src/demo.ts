@@ -93,6 +93,7 @@ export class Demo {
   /** Take over a changed setting. Another resolution begins a new window, without the tracks. */
   changed(name: QuantityName | ChoiceName): void {
     this.field.settings = snowSettings(this.settings);
+    if (name === "type") this.stage.repaint();
     if (name !== "resolution") return;
     this.field.dispose();
     this.field = this.makeField();

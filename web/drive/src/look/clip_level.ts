@@ -76,24 +76,39 @@ export class ClipLevel {
     return true;
   }
 
+  /** Ask the terrain anew for cover and kinds of all that is held. */
+  repaint(): void {
+    if (!this.corner) return;
+    const [i0, j0] = this.corner; // even, as all corners
+    for (let j = j0; j < j0 + CLIP_SIZE; j += 2)
+      for (let i = i0; i < i0 + CLIP_SIZE; i += 2) this.paint(i, j);
+  }
+
   private fill([i0, i1, j0, j1]: Rectangle): void {
     const { terrain, spacing } = this;
-    const { heights, kinds } = this.data;
+    const { heights } = this.data;
     const mask = CLIP_SIZE - 1;
     for (let j = j0; j < j1; j++) {
       const row = (j & mask) * CLIP_SIZE;
       for (let i = i0; i < i1; i++) {
-        const [x, z] = [i * spacing, j * spacing];
-        heights[row + (i & mask)] = terrain.height(x, z);
-        if ((i | j) & 1) continue;
-        const at = 4 * (((j & mask) >> 1) * KIND_SIZE + ((i & mask) >> 1));
-        const [, packed, ice] = terrain.kinds(x, z);
-        kinds[at] = Math.min(255, terrain.cover(x, z) * 127.5);
-        kinds[at + 1] = packed * 255;
-        kinds[at + 2] = ice * 255;
-        kinds[at + 3] = 255;
+        heights[row + (i & mask)] = terrain.height(i * spacing, j * spacing);
+        if (((i | j) & 1) === 0) this.paint(i, j);
       }
     }
+  }
+
+  /** Cover and kinds at a point with even numbers. */
+  private paint(i: number, j: number): void {
+    const { terrain, spacing } = this;
+    const { kinds } = this.data;
+    const mask = CLIP_SIZE - 1;
+    const at = 4 * (((j & mask) >> 1) * KIND_SIZE + ((i & mask) >> 1));
+    const [x, z] = [i * spacing, j * spacing];
+    const [, packed, ice] = terrain.kinds(x, z);
+    kinds[at] = Math.min(255, terrain.cover(x, z) * 127.5);
+    kinds[at + 1] = packed * 255;
+    kinds[at + 2] = ice * 255;
+    kinds[at + 3] = 255;
   }
 
   /** Gradients by central differences; one-sided at the edge of what is held. */

@@ -43,7 +43,8 @@ float groundLevel(vec2 xz) {
   for (int l = 0; l < ${LEVELS - 1}; l++) {
     vec2 d = abs(xz - groundLevels[l].xy) / (groundLevels[l].z * ${CLIP_SIZE / 2}.0);
     float r = max(d.x, d.y);
-    if (r < 0.92) return float(l) + smoothstep(0.74, 0.92, r);
+    // The finest is pure to 57 m: the snow takes its ground as far as the corner of its largest window, 56 m.
+    if (r < 0.97) return float(l) + smoothstep(0.89, 0.97, r);
   }
   return ${LEVELS - 1}.0;
 }
@@ -126,6 +127,14 @@ export class GroundClipmap implements GroundSource {
         texture.needsUpdate = true;
       }
     }
+  }
+
+  /** Take over that the terrain has other kinds of snow than before. */
+  repaint(): void {
+    for (const level of this.levels) level.repaint();
+    const kinds = this.textures[2]!;
+    kinds.clearLayerUpdates();
+    kinds.needsUpdate = true;
   }
 
   /** After a lost context: everything is uploaded again. */

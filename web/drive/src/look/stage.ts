@@ -92,6 +92,11 @@ export class Stage {
     this.snow.attach(field);
   }
 
+  /** Show that the terrain has other kinds of snow than before. */
+  repaint(): void {
+    this.clipmap.repaint();
+  }
+
   /** Bring everything to the state of the car after dt [s]. */
   update(dt: number, car: CarPose, camera: PerspectiveCamera, settings: Settings): void {
     this.focus.set(...car.position);

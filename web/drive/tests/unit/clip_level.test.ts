@@ -84,3 +84,16 @@ describe("ClipLevel", () => {
     expect(level.move(1.1, 0)).toBe(true);
   });
 });
+
+describe("repaint", () => {
+  it("asks for the kinds anew, and leaves the heights", () => {
+    let ice = 0;
+    const { level, data } = makeLevel({ ...PLANE, kinds: () => [1 - ice, 0, ice] }, 0.5);
+    level.move(13, -70);
+    const heights = data.heights.slice();
+    ice = 1;
+    level.repaint();
+    expect(data.heights).toEqual(heights);
+    expect(data.kinds.filter((_, k) => k % 4 === 2).every((value) => value === 255)).toBe(true);
+  });
+});
