@@ -1,6 +1,6 @@
 /** Where the picture is taken from. Pure: the state of the car, time and input go in, a view comes out. */
 import type { PerspectiveCamera } from "three";
-import { add, between, scale, turn, type Vec } from "./geometry";
+import { add, scale, turn, type Vec } from "./geometry";
 import type { CarState } from "./state";
 
 export const CAMERAS = ["chase", "cockpit", "free", "top"] as const;
@@ -36,7 +36,7 @@ const RISING = 6;
 /** Speed of flight [m/s]. */
 const FLIGHT = 14;
 /** Where the driver's eyes are in the chassis frame [m]. */
-const EYES: Vec = [0.1, 0.52, -0.36];
+const EYES: Vec = [-0.35, 0.68, -0.36];
 
 export class Cameras {
   name: CameraName = "chase";
@@ -163,15 +163,6 @@ function wrap(angle: number): number {
 
 function within(low: number, high: number, x: number): number {
   return Math.min(high, Math.max(low, x));
-}
-
-/** A view between two, for a soft change of camera, t = 0..1. */
-export function blend(a: View, b: View, t: number): View {
-  return {
-    position: between(a.position, b.position, t),
-    target: between(a.target, b.target, t),
-    fov: a.fov + (b.fov - a.fov) * t,
-  };
 }
 
 /** Give a view to three's camera. */

@@ -1,5 +1,5 @@
 /** The car as others see it: drawn, followed by the camera, pressed into the snow. */
-import { BODY, WHEELS } from "./body";
+import { BODY } from "./body";
 import { add, between, betweenTurns, turn, type Quaternion, type Vec } from "./geometry";
 import type { BoxStamp, Place, WheelStamp } from "../snow/stamps";
 
@@ -100,6 +100,3 @@ export function bellyStamp(state: CarState, from: Place | undefined): BoxStamp {
 export function upright(state: CarState): boolean {
   return turn(state.rotation, [0, 1, 0])[1] > 0.3;
 }
-
-/** Number of wheels. */
-export const WHEEL_COUNT = WHEELS.length;

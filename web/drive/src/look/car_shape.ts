@@ -30,6 +30,7 @@ export interface CarShape {
   readonly paint: BufferGeometry;
   readonly dark: BufferGeometry;
   readonly metal: BufferGeometry;
+  readonly inside: BufferGeometry;
   readonly glass: BufferGeometry;
   readonly white: BufferGeometry;
   readonly red: BufferGeometry;
@@ -40,6 +41,7 @@ export function carShape(): CarShape {
     paint: paint(),
     dark: dark(),
     metal: metal(),
+    inside: inside(),
     glass: glass(),
     white: whiteLamps(),
     red: redLamps(),
@@ -180,6 +182,28 @@ function metal(): BufferGeometry {
   p.bars([-0.78, -0.13, 0.985], [0.78, -0.13, 0.985], 0.03, STEEL);
   p.bar([-2.1, -0.04, -0.55], [-2.28, -0.06, -0.55], 0.035, STEEL, 12);
   p.box([-2.19, 0.04, -0.24], [-2.165, 0.14, 0.24], 0.005, 0xdadada);
+  return p.merged();
+}
+
+/** What the driver sees of the car: dashboard, wheel, mirror; the glass hides it from outside. */
+function inside(): BufferGeometry {
+  const p = new Parts();
+  p.box([-1.85, 0.68, -0.76], [0.6, 0.715, 0.76], 0, BLACK);
+  p.box([0.28, 0.68, -0.73], [0.56, 0.8, 0.73], 0.04, 0x1b1d1f);
+  p.box([0.24, 0.74, -0.58], [0.42, 0.87, -0.14], 0.04, 0x141517);
+  for (const z of [-0.45, -0.27]) {
+    p.lamp([0.238, 0.805, z], 0.055, 0.02, 0x08090a).ring([0.228, 0.805, z], 0.055, 0.005, STEEL);
+    p.bar([0.222, 0.805, z], [0.222, 0.84, z - 0.02], 0.004, 0xd8401a, 6);
+  }
+  for (const z of [0, 0.5]) p.box([0.272, 0.725, z], [0.29, 0.775, z + 0.16], 0.008, BLACK);
+  p.ring([0.12, 0.7, -0.36], 0.165, 0.016, 0x0c0c0d).bar([0.3, 0.7, -0.36], [0.12, 0.7, -0.36], 0.035, BLACK);
+  p.bar([0.12, 0.7, -0.52], [0.12, 0.7, -0.2], 0.014, GREY);
+  p.box([0.2, 1.09, -0.12], [0.225, 1.155, 0.12], 0.01, BLACK).bar(
+    [0.21, 1.15, 0],
+    [0.21, 1.21, 0],
+    0.01,
+    BLACK,
+  );
   return p.merged();
 }
 

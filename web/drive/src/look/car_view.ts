@@ -92,6 +92,7 @@ export class CarView {
       this.dressed(new MeshStandardMaterial({ roughness: 0.05, metalness: 0.35 }), 0),
       false,
     );
+    this.part(shape.inside, this.dressed(new MeshStandardMaterial({ roughness: 0.8 }), 0), false);
     this.white = this.dressed(new MeshStandardMaterial({ roughness: 0.15 }), 0);
     this.part(shape.white, this.white, false);
     this.red = this.dressed(new MeshStandardMaterial({ roughness: 0.25 }), 0);
