@@ -18,6 +18,8 @@ declare global {
 }
 
 const HELP = "W A S D or arrows drive, space is the handbrake\nC camera, L lights, R upright, F figures";
+const HELP_FOR_THUMBS =
+  "the left thumb steers, the right one drives and brakes\neverything else is in the panel";
 
 async function begin(): Promise<void> {
   const { settings, complaints } = readAddress(location.hash);
@@ -27,16 +29,18 @@ async function begin(): Promise<void> {
   window.neveDrive = demo;
   const devices = new Devices(canvas);
   makePanel(settings, {
-    changed: (name) => {
-      demo.changed(name);
-      remember(settings);
-    },
+    changed: (name) => demo.changed(name),
+    // Not at each change: browsers take a hundred addresses in half a minute, and a slider gives more.
+    settled: () => remember(settings),
     copyLink: () => void copyLink(settings),
     resetCar: () => demo.car.reset(),
+    nextCamera: () => say(`${demo.cameras.next()} camera`, 1.5),
+    switchLights: () => demo.switchLights(),
   });
   addEventListener("hashchange", () => location.reload());
   watchContext(canvas, demo);
-  say(complaints.length > 0 ? complaints.join("\n") : HELP, complaints.length > 0 ? 12 : 6);
+  const help = matchMedia("(pointer: coarse)").matches ? HELP_FOR_THUMBS : HELP;
+  say(complaints.length > 0 ? complaints.join("\n") : help, complaints.length > 0 ? 12 : 6);
   run(demo, devices, canvas);
 }
 
@@ -56,9 +60,6 @@ function run(demo: Demo, devices: Devices, canvas: HTMLCanvasElement): void {
   const mean = new Smooth();
   const fit = () => demo.resize(canvas.clientWidth, canvas.clientHeight, sharpness.ratio);
   addEventListener("resize", fit);
-  addEventListener("keydown", ({ code, repeat }) => {
-    if (code === "KeyF" && !repeat) figures.hidden = !figures.hidden;
-  });
   fit();
   let last = performance.now();
   let told = 0;
@@ -71,6 +72,7 @@ function run(demo: Demo, devices: Devices, canvas: HTMLCanvasElement): void {
     const { controls, presses } = devices.read(dt);
     if (presses.camera) say(`${demo.cameras.next()} camera`, 1.5);
     if (presses.lights) demo.switchLights();
+    if (presses.figures) figures.hidden = !figures.hidden;
     demo.advance(dt, controls, devices.readCamera());
     demo.draw();
     const smooth = mean.take(dt, dt);

@@ -11,6 +11,8 @@ const DRAG = Math.PI;
 
 export class Devices {
   private readonly keys = new Set<string>();
+  /** Keys that went down since the last look: a tap shorter than a frame counts too. */
+  private readonly tapped = new Set<string>();
   private readonly smoothing = new Smoothing();
   private readonly edges = new Edges();
   private readonly leave = new AbortController();
@@ -36,13 +38,24 @@ export class Devices {
       (pad) => pad !== null && pad.mapping === "standard",
     );
     const thumbs = fromThumbs({ left: this.left.x, right: this.right.y });
-    const asked = merge(fromKeys(this.keys), thumbs, ...pads.map((pad) => fromPad(pad as Pad)));
+    const tapped = new Set(this.tapped);
+    const keys = new Set([...this.keys, ...tapped]);
+    this.tapped.clear();
+    const asked = merge(fromKeys(keys), thumbs, ...pads.map((pad) => fromPad(pad as Pad)));
     const button = (index: number) => pads.some((pad) => pad?.buttons[index]?.pressed);
-    const presses = this.edges.look({
+    const pressed = this.edges.look({
       reset: asked.reset,
-      camera: this.keys.has("KeyC") || button(4),
-      lights: this.keys.has("KeyL") || button(2),
+      camera: button(2),
+      lights: button(1),
+      figures: false,
     });
+    // A key that goes down is a press by itself.
+    const presses = {
+      ...pressed,
+      camera: pressed.camera || tapped.has("KeyC"),
+      lights: pressed.lights || tapped.has("KeyL"),
+      figures: tapped.has("KeyF"),
+    };
     return { controls: this.smoothing.follow(asked, dt), presses };
   }
 
@@ -74,6 +87,7 @@ export class Devices {
     if (writing || event.ctrlKey || event.metaKey || event.altKey) return;
     if (OURS.has(event.code)) event.preventDefault();
     this.keys.add(event.code);
+    if (!event.repeat) this.tapped.add(event.code);
   }
 
   private watchMouse(canvas: HTMLElement, signal: AbortSignal): void {

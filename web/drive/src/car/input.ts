@@ -18,6 +18,8 @@ export interface Presses {
   reset: boolean;
   camera: boolean;
   lights: boolean;
+  /** Only a key does it. */
+  figures: boolean;
 }
 
 /** Below this share a stick counts as let go. */
@@ -106,7 +108,7 @@ export class Smoothing {
 
 /** Presses since the last look: true in the first look that finds the thing held. */
 export class Edges {
-  private held: Presses = { reset: false, camera: false, lights: false };
+  private held: Presses = { reset: false, camera: false, lights: false, figures: false };
 
   look(now: Presses): Presses {
     const before = this.held;
@@ -115,6 +117,7 @@ export class Edges {
       reset: now.reset && !before.reset,
       camera: now.camera && !before.camera,
       lights: now.lights && !before.lights,
+      figures: now.figures && !before.figures,
     };
   }
 }

@@ -5,12 +5,18 @@ import type { ChoiceName, QuantityName, Settings } from "../settings";
 
 /** What the panel can ask for besides a changed number. */
 export interface PanelActions {
-  /** A setting has a new value. */
+  /** A setting has a new value; it may be one of many while a slider is drawn. */
   changed(name: QuantityName | ChoiceName): void;
+  /** The visitor has let go: the settings are as they are meant. */
+  settled(): void;
   /** Put the address with these settings where it can be pasted. */
   copyLink(): void;
   /** Put the car upright where it stands. */
   resetCar(): void;
+  /** Take the next camera. */
+  nextCamera(): void;
+  /** Switch the headlights. */
+  switchLights(): void;
 }
 
 const TITLES = { snow: "Snow", weather: "Weather", car: "Car", picture: "Picture" } as const;
@@ -30,9 +36,13 @@ export function makePanel(settings: Settings, actions: PanelActions): GUI {
     }
     if (group !== "snow") folder.close();
   }
-  gui.add({ copyLink: actions.copyLink }, "copyLink").name("copy link with these settings");
-  gui.add({ resetCar: actions.resetCar }, "resetCar").name("put the car upright (R)");
-  gui.add({ usual: () => usual(gui, settings, actions) }, "usual").name("settings as they were");
+  const button = (name: string, action: () => void) => gui.add({ action }, "action").name(name);
+  button("next camera (C)", actions.nextCamera);
+  button("headlights (L)", actions.switchLights);
+  button("put the car upright (R)", actions.resetCar);
+  button("copy link with these settings", actions.copyLink);
+  button("settings as they were", () => usual(gui, settings, actions));
+  freeKeys(gui.domElement);
   if (window.innerWidth < 700) gui.close();
   return gui;
 }
@@ -51,6 +61,18 @@ function explain(
   row.name(unit ? `${spaced(name)} [${unit}]` : spaced(name));
   row.domElement.title = meaning;
   row.onChange(() => actions.changed(name));
+  row.onFinishChange(() => actions.settled());
+}
+
+/** Give the keys back to the car once a choice is made or a button pressed; only what is being typed keeps them. */
+function freeKeys(panel: HTMLElement): void {
+  const letGo = () => (document.activeElement as HTMLElement | null)?.blur();
+  panel.addEventListener("click", ({ target }) => {
+    if (!(target instanceof HTMLInputElement || target instanceof HTMLSelectElement)) letGo();
+  });
+  panel.addEventListener("change", ({ target }) => {
+    if (target instanceof HTMLSelectElement) letGo();
+  });
 }
 
 /** `tyreWidth` as `tyre width`. */
@@ -65,4 +87,5 @@ function usual(gui: GUI, settings: Settings, actions: PanelActions): void {
   for (const name of [...names(QUANTITIES), ...names(CHOICES)]) {
     if (before[name] !== settings[name]) actions.changed(name);
   }
+  actions.settled();
 }

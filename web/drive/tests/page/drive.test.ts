@@ -83,6 +83,45 @@ describe.skipIf(NO_BROWSER)("the page", () => {
     expect(await page.evaluate(() => location.hash)).toContain("repose=35");
   });
 
+  test("keys that are typed into the panel are the panel's, and come back to the car", async () => {
+    const { page } = visitor;
+    const row = page.locator(".lil-controller", { hasText: "repose" }).locator("input");
+    const asked = () => page.evaluate(() => document.getElementById("figures")!.hidden);
+    await row.focus();
+    await page.keyboard.press("KeyF");
+    await page.locator(".lil-controller", { hasText: "type" }).locator("select").selectOption("packed");
+    expect(await page.evaluate(() => document.activeElement === document.body)).toBe(true);
+    expect(await page.evaluate(() => location.hash)).toContain("type=packed");
+    // A frame has to look at the keys; the one that was typed must not count in it.
+    await page.evaluate(() => {
+      window.neveDrive!.held = false;
+      const look = () => new Promise((next) => requestAnimationFrame(next));
+      return look().then(look);
+    });
+    expect(await asked()).toBe(true);
+    await page.keyboard.press("KeyF");
+    await page.waitForFunction(() => !document.getElementById("figures")!.hidden);
+    await page.keyboard.press("KeyF");
+    await page.waitForFunction(() => document.getElementById("figures")!.hidden);
+    await page.evaluate(() => (window.neveDrive!.held = true));
+  });
+
+  test("another type of snow changes what is seen and keeps the tracks", async () => {
+    const { page } = visitor;
+    const [before, after] = await page.evaluate(async () => {
+      const demo = window.neveDrive!;
+      const rut = async () => {
+        const { centre } = demo.car.state.wheels[2]!;
+        return (await demo.field.read(centre[0] - 0.5, centre[2], 1, 1))[0]!;
+      };
+      const packed = await rut();
+      demo.settings.type = "map";
+      demo.changed("type");
+      return [packed, await rut()];
+    });
+    expect(after).toBe(before);
+  });
+
   test("a long pause, as of a hidden tab, moves the car little and the snow by all of it", async () => {
     const before = await visitor.page.evaluate(ACROSS);
     const way = await visitor.page.evaluate(() => {

@@ -103,7 +103,7 @@ describe("smoothing", () => {
 describe("presses", () => {
   it("count once until they are let go", () => {
     const edges = new Edges();
-    const held = { reset: false, camera: true, lights: false };
+    const held = { reset: false, camera: true, lights: false, figures: false };
     const free = { ...held, camera: false };
     expect([held, held, free, held].map((now) => edges.look(now).camera)).toEqual([true, false, false, true]);
   });
