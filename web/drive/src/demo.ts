@@ -12,7 +12,7 @@ import type { ChoiceName, QuantityName, Settings } from "./settings";
 import { SnowField } from "./snow/field";
 import type { Column } from "./snow/law";
 import { mixSnow } from "./snow/types";
-import { placesOf, TILE } from "./world/places";
+import { placesOf, TILE, type Places } from "./world/places";
 import { makeTerrain } from "./world/terrain";
 import type { Terrain } from "./world/terrain_type";
 import { withType } from "./world/uniform";
@@ -50,18 +50,25 @@ export class Demo {
       const fresh = settings.depth * terrain.cover(x, z);
       return { h: fresh, W: fresh };
     };
+    // Trees stand where the map has them, whatever type of snow is wished for.
     const standing = { tile: TILE, on: (i: number, j: number) => placesOf(map, i, j, SEED) };
     const car = await Car.create({ terrain, snow, settings, standing });
-    return (demo = new Demo(renderer, settings, map, car));
+    return (demo = new Demo(renderer, settings, terrain, car, standing.on));
   }
 
-  private constructor(renderer: WebGLRenderer, settings: Settings, terrain: Terrain, car: Car) {
+  private constructor(
+    renderer: WebGLRenderer,
+    settings: Settings,
+    terrain: Terrain,
+    car: Car,
+    placesOn: (i: number, j: number) => Places,
+  ) {
     this.renderer = renderer;
     this.settings = settings;
     this.terrain = terrain;
     this.car = car;
     const low = settings.detail === "low" || (settings.detail === "auto" && drawsByProcessor(renderer));
-    this.stage = new Stage(renderer, { terrain, settings, seed: SEED, ...(low && { rings: COARSE_RINGS }) });
+    this.stage = new Stage(renderer, { terrain, settings, placesOn, ...(low && { rings: COARSE_RINGS }) });
     this.cameras = new Cameras((x, z) => terrain.height(x, z) + settings.depth * terrain.cover(x, z));
     this.field = this.makeField();
   }
@@ -115,8 +122,7 @@ export class Demo {
   reading(): Reading {
     const { speed, gear, position, wheels } = this.car.state;
     const [x, , z] = position;
-    const { type: wanted } = this.settings;
-    const type = wanted === "map" ? mixSnow(this.terrain.kinds(x, z)).name : wanted;
+    const type = mixSnow(this.terrain.kinds(x, z)).name;
     const depth = this.settings.depth * this.terrain.cover(x, z);
     return { speed, gear, type, depth, sinkage: wheels.map((wheel) => wheel.sinkage) };
   }

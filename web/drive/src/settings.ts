@@ -63,8 +63,7 @@ export const CHOICES = {
     group: "snow",
     value: "map",
     among: ["map", "powder", "packed", "ice"],
-    meaning:
-      "type of snow under the wheels: by the map, or the same everywhere (the picture keeps the map's)",
+    meaning: "type of snow: by the map, or the same everywhere",
   },
   drive: { group: "car", value: "all", among: ["all", "front", "rear"], meaning: "driven wheels" },
   detail: {

@@ -12,12 +12,11 @@ import {
 } from "three";
 import { Quaternion, Vector3 } from "three";
 import type { Texture } from "three";
-import type { Terrain } from "../world/terrain_type";
 import type { Atmosphere, Changes } from "./atmosphere";
 import { put } from "./atmosphere";
 import { pine, pole, rock } from "./plant_shapes";
 import type { Place, Places } from "../world/places";
-import { placesOf, TILE } from "../world/places";
+import { TILE } from "../world/places";
 
 /** Trees: up to which distance [m] each shape is drawn, how many at most, whether it throws shadows. */
 const RANGES = [
@@ -81,8 +80,7 @@ export class Scenery {
   readonly group = new Group();
   /** What throws shadows. */
   readonly casters: InstancedMesh[] = [];
-  private readonly terrain: Terrain;
-  private readonly seed: number;
+  private readonly placesOn: (i: number, j: number) => Places;
   private readonly tiles = new Map<string, Places>();
   private readonly trees: Kind[] = [];
   private readonly rocks: Kind;
@@ -90,9 +88,8 @@ export class Scenery {
   private readonly chosenAt = new Vector3(Infinity, 0, 0);
   private unseen = 0;
 
-  constructor(air: Atmosphere, noise: Texture, terrain: Terrain, seed: number) {
-    this.terrain = terrain;
-    this.seed = seed;
+  constructor(air: Atmosphere, noise: Texture, placesOn: (i: number, j: number) => Places) {
+    this.placesOn = placesOn;
     const shapes = [
       pine({ whorls: 11, branches: 7, steps: 2 }, 3),
       pine({ whorls: 6, branches: 5, steps: 1 }, 4),
@@ -163,7 +160,7 @@ export class Scenery {
           if (this.tiles.has(key)) continue;
           if (planted === budget) return planted;
           planted++;
-          this.tiles.set(key, placesOf(this.terrain, ci + di, cj + dj, this.seed));
+          this.tiles.set(key, this.placesOn(ci + di, cj + dj));
           // The oldest goes: a Map keeps the order in which its keys came.
           if (this.tiles.size > KNOWN) this.tiles.delete(this.tiles.keys().next().value!);
         }

@@ -3,6 +3,7 @@ import { ACESFilmicToneMapping, PCFShadowMap, Scene, Vector2, Vector3 } from "th
 import type { PerspectiveCamera, WebGLRenderer } from "three";
 import type { Settings } from "../settings";
 import type { GroundSource } from "../world/ground_source";
+import type { Places } from "../world/places";
 import type { Terrain } from "../world/terrain_type";
 import { Atmosphere } from "./atmosphere";
 import type { CarPose } from "./car_pose";
@@ -23,8 +24,8 @@ import { Spray } from "./spray";
 export interface StageOptions {
   readonly terrain: Terrain;
   readonly settings: Settings;
-  /** Of what stands in the world, as the car meets it. */
-  readonly seed: number;
+  /** What stands on tile (i, j) of the world, as the car meets it. */
+  readonly placesOn: (i: number, j: number) => Places;
   /** Grid rings of the snow; coarser ones for slow machines. */
   readonly rings?: RingSize;
 }
@@ -62,7 +63,7 @@ export class Stage {
   private readonly focus = new Vector3();
   private snowed = 0.35;
 
-  constructor(renderer: WebGLRenderer, { terrain, settings, seed, rings = RINGS }: StageOptions) {
+  constructor(renderer: WebGLRenderer, { terrain, settings, placesOn, rings = RINGS }: StageOptions) {
     this.renderer = renderer;
     renderer.shadowMap.enabled = true;
     renderer.shadowMap.type = PCFShadowMap;
@@ -76,7 +77,7 @@ export class Stage {
     this.mirror = new MirroredSky(renderer, this.air, this.noise);
     this.car = new CarView(this.air, this.noise);
     this.lamps = new Lamps(this.air);
-    this.scenery = new Scenery(this.air, this.noise, terrain, seed);
+    this.scenery = new Scenery(this.air, this.noise, placesOn);
     this.spray = new Spray(this.air, this.noise, (x, z) => terrain.height(x, z));
     this.flakes = new Flakes(this.air);
     this.lights = new Lights({ fine: this.car.casters, coarse: this.scenery.casters });

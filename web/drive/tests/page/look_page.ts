@@ -4,6 +4,7 @@ import { RINGS } from "../../src/look/snow_surface";
 import { Stage } from "../../src/look/stage";
 import { defaults } from "../../src/settings";
 import type { Settings } from "../../src/settings";
+import { placesOf } from "../../src/world/places";
 import type { Terrain } from "../../src/world/terrain_type";
 import { HILLS, paintedTracks, parkedCar } from "./stand_ins";
 
@@ -28,7 +29,7 @@ const begin = performance.now();
 const stage = new Stage(renderer, {
   terrain,
   settings,
-  seed: 7,
+  placesOn: (i, j) => placesOf(terrain, i, j, 7),
   rings: { ...RINGS, cells: Number(wanted.get("cells") ?? RINGS.cells) },
 });
 stage.attachSnow(paintedTracks(settings.depth, terrain));
