@@ -52,7 +52,8 @@ def drive(
             tell(f"warning: {host} can be reached from other machines; they can read the page, nothing else.")
         if browse:
             webbrowser.open(f"http://{shown}:{actual}")
-        server.serve_forever()
+        with contextlib.suppress(KeyboardInterrupt):  # the way to end it
+            server.serve_forever()
 
 
 @contextlib.contextmanager
