@@ -22,11 +22,6 @@ export class GroundChunks {
     this.terrain = terrain;
   }
 
-  /** Number of squares at present. */
-  get count(): number {
-    return this.chunks.size;
-  }
-
   /** Have the square of (x, z) and its eight neighbours, and no others. */
   follow(x: number, z: number): void {
     const [i, j] = [Math.floor(x / CHUNK), Math.floor(z / CHUNK)];

@@ -28,11 +28,6 @@ export class Obstacles {
     this.standing = standing;
   }
 
-  /** Number of bodies at present. */
-  get count(): number {
-    return [...this.tiles.values()].reduce((sum, bodies) => sum + bodies.length, 0);
-  }
-
   /** Have the tiles about (x, z) [m], and no others. */
   follow(x: number, z: number): void {
     const { tile } = this.standing;

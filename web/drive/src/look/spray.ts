@@ -9,7 +9,7 @@ import { InterleavedBufferAttribute, Mesh, PlaneGeometry, ShaderMaterial } from 
 import type { Texture } from "three";
 import type { Atmosphere } from "./atmosphere";
 import type { CarPose } from "./car_pose";
-import { MOST, SprayMotion, STRIDE } from "./spray_motion";
+import { SprayMotion, STRIDE } from "./spray_motion";
 
 export class Spray {
   readonly mesh: Mesh<InstancedBufferGeometry, ShaderMaterial>;
@@ -47,11 +47,6 @@ export class Spray {
     this.buffer.clearUpdateRanges();
     this.buffer.addUpdateRange(0, Math.max(1, this.motion.count) * STRIDE);
     this.buffer.needsUpdate = true;
-  }
-
-  /** Grains at most. */
-  get most(): number {
-    return MOST;
   }
 
   dispose(): void {
