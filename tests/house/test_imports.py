@@ -2,7 +2,6 @@
 
 import ast
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 import neve
 
 ROOT = Path(__file__).parents[2]
-MODULES = sorted((ROOT / "neve").rglob("*.py"))
+MODULES = sorted((ROOT / "src/neve").rglob("*.py"))
 PYDANTIC = {"pydantic", "pydantic_core", "annotated_types", "typing_extensions", "typing_inspection"}
 NEEDED = {"neve", "numpy", "tomli_w", *PYDANTIC}
 LISTING = "import json, sys; seen = set(sys.modules); {}; print(json.dumps(sorted(set(sys.modules) - seen)))"
@@ -21,8 +20,7 @@ LISTING = "import json, sys; seen = set(sys.modules); {}; print(json.dumps(sorte
 def loaded_by(statement):
     """Top-level modules that a fresh interpreter loads for a statement."""
     command = [sys.executable, "-P", "-c", LISTING.format(statement)]
-    place = {**os.environ, "PYTHONPATH": str(Path(neve.__file__).parents[1])}
-    told = subprocess.run(command, check=True, capture_output=True, text=True, env=place).stdout
+    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     modules = json.loads(told)
     return {name.partition(".")[0] for name in modules if not name.startswith("_sysconfigdata")}
 
@@ -42,7 +40,7 @@ def test_installed_package_is_this_checkout():
     """Tests run against the installed package; a stale one would be tested in place of this code."""
     installed = Path(neve.__file__).parent
     kinds = {".py", ".toml", ".typed"}
-    here = {p.relative_to(ROOT / "neve"): p for p in (ROOT / "neve").rglob("*") if p.suffix in kinds}
+    here = {p.relative_to(ROOT / "src/neve"): p for p in (ROOT / "src/neve").rglob("*") if p.suffix in kinds}
     differs = [
         str(name)
         for name, path in here.items()
@@ -63,5 +61,5 @@ def taken_from_the_top(path):
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_no_module_asks_the_top_for_what_lies_below(path):
     """A module imports others by their own names, so that the import rules see it."""
-    below = {p.stem for p in (ROOT / "neve").iterdir() if p.is_dir() or p.suffix == ".py"}
+    below = {p.stem for p in (ROOT / "src/neve").iterdir() if p.is_dir() or p.suffix == ".py"}
     assert set(taken_from_the_top(path)) - below - {"_core", "_look", "__version__"} == set()

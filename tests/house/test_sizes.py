@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-FOLDERS = ("neve", "core", "tests", "benchmarks", "examples", "tools")
+FOLDERS = ("src", "core", "tests", "benchmarks", "examples", "tools")
 FILE_LINES, FUNCTION_LINES = 400, 60
 
 

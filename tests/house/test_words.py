@@ -21,7 +21,7 @@ def texts():
     for path in sorted(ROOT.rglob("*")):
         parts = path.relative_to(ROOT).parts
         hidden = any(part.startswith(".") and part != ".ci" for part in parts[:-1])
-        made = parts[0].startswith("build-") or parts[:3] == ("neve", "drive", "page")
+        made = parts[0].startswith("build-") or parts[:4] == ("src", "neve", "drive", "page")
         built = made or SKIPPED & set(parts)
         if path.is_file() and path.suffix in TEXT and not hidden and not built:
             yield path
@@ -44,7 +44,7 @@ def is_overload(node):
 
 
 @pytest.mark.parametrize(
-    "path", sorted((ROOT / "neve").rglob("*.py")), ids=lambda p: str(p.relative_to(ROOT))
+    "path", sorted((ROOT / "src/neve").rglob("*.py")), ids=lambda p: str(p.relative_to(ROOT))
 )
 def test_public_names_have_docstrings(path):
     """Each public module, class, function and method of the package says what it does."""

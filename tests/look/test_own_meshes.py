@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 ROOT = Path(__file__).parents[2]
-FOLDER = ROOT / "neve" / "assets" / "meshes"
+FOLDER = ROOT / "src/neve" / "assets" / "meshes"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ply"))
 
 # Length, width, height [m] as docs and scenes count on them.

@@ -1,7 +1,6 @@
 """The command line: exit codes, one sentence for each mistake, JSON that parses."""
 
 import json
-import os
 import re
 import subprocess
 import sys
@@ -114,8 +113,7 @@ def test_bad_command_lines(call, fake, scene_file, tmp_path, line, words):
 def test_bad_command_line_in_its_own_process(tmp_path):
     """The same through a real process: exit code 2 and no traceback."""
     command = [sys.executable, "-m", "neve.cli", "run", "nowhere.toml"]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
 
 
@@ -343,9 +341,8 @@ def test_command_line_loads_little():
         "import sys, json, neve; before = set(sys.modules); import neve.cli;"
         "print(json.dumps(sorted({n.partition('.')[0] for n in set(sys.modules) - before})))"
     )
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
     out = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     loaded = set(json.loads(out.stdout)) - set(sys.stdlib_module_names)
     assert loaded <= {"neve", "click", "colorama"}

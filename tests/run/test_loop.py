@@ -12,7 +12,6 @@ import fake_neve
 import numpy as np
 import pytest
 
-import neve
 from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError
 from neve.io.log import COLUMNS
@@ -41,12 +40,7 @@ def physics(out):
 
 def start(out, scene_file, *words, pause=0.0):
     """Start the command line with the stand-in simulation in a process of its own."""
-    environment = os.environ | {
-        "NEVE_FAKE_PAUSE": str(pause),
-        "PYTHONPATH": os.pathsep.join(
-            [str(Path(neve.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
-        ),
-    }
+    environment = os.environ | {"NEVE_FAKE_PAUSE": str(pause)}
     command = [sys.executable, str(FAKE), "run", str(scene_file), "--out", str(out), *words]
     hear = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731 (a job in the background ignores it)
     return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=hear)

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -116,11 +115,9 @@ def test_ctrl_c_in_a_terminal(snowball, tmp_path):
     straight, out = tmp_path / "straight", tmp_path / "ball"
     command = [sys.executable, "-m", "neve.cli", "run", str(snowball), "--out", str(out)]
     command += ["--threads", "1"]
-    environment = os.environ | {"PYTHONPATH": str(Path(neve.__file__).parents[1])}
     hear = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731 (a job in the background ignores it)
     process = subprocess.Popen(
         [*command, "--set", "run.duration=30"],
-        env=environment,
         stderr=subprocess.PIPE,
         text=True,
         preexec_fn=hear,

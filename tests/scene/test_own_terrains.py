@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 ROOT = Path(__file__).parents[2]
-FOLDER = ROOT / "neve" / "assets" / "terrains"
+FOLDER = ROOT / "src/neve" / "assets" / "terrains"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.png"))
 
 

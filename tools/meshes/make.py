@@ -1,4 +1,4 @@
-"""Make the meshes that come with Neve: `python tools/meshes/make.py` writes neve/assets/meshes/*.ply.
+"""Make the meshes that come with Neve: `python tools/meshes/make.py` writes src/neve/assets/meshes/*.ply.
 
 Each is one closed surface in metres, z up, forward to +x where it has a front; where its origin is stands
 at the function that makes it. Needs numpy and trimesh.
@@ -15,7 +15,7 @@ from figures import boot, castle, hare
 from simplify import simplify
 from turned import pine, rock, tyre
 
-FOLDER = Path(__file__).parents[2] / "neve" / "assets" / "meshes"
+FOLDER = Path(__file__).parents[2] / "src/neve" / "assets" / "meshes"
 
 
 # Field, two corners of a box around it [m], spacing of the grid [m], triangles.

@@ -1,5 +1,5 @@
 """Make the height maps that come with Neve: `python tools/terrains/make_terrains.py` writes
-neve/assets/terrains/*.png.
+src/neve/assets/terrains/*.png.
 
 Each is a picture of 16 bits seen from above, x to the right and y upward. What its extent and height are
 meant to be stands at the function that makes it. Needs numpy and Pillow.
@@ -16,7 +16,7 @@ from PIL import Image
 
 Array = NDArray[np.float64]
 
-FOLDER = Path(__file__).parents[2] / "neve" / "assets" / "terrains"
+FOLDER = Path(__file__).parents[2] / "src/neve" / "assets" / "terrains"
 
 
 def slope() -> Array:

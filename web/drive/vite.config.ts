@@ -5,7 +5,7 @@ import { defineConfig } from "vitest/config";
 export default defineConfig({
   base: "./",
   build: {
-    outDir: "../../neve/drive/page",
+    outDir: "../../src/neve/drive/page",
     emptyOutDir: true,
     chunkSizeWarningLimit: 3000,
     rolldownOptions: { input: ["index.html", "lab.html"] },

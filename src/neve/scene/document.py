@@ -49,7 +49,7 @@ BEGIN, END = (
 INTRODUCTION = """\
 # The scene format
 
-<!-- Written by `python -m neve.scene.document` from neve/scene; change it there. -->
+<!-- Written by `python -m neve.scene.document` from src/neve/scene; change it there. -->
 
 A scene is a TOML file. Units are SI (metres, seconds, kilograms; angles in degrees, spins in radians per
 second), and z points up. Every key may be left out, except `shape`, and a scene needs at least one source.

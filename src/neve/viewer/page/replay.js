@@ -1,5 +1,5 @@
 "use strict";
-// A replay: the same stage, fed from the file itself. neve/viewer/replay.py says how the data are packed.
+// A replay: the same stage, fed from the file itself. src/neve/viewer/replay.py says how the data are packed.
 
 class Replay {
   constructor(head) {
