@@ -5,7 +5,6 @@ import http.client
 import re
 import socket
 import threading
-from pathlib import Path
 
 import pytest
 
@@ -138,9 +137,8 @@ def test_ctrl_c_ends_it(monkeypatch, page, capsys):
 
 def test_built_page_is_carried_whole():
     """If web/drive was built before Neve was installed, the page and all that it names are served."""
-    built = Path(__file__).parents[2] / "neve/drive/page/index.html"
-    if not built.exists():
-        pytest.skip("web/drive is not built: npm ci && npm run build there")
+    if not (serve.PAGE / "index.html").exists():
+        pytest.skip("web/drive was not built before Neve was installed: npm ci && npm run build there")
     with asking(serve.PAGE) as request:
         status, _, body = request("GET", "/")
         assert status == 200

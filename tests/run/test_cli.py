@@ -341,9 +341,7 @@ def test_command_line_loads_little():
         "import sys, json, neve; before = set(sys.modules); import neve.cli;"
         "print(json.dumps(sorted({n.partition('.')[0] for n in set(sys.modules) - before})))"
     )
-    out = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = set(json.loads(out.stdout)) - set(sys.stdlib_module_names)
     assert loaded <= {"neve", "click", "colorama"}
     assert "click" in loaded

@@ -135,8 +135,8 @@ def test_many_pages_watch_one_run(server):
     converse(server, talk)
 
 
-def test_what_cannot_be_shown_is_told_in_one_sentence(tmp_path, recorded, small, monkeypatch):
-    """A taken port, a change to a finished run, a damaged frame, a missing package."""
+def test_what_cannot_be_shown_is_told_in_one_sentence(tmp_path, recorded):
+    """A taken port, a change to a finished run, a damaged frame."""
     from neve.io.errors import RunError
 
     with socket.socket() as taken:
@@ -146,10 +146,6 @@ def test_what_cannot_be_shown_is_told_in_one_sentence(tmp_path, recorded, small,
             view(str(recorded), port=taken.getsockname()[1])
     with pytest.raises(ViewError, match="--set cannot change"):
         prepare(str(recorded), ["snow.xi=3"])
-    with monkeypatch.context() as patch:
-        patch.setattr("neve.viewer.show.find_spec", lambda name: None)
-        with pytest.raises(ViewError, match=r"pip install 'neve\[view\]'"):
-            prepare(str(small))
     (recorded / "frames/000000.npz").write_bytes(b"snow")
     with pytest.raises(RunError, match="damaged"):
         prepare(str(recorded))

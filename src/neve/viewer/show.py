@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import os
 from collections.abc import Callable, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,8 +66,6 @@ def prepare(
     threads: int | None = None,
 ) -> Server:
     """Make the server of a scene or a run, not yet started. Errors: ViewError, SceneError, RunError."""
-    if find_spec("websockets") is None:
-        raise ViewError("neve view needs the package websockets: pip install 'neve[view]'.")
     from neve.io.run_folder import RunFolder
     from neve.scene.load import load, presets
     from neve.viewer.exports import Exports

@@ -1,0 +1,41 @@
+"""Find the commands and the Python that a page of the documentation tells its reader to type.
+
+`.ci/run` and the tests type them from there, so that what is tested is what is printed:
+
+    python tools/documented.py README.md first      # the first block of commands, a line each
+    python tools/documented.py README.md python     # the blocks of Python
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
+INDENTED = re.compile(r"(?:^ {4}.*\n)+", re.M)
+COMMAND = re.compile(r"\(?(?:neve|pip|python|pytest|npm|npx|cmake|cd|source|\.ci/\w+)\b")
+SHELLS = {"sh", "bash", "console", "shell"}
+
+
+def fenced(text: str, language: str) -> list[str]:
+    """Return the fenced blocks of a language, in order."""
+    return [body for name, body in FENCE.findall(text) if name == language]
+
+
+def command_blocks(text: str) -> list[list[str]]:
+    """Return the blocks of shell commands, a list of lines each, without their comments."""
+    indented = INDENTED.findall(FENCE.sub("", text))
+    blocks = [*indented, *(body for name, body in FENCE.findall(text) if name in SHELLS)]
+    lines = [[re.sub(r"\s+# .*", "", line).strip() for line in block.splitlines()] for block in blocks]
+    return [block for block in lines if COMMAND.match(block[0])]
+
+
+def main(path: str, what: str) -> None:
+    """Print what a page has of the first block of commands (`first`) or of a language's blocks."""
+    text = Path(path).read_text(encoding="utf-8")
+    print("\n".join(command_blocks(text)[0] if what == "first" else fenced(text, what)))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
