@@ -1,10 +1,10 @@
 """Record the last bits of small runs, to see that a refactoring changes none of them.
 
     python tools/golden.py record before.json     # with the installed Neve
-    python tools/golden.py check before.json      # after the change was installed; exit code 1 if a bit differs
+    python tools/golden.py check before.json      # after it was installed again; exit code 1 if a bit differs
 
-The bits depend on the compiler and the processor: compare on one machine. Every law, transfer and spline, both
-precisions, colliders, rigid bodies, meshes, terrain and a robot take part.
+The bits depend on the compiler and the processor: compare on one machine. Every law, transfer and spline,
+both precisions, colliders, rigid bodies, meshes, terrain and a robot take part.
 """
 
 from __future__ import annotations
