@@ -317,9 +317,7 @@ def test_info_of_the_cache(call, tmp_path, monkeypatch):
 def test_bench_passes_its_words_on(call, monkeypatch):
     """The cases and --json reach the benchmarks."""
     seen = []
-    monkeypatch.setitem(
-        sys.modules, "neve.bench", types.SimpleNamespace(run=lambda *words: seen.append(words))
-    )
+    monkeypatch.setattr("neve.bench.run", lambda *words: seen.append(words))
     assert call("bench", "step_20k", "--json")[0] == 0
     assert seen == [(["step_20k"], True)]
 
