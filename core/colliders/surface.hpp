@@ -26,15 +26,18 @@ inline scalar_t<R> lane(const R& a, int l) {
 
 // Two neighbouring quads of floats, in the precision of the question.
 template <class T>
-using Quads = Pack<T, 8>;
+using Quads = Wide<T, 8>;
 template <class T>
 inline Quads<T> load_two_quads(const float* from) {
-  return __builtin_convertvector(load<Pack<float, 8>>(from), Quads<T>);
+  using P = part_t<Quads<T>>;
+  return each_part<register_count<Quads<T>>>([&](int k) NEVE_INLINE_LAMBDA {
+    return __builtin_convertvector(load_registers<Pack<float, width<P>>>(from + k * width<P>), P);
+  });
 }
 
 // The second of two quads counts by t, the first by 1 - t.
 template <class T>
-inline void store_blend(Quads<T> a, T t, T* quad) {
+inline void store_blend(const Quads<T>& a, T t, T* quad) {
   for (int k = 0; k < 4; ++k) quad[k] = a[k] + (a[k + 4] - a[k]) * t;
 }
 

@@ -20,7 +20,7 @@ struct HenckyElasticity {
 
   // The response to logarithmic strains.
   template <class R>
-  static Response<R> respond_to_log(const Vec3<R>& eps, R mu, R lam) {
+  NEVE_INLINE static Response<R> respond_to_log(const Vec3<R>& eps, R mu, R lam) {
     using T = scalar_t<R>;
     const R pressure = lam * (eps.x + eps.y + eps.z), two_mu = T(2) * mu;
     const R low = smallest(eps), x = T(2) * (largest(eps) - low);
@@ -30,17 +30,17 @@ struct HenckyElasticity {
             max(two_mu + lam - pressure - two_mu * low, R(mu * shear))};
   }
   template <class R>
-  static R energy_of_log(const Vec3<R>& eps, R mu, R lam) {
+  NEVE_INLINE static R energy_of_log(const Vec3<R>& eps, R mu, R lam) {
     const R trace = eps.x + eps.y + eps.z;
     return mu * dot(eps, eps) + scalar_t<R>(0.5) * lam * trace * trace;
   }
 
   template <class R>
-  static Response<R> respond(const Vec3<R>& e, R mu, R lam) {
+  NEVE_INLINE static Response<R> respond(const Vec3<R>& e, R mu, R lam) {
     return respond_to_log(log_strain(e), mu, lam);
   }
   template <class R>
-  static R energy(const Vec3<R>& e, R mu, R lam) {
+  NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     return energy_of_log(log_strain(e), mu, lam);
   }
 };
@@ -76,7 +76,7 @@ struct HenckyFlow {
   }
 
   template <class R, class P>
-  static R energy(const Mat3<R>& F_E, R, const P& q) {
+  NEVE_INLINE static R energy(const Mat3<R>& F_E, R, const P& q) {
     return HenckyElasticity::energy(svd3<false>(F_E).strain, q.mu, q.lam);
   }
 

@@ -45,11 +45,11 @@ struct Mapped {
 };
 
 template <class R, class M>
-Stress<R> select(M mask, const Stress<R>& a, const Stress<R>& b) {
+Stress<R> select(const M& mask, const Stress<R>& a, const Stress<R>& b) {
   return {select(mask, a.tau, b.tau), select(mask, a.modulus, b.modulus)};
 }
 template <class R, class M>
-Mapped<R> select(M mask, const Mapped<R>& a, const Mapped<R>& b) {
+Mapped<R> select(const M& mask, const Mapped<R>& a, const Mapped<R>& b) {
   return {select(mask, a.F_E, b.F_E), select(mask, a.J_P, b.J_P), select(mask, a.stress, b.stress)};
 }
 

@@ -12,12 +12,12 @@ namespace neve {
 
 struct NeoHookeanElasticity {
   template <class R>
-  static R log_volume(const Vec3<R>& e) {
+  NEVE_INLINE static R log_volume(const Vec3<R>& e) {
     return log1p(max(volume_change(e), splat<R>(scalar_t<R>(least_stretch - 1))));
   }
 
   template <class R>
-  static Response<R> respond(const Vec3<R>& e, R mu, R lam) {
+  NEVE_INLINE static Response<R> respond(const Vec3<R>& e, R mu, R lam) {
     using T = scalar_t<R>;
     const R ln_J = log_volume(e), top = T(1) + largest(e);
     return {lam * ln_J,
@@ -26,7 +26,7 @@ struct NeoHookeanElasticity {
   }
 
   template <class R>
-  static R energy(const Vec3<R>& e, R mu, R lam) {
+  NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     using T = scalar_t<R>;
     const R ln_J = log_volume(e);
     return mu * (e.x + e.y + e.z + T(0.5) * dot(e, e) - ln_J) + T(0.5) * lam * ln_J * ln_J;

@@ -36,7 +36,7 @@ inline Lame lame(const Snow& snow) {
 
 // tau = U diag(tau_k) U^T. The isotropic part stays out of the products, so that shear stresses keep their digits.
 template <class R>
-inline Stress<R> in_frame(const Mat3<R>& U, const Response<R>& r) {
+NEVE_INLINE Stress<R> in_frame(const Mat3<R>& U, const Response<R>& r) {
   const R zero = splat<R>(0);
   Sym3<R> tau{r.isotropic, r.isotropic, r.isotropic, zero, zero, zero};
   for (int k = 0; k < 3; ++k) {
@@ -54,7 +54,7 @@ inline Stress<R> in_frame(const Mat3<R>& U, const Response<R>& r) {
 
 // F_E = U diag(sigma - excess) V^T as F - U diag(excess) V^T: a lane without excess keeps F to the bit.
 template <class R>
-inline Mat3<R> without(const Mat3<R>& F, const Svd3<R>& svd, const Vec3<R>& excess) {
+NEVE_INLINE Mat3<R> without(const Mat3<R>& F, const Svd3<R>& svd, const Vec3<R>& excess) {
   Mat3<R> out = F;
   for (int k = 0; k < 3; ++k) {
     const Vec3<R> u = svd.U.column(k) * excess[k];
@@ -67,16 +67,16 @@ inline Mat3<R> without(const Mat3<R>& F, const Svd3<R>& svd, const Vec3<R>& exce
 
 // J - 1 from the principal strains, without the cancellation of the product.
 template <class R>
-inline R volume_change(const Vec3<R>& e) {
+NEVE_INLINE R volume_change(const Vec3<R>& e) {
   return e.x + e.y + e.z + e.x * e.y + e.x * e.z + e.y * e.z + e.x * e.y * e.z;
 }
 
 template <class R>
-inline R largest(const Vec3<R>& a) {
+NEVE_INLINE R largest(const Vec3<R>& a) {
   return max(max(a.x, a.y), a.z);
 }
 template <class R>
-inline R smallest(const Vec3<R>& a) {
+NEVE_INLINE R smallest(const Vec3<R>& a) {
   return min(min(a.x, a.y), a.z);
 }
 

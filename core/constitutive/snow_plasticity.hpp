@@ -47,12 +47,13 @@ struct SnowPlasticity {
   }
 
   template <class R>
-  static R hardening(R J_P, const Parameters<R>& q) {
+  NEVE_INLINE static R hardening(R J_P, const Parameters<R>& q) {
     return exp(q.xi * (scalar_t<R>(1) - clamp(J_P, q.J_P_min, q.J_P_max)));
   }
 
   template <class R>
-  static Stress<R> principal_stress(const Mat3<R>& U, const Vec3<R>& strain, R J_P, const Parameters<R>& q) {
+  NEVE_INLINE static Stress<R> principal_stress(const Mat3<R>& U, const Vec3<R>& strain, R J_P,
+                                                const Parameters<R>& q) {
     const R h = hardening(J_P, q);
     return in_frame(U, Elasticity::respond(strain, R(q.mu0 * h), R(q.lam0 * h)));
   }

@@ -13,7 +13,7 @@ namespace neve {
 
 struct FixedCorotated {
   template <class R>
-  static Response<R> respond(const Vec3<R>& e, R mu, R lam) {
+  NEVE_INLINE static Response<R> respond(const Vec3<R>& e, R mu, R lam) {
     using T = scalar_t<R>;
     const R dJ = volume_change(e), J = T(1) + dJ, top = T(1) + largest(e), two_mu = T(2) * mu;
     return {lam * dJ * J,
@@ -22,7 +22,7 @@ struct FixedCorotated {
   }
 
   template <class R>
-  static R energy(const Vec3<R>& e, R mu, R lam) {
+  NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     const R dJ = volume_change(e);
     return mu * dot(e, e) + scalar_t<R>(0.5) * lam * dJ * dJ;
   }

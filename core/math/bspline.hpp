@@ -15,7 +15,7 @@ struct Quadratic {
   static constexpr double reach = 6 - 1e-3;  // short of the end, where rounding could pass it
 
   template <class R>
-  static void weights(R f, R* w, R* dw) {
+  NEVE_INLINE static void weights(R f, R* w, R* dw) {
     using T = scalar_t<R>;
     const R a = T(1) - f, b = f - T(0.5);
     w[0] = T(0.5) * a * a;
@@ -27,7 +27,7 @@ struct Quadratic {
   }
   // x_i - x_p in cells, of the k-th node.
   template <class R>
-  static R offset(R f, int k) {
+  NEVE_INLINE static R offset(R f, int k) {
     return scalar_t<R>(k - 0.5) - f;
   }
 };
@@ -40,7 +40,7 @@ struct Cubic {
   static constexpr double reach = 5 - 1e-3;
 
   template <class R>
-  static void weights(R f, R* w, R* dw) {
+  NEVE_INLINE static void weights(R f, R* w, R* dw) {
     using T = scalar_t<R>;
     const R a = T(1) - f;
     const T sixth = T(1) / T(6), two_thirds = T(2) / T(3);
@@ -54,7 +54,7 @@ struct Cubic {
     dw[3] = T(0.5) * f * f;
   }
   template <class R>
-  static R offset(R f, int k) {
+  NEVE_INLINE static R offset(R f, int k) {
     return scalar_t<R>(k - 1) - f;
   }
 };

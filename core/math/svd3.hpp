@@ -36,7 +36,7 @@ namespace detail {
 // (cos a, sin a) ~ (|d| + sqrt(d^2 + pq^2), sign(d) pq). The root may be rough, since a small error of the angle only
 // leaves a small rest for the next sweep; the normalisation is exact, so that V stays a rotation.
 template <class R>
-inline void jacobi_rotate(R& pp, R& qq, R& pq, R& rp, R& rq, Vec3<R>& vp, Vec3<R>& vq) {
+NEVE_INLINE void jacobi_rotate(R& pp, R& qq, R& pq, R& rp, R& rq, Vec3<R>& vp, Vec3<R>& vq) {
   using T = scalar_t<R>;
   constexpr T tiny = std::is_same_v<T, float> ? T(1e-30) : T(1e-280);
   const R d = (pp - qq) * T(0.5);
@@ -60,7 +60,7 @@ inline void jacobi_rotate(R& pp, R& qq, R& pq, R& rp, R& rq, Vec3<R>& vp, Vec3<R
 
 // Put the larger of two squared norms first; the turn keeps det V = +1.
 template <class R>
-inline void order(R& a, R& b, Vec3<R>& va, Vec3<R>& vb) {
+NEVE_INLINE void order(R& a, R& b, Vec3<R>& va, Vec3<R>& vb) {
   const auto swap = a < b;
   const R a2 = max(a, b);
   b = min(a, b);
@@ -71,7 +71,7 @@ inline void order(R& a, R& b, Vec3<R>& va, Vec3<R>& vb) {
 }
 
 template <class R>
-inline Vec3<R> normalised_or(const Vec3<R>& a, const Vec3<R>& otherwise) {
+NEVE_INLINE Vec3<R> normalised_or(const Vec3<R>& a, const Vec3<R>& otherwise) {
   using T = scalar_t<R>;
   const R n2 = dot(a, a);
   const auto good = n2 > splat<R>(std::numeric_limits<T>::min() * T(16));
@@ -81,7 +81,7 @@ inline Vec3<R> normalised_or(const Vec3<R>& a, const Vec3<R>& otherwise) {
 
 // U and sigma from B = F V for any F: Gram-Schmidt on the columns, largest first.
 template <class R>
-inline void rotation_from_columns(const Mat3<R>& B, Svd3<R>& out) {
+[[gnu::noinline, gnu::cold]] inline void rotation_from_columns(const Mat3<R>& B, Svd3<R>& out) {
   using T = scalar_t<R>;
   const R o = splat<R>(1), z = splat<R>(0);
   const Vec3<R> u0 = normalised_or(B.c0, Vec3<R>{o, z, z});
@@ -107,7 +107,7 @@ struct Strain3 {
 };
 
 template <class R>
-inline Strain3<R> diagonal_strain(const Mat3<R>& F) {
+NEVE_INLINE Strain3<R> diagonal_strain(const Mat3<R>& F) {
   using T = scalar_t<R>;
   R xx = dot(F.c0, F.c0) - T(1), yy = dot(F.c1, F.c1) - T(1), zz = dot(F.c2, F.c2) - T(1);
   R xy = dot(F.c0, F.c1), xz = dot(F.c0, F.c2), yz = dot(F.c1, F.c2);
@@ -129,7 +129,7 @@ inline Strain3<R> diagonal_strain(const Mat3<R>& F) {
 // Decompose F. Sifakis & Barbic 2012 (course notes) and McAdams et al. 2011 describe the family of methods.
 // `Ordered = false` leaves the singular values of a matrix near the identity in any order, and is faster.
 template <bool Ordered = true, class R>
-inline Svd3<R> svd3(const Mat3<R>& F) {
+NEVE_INLINE Svd3<R> svd3(const Mat3<R>& F) {
   using T = scalar_t<R>;
   detail::Strain3<R> strain = detail::diagonal_strain(F);
   Vec3<R>& e = strain.e;

@@ -141,14 +141,12 @@ class HomeGather {
         from_.modes(stencils_, l, sums_);
       } else {
         const Row<T> s = from_.sums(stencils_, l);
-        for (int k = 0; k < 4; ++k)
-          std::memcpy(sums_[k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
+        for (int k = 0; k < 4; ++k) store_quad<T>(sums_[k] + 4 * l, s, k);
       }
     }
     if constexpr (X::has_change) {
       for (int l = 0; l < count; ++l) {
-        const Row<T> s = from_change_.sum(stencils_, l);
-        std::memcpy(sums_[X::modes] + 4 * l, &s, 4 * sizeof(T));
+        store_quad<T>(sums_[X::modes] + 4 * l, from_change_.sum(stencils_, l), 0);
       }
     }
   }

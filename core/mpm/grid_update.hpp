@@ -43,17 +43,17 @@ struct BlockUpdate {
   // One row of four nodes: v_n = (m v) / m, v = v_n + dt f / m + dt g. Nodes without mass stay zero; so do those whose
   // mass is denormal (their weight is below 1e-30), since 1 / m would overflow.
   void row(T* node, T* change) const {
-    const Row<T> a = load<Row<T>>(node);
+    const Row<T> a = load_row<T>(node);
     const Row<T> m = last_of_quads<T>(a);
     const auto full = m >= std::numeric_limits<T>::min() * T(4);
     const Row<T> inv = T(1) / select(full, m, splat<Row<T>>(1));
     const Row<T> mass = mass_only(m);
     Row<T> step = gravity_step;
     if (has_change) {
-      step += load<Row<T>>(change) * inv * dt;
-      store(change, select(full, step, Row<T>{}));
+      step += load_row<T>(change) * inv * dt;
+      store_row<T>(change, select(full, step, Row<T>{}));
     }
-    store(node, select(full, select(is_mass(), mass, a * inv + step), Row<T>{}));
+    store_row<T>(node, select(full, select(is_mass(), mass, a * inv + step), Row<T>{}));
   }
 
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
@@ -161,12 +161,12 @@ struct BlockUpdate {
     const Row<T> far = splat<Row<T>>(std::numeric_limits<T>::max());
     Row<T> least_v = far, most_v = -far, most{}, odd{};
     for (int r = 0; r < 16; ++r) {
-      const Row<T> v = load<Row<T>>(node + 16 * r);
+      const Row<T> v = load_row<T>(node + 16 * r);
       const auto heavy = last_of_quads<T>(v) >= least;
       least_v = min(least_v, select(heavy, v, far));
       most_v = max(most_v, select(heavy, v, -far));
       odd += v - v;
-      if (has_change) most = max(most, select(heavy, abs(load<Row<T>>(change + 16 * r)), Row<T>{}));
+      if (has_change) most = max(most, select(heavy, abs(load_row<T>(change + 16 * r)), Row<T>{}));
     }
     const Row<T> low = -max_of_nodes<T>(-least_v), high = max_of_nodes<T>(most_v);
     most = max_of_nodes<T>(most);
@@ -178,9 +178,8 @@ struct BlockUpdate {
   }
 
   static auto is_mass() {
-    Row<T> mark{};
-    for (int k = 3; k < 16; k += 4) mark[k] = T(1);
-    return mark > T(0);
+    static constexpr T last[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    return load_row<T>(last) > T(0);
   }
   static Row<T> mass_only(Row<T> m) { return select(is_mass(), m, Row<T>{}); }
 };

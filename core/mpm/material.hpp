@@ -125,9 +125,8 @@ Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int coun
 // of the stage; the others are called once a frame.
 
 template <class T>
-[[gnu::always_inline]] inline Mapped<Lanes<T>> return_map(const Model<T>& model, const State<T>& state,
-                                                          std::size_t p, int count,
-                                                          const Mat3<Lanes<T>>& F_trial, Lanes<T> J_P) {
+NEVE_INLINE Mapped<Lanes<T>> return_map(const Model<T>& model, const State<T>& state, std::size_t p,
+                                        int count, const Mat3<Lanes<T>>& F_trial, Lanes<T> J_P) {
   using Out = Mapped<Lanes<T>>;
   return detail::by_law<Out>(
       model, state, p, count, F_trial,

@@ -23,8 +23,8 @@ struct Carried {
 };
 
 template <class T, class S, int Q, int Modes>
-[[gnu::always_inline]] inline void scatter_affine(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c,
-                                                  int count, Scatter<T, S>& to) {
+NEVE_INLINE void scatter_affine(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c, int count,
+                                Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, row_of_quad(c.mode[0] + 4 * l), row_of_quad(c.mode[1] + 4 * l),
@@ -32,16 +32,16 @@ template <class T, class S, int Q, int Modes>
   }
 }
 template <class T, class S, int Q, int Modes>
-[[gnu::always_inline]] inline void scatter_plain(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c,
-                                                 int count, Scatter<T, S>& to) {
+NEVE_INLINE void scatter_plain(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c, int count,
+                               Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, row_of_quad(c.mode[0] + 4 * l));
   }
 }
 template <class T, class S, int Q, int Modes>
-[[gnu::always_inline]] inline void scatter_matrix(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c,
-                                                  int count, Scatter<T, S>& to) {
+NEVE_INLINE void scatter_matrix(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c, int count,
+                                Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, Row<T>{}, row_of_quad(c.mode[1] + 4 * l), row_of_quad(c.mode[2] + 4 * l),
@@ -49,8 +49,8 @@ template <class T, class S, int Q, int Modes>
   }
 }
 template <class T, class S, int Q, int Modes>
-[[gnu::always_inline]] inline void scatter_modes(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c,
-                                                 int count, Scatter<T, S>& to) {
+NEVE_INLINE void scatter_modes(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c, int count,
+                               Scatter<T, S>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, c.mode);

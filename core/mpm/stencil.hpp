@@ -40,7 +40,9 @@ struct Tile {
     std::memset(value + tile_values, 0, 16 * sizeof(T));
   }
   void add_to(Grid<T>& grid, const Home& home, T* (Grid<T>::*block)(std::int32_t)) {
-    const auto add = [](T* mine, T* theirs) { store(theirs, load<Row<T>>(theirs) + load<Row<T>>(mine)); };
+    const auto add = [](T* mine, T* theirs) {
+      store_row<T>(theirs, load_row<T>(theirs) + load_row<T>(mine));
+    };
     each_row(home, add, block, grid);
   }
 };
@@ -71,7 +73,7 @@ struct Stencils {
 
   // W gives the weights of one axis.
   template <class W>
-  void fill(const TileFrame<T>& frame, const Vec3<Lanes<T>>& at) {
+  NEVE_INLINE void fill(const TileFrame<T>& frame, const Vec3<Lanes<T>>& at) {
     static_assert(W::count == Q);
     using R = Lanes<T>;
     R w[3][Q][4];
@@ -88,8 +90,7 @@ struct Stencils {
       if constexpr (K == 3) w[2][q][3] = splat<R>(0);
       store_quads(z[q], w[2][q][0], w[2][q][1], w[2][q][2], w[2][q][3]);
     }
-    const auto cells = __builtin_convertvector(index * T(4), Pack<std::int32_t, L>);
-    std::memcpy(cell, &cells, sizeof(cells));
+    store_integers(cell, R(index * T(4)));
   }
 };
 
@@ -109,7 +110,7 @@ class Scatter {
   }
 
   // Add w q of the batch's lane l.
-  [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q) {
+  NEVE_INLINE void add(const Stencils<T, S>& st, int l, Row<T> q) {
     const Row<T> p = row_of_weights(st.z[0] + 4 * l) * q;
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
@@ -120,8 +121,7 @@ class Scatter {
   }
 
   // Add w q + g . A, with the rows ax, ay, az of A.
-  [[gnu::always_inline]] void add(const Stencils<T, S>& st, int l, Row<T> q, Row<T> ax, Row<T> ay,
-                                  Row<T> az) {
+  NEVE_INLINE void add(const Stencils<T, S>& st, int l, Row<T> q, Row<T> ax, Row<T> ay, Row<T> az) {
     const Row<T> wz = row_of_weights(st.z[0] + 4 * l), sz = row_of_weights(st.z[1] + 4 * l);
     const Row<T> p = wz * q + sz * az, px = wz * ax, py = wz * ay;
 #pragma GCC unroll 4
@@ -135,7 +135,7 @@ class Scatter {
 
   // Add the modes' sum, over a b c, of x_a y_b z_c q_abc: quads of lane l in the order of modes.hpp, axis by axis.
   template <int Q>
-  [[gnu::always_inline]] void add(const Stencils<T, S, Q>& st, int l, const T (*mode)[4 * lane_count<T>]) {
+  NEVE_INLINE void add(const Stencils<T, S, Q>& st, int l, const T (*mode)[4 * lane_count<T>]) {
     Row<T> p[Q][Q] = {};
 #pragma GCC unroll 3
     for (int c = 0; c < Q; ++c) {
@@ -164,7 +164,7 @@ class Scatter {
 #pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) {
         T* row = tile_ + cell_ + row_offset(i, j);
-        store(row, load<Row<T>>(row) + sum_[i][j]);
+        store_row<T>(row, load_row<T>(row) + sum_[i][j]);
         sum_[i][j] = Row<T>{};
       }
     }
@@ -184,7 +184,7 @@ class Gather {
   explicit Gather(const Tile<T>& tile) : tile_(tile.value) {}
 
   // Four quads: sum w u, sum g_x u, sum g_y u, sum g_z u, of lane l.
-  [[gnu::always_inline]] Row<T> sums(const Stencils<T, S>& st, int l) const {
+  NEVE_INLINE Row<T> sums(const Stencils<T, S>& st, int l) const {
     const T* corner = tile_ + st.cell[l];
     Row<T> a{}, ax{}, ay{};
 #pragma GCC unroll 4
@@ -192,7 +192,7 @@ class Gather {
       Row<T> r{}, ry{};
 #pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) {
-        const Row<T> u = load<Row<T>>(corner + row_offset(i, j));
+        const Row<T> u = load_row<T>(corner + row_offset(i, j));
         r += st.y[0][j][l] * u;
         ry += st.y[1][j][l] * u;
       }
@@ -206,7 +206,7 @@ class Gather {
 
   // For each mode, in the order of modes.hpp, the quad sum x_a y_b z_c u of lane l, into sum[mode] + 4 l.
   template <int Q>
-  [[gnu::always_inline]] void modes(const Stencils<T, S, Q>& st, int l, T (*sum)[4 * lane_count<T>]) const {
+  NEVE_INLINE void modes(const Stencils<T, S, Q>& st, int l, T (*sum)[4 * lane_count<T>]) const {
     const T* corner = tile_ + st.cell[l];
     Row<T> p[Q][Q] = {};
 #pragma GCC unroll 4
@@ -214,7 +214,7 @@ class Gather {
       Row<T> r[Q] = {};
 #pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j) {
-        const Row<T> u = load<Row<T>>(corner + row_offset(i, j));
+        const Row<T> u = load_row<T>(corner + row_offset(i, j));
 #pragma GCC unroll 3
         for (int b = 0; b < Q; ++b) r[b] += st.y[b][j][l] * u;
       }
@@ -228,21 +228,20 @@ class Gather {
     };
     for (int n = 0; n < Q * Q * Q; n += 4) {
       const Row<T> s = sum_nodes<T>(of(n), of(n + 1), of(n + 2), of(n + 3));
-      for (int k = 0; k < std::min(4, Q * Q * Q - n); ++k)
-        std::memcpy(sum[n + k] + 4 * l, reinterpret_cast<const T*>(&s) + 4 * k, 4 * sizeof(T));
+      for (int k = 0; k < std::min(4, Q * Q * Q - n); ++k) store_quad<T>(sum[n + k] + 4 * l, s, k);
     }
   }
 
   // The quad sum w u alone.
   template <int Q>
-  [[gnu::always_inline]] Row<T> sum(const Stencils<T, S, Q>& st, int l) const {
+  NEVE_INLINE Row<T> sum(const Stencils<T, S, Q>& st, int l) const {
     const T* corner = tile_ + st.cell[l];
     Row<T> a{};
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
       Row<T> r{};
 #pragma GCC unroll 4
-      for (int j = 0; j < S::nodes; ++j) r += st.y[0][j][l] * load<Row<T>>(corner + row_offset(i, j));
+      for (int j = 0; j < S::nodes; ++j) r += st.y[0][j][l] * load_row<T>(corner + row_offset(i, j));
       a += st.x[0][i][l] * r;
     }
     a *= row_of_weights(st.z[0] + 4 * l);

@@ -18,8 +18,8 @@ struct Apic {
 
   // The matrix of the momentum, per cell: columns multiply the axes of x_i - x_p.
   template <class S, class R>
-  static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, double dt, R m,
-                        R V0) {
+  NEVE_INLINE static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
+                                    double dt, R m, R V0) {
     using T = scalar_t<R>;
     return scaled(load_matrix<R>(state.C, p, count), m * T(dx)) +
            mls_force<S>(state, p, count, dx, V0 * T(dt));
@@ -27,18 +27,18 @@ struct Apic {
 
   // From the gathered G = sum w v_i (x_i - x_p)^T / dx: the velocity gradient, which is C.
   template <class S, class R>
-  static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
+  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
     return scaled(G, scalar_t<R>(S::inverse_inertia / dx));
   }
 
   // v_p = v_PIC: the affine part holds the rest.
   template <class R>
-  static Vec3<R> velocity(const Vec3<R>&, const Vec3<R>& pic, const Vec3<R>&, double) {
+  NEVE_INLINE static Vec3<R> velocity(const Vec3<R>&, const Vec3<R>& pic, const Vec3<R>&, double) {
     return pic;
   }
 
   template <class R>
-  static void keep(State<scalar_t<R>>& state, std::size_t p, int count, const Mat3<R>& C) {
+  NEVE_INLINE static void keep(State<scalar_t<R>>& state, std::size_t p, int count, const Mat3<R>& C) {
     store_matrix(state.C, p, C, count);
   }
 };

@@ -20,35 +20,37 @@ struct Asflip {
   using From = AffineWeights;
 
   template <class S, class R>
-  static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, double, R m,
-                        R) {
+  NEVE_INLINE static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
+                                    double, R m, R) {
     return scaled(load_matrix<R>(state.C, p, count), m * scalar_t<R>(dx));
   }
 
   template <class S, class R>
-  static Mat3<R> force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+  NEVE_INLINE static Mat3<R> force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
+                                   R V0) {
     return mls_force<S>(state, p, count, dx, V0);
   }
 
   template <class S, class R>
-  static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
+  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
     return Apic::velocity_gradient<S>(G, dx);
   }
 
   template <class R>
-  static Vec3<R> velocity(const Vec3<R>& v, const Vec3<R>& pic, const Vec3<R>& change, double alpha) {
+  NEVE_INLINE static Vec3<R> velocity(const Vec3<R>& v, const Vec3<R>& pic, const Vec3<R>& change,
+                                      double alpha) {
     return Flip::velocity(v, pic, change, alpha);
   }
 
   // The velocity that positions follow.
   template <class R, class M>
-  static Vec3<R> path(const Vec3<R>& v, const Vec3<R>& pic, R J_trial, M held) {
+  NEVE_INLINE static Vec3<R> path(const Vec3<R>& v, const Vec3<R>& pic, R J_trial, M held) {
     constexpr double apart = 0.99900049983337499;  // exp(-0.001)
     return select((J_trial >= scalar_t<R>(apart)) & ~held, v, pic);
   }
 
   template <class R>
-  static void keep(State<scalar_t<R>>& state, std::size_t p, int count, const Mat3<R>& C) {
+  NEVE_INLINE static void keep(State<scalar_t<R>>& state, std::size_t p, int count, const Mat3<R>& C) {
     store_matrix(state.C, p, C, count);
   }
 };

@@ -20,24 +20,26 @@ struct Flip {
 
   // The matrix of the force, per cell.
   template <class S, class R>
-  static Mat3<R> force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+  NEVE_INLINE static Mat3<R> force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
+                                   R V0) {
     return gradient_force(state, p, count, dx, V0);
   }
 
   template <class S, class R>
-  static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
+  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
     return scaled(G, scalar_t<R>(1 / dx));
   }
 
   template <class R>
-  static Vec3<R> velocity(const Vec3<R>& v, const Vec3<R>& pic, const Vec3<R>& change, double alpha) {
+  NEVE_INLINE static Vec3<R> velocity(const Vec3<R>& v, const Vec3<R>& pic, const Vec3<R>& change,
+                                      double alpha) {
     using T = scalar_t<R>;
     const Vec3<R> flip = v + change;
     return pic * T(1 - alpha) + flip * T(alpha);
   }
 
   template <class R>
-  static void keep(State<scalar_t<R>>&, std::size_t, int, const Mat3<R>&) {}
+  NEVE_INLINE static void keep(State<scalar_t<R>>&, std::size_t, int, const Mat3<R>&) {}
 };
 
 }  // namespace neve

@@ -17,23 +17,23 @@ struct Pic {
   using From = GradientWeights;
 
   template <class S, class R>
-  static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, double dt, R,
-                        R V0) {
+  NEVE_INLINE static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
+                                    double dt, R, R V0) {
     return gradient_force(state, p, count, dx, V0 * scalar_t<R>(dt));
   }
 
   template <class S, class R>
-  static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
+  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
     return scaled(G, scalar_t<R>(1 / dx));
   }
 
   template <class R>
-  static Vec3<R> velocity(const Vec3<R>&, const Vec3<R>& pic, const Vec3<R>&, double) {
+  NEVE_INLINE static Vec3<R> velocity(const Vec3<R>&, const Vec3<R>& pic, const Vec3<R>&, double) {
     return pic;
   }
 
   template <class R>
-  static void keep(State<scalar_t<R>>&, std::size_t, int, const Mat3<R>&) {}
+  NEVE_INLINE static void keep(State<scalar_t<R>>&, std::size_t, int, const Mat3<R>&) {}
 };
 
 }  // namespace neve

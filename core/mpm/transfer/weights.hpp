@@ -11,7 +11,7 @@ namespace neve {
 struct GradientWeights {
   static constexpr int count = 2;
   template <class S, class R>
-  static void axis(R f, R (*w)[4]) {
+  NEVE_INLINE static void axis(R f, R (*w)[4]) {
     S::weights(f, w[0], w[1]);
   }
 };
@@ -20,7 +20,7 @@ struct GradientWeights {
 struct AffineWeights {
   static constexpr int count = 2;
   template <class S, class R>
-  static void axis(R f, R (*w)[4]) {
+  NEVE_INLINE static void axis(R f, R (*w)[4]) {
     R dw[4];
     S::weights(f, w[0], dw);
     for (int k = 0; k < S::nodes; ++k) w[1][k] = w[0][k] * S::template offset<R>(f, k);
@@ -29,7 +29,7 @@ struct AffineWeights {
 
 // phi_2 of modes.hpp at the nodes.
 template <class S, class R>
-inline void second_mode(R f, const R* w, R* phi) {
+NEVE_INLINE void second_mode(R f, const R* w, R* phi) {
   using T = scalar_t<R>;
   R third = splat<R>(0);
   for (int k = 0; k < S::nodes; ++k) {
@@ -45,7 +45,7 @@ inline void second_mode(R f, const R* w, R* phi) {
 
 // <phi_2, phi_2> = sum w phi_2^2 where the fraction is f: nothing on the border of a cell of the quadratic spline.
 template <class S, class R>
-inline R square_norm(R f) {
+NEVE_INLINE R square_norm(R f) {
   R w[4], dw[4], phi[4], norm = splat<R>(0);
   S::weights(f, w, dw);
   second_mode<S>(f, w, phi);
@@ -57,7 +57,7 @@ inline R square_norm(R f) {
 struct QuadraticWeights {
   static constexpr int count = 3;
   template <class S, class R>
-  static void axis(R f, R (*w)[4]) {
+  NEVE_INLINE static void axis(R f, R (*w)[4]) {
     AffineWeights::axis<S>(f, w);
     R phi[4];
     second_mode<S>(f, w[0], phi);
@@ -72,7 +72,7 @@ struct QuadraticWeights {
 struct QuadraticDuals {
   static constexpr int count = 3;
   template <class S, class R>
-  static void axis(R f, R (*w)[4]) {
+  NEVE_INLINE static void axis(R f, R (*w)[4]) {
     using T = scalar_t<R>;
     AffineWeights::axis<S>(f, w);
     if constexpr (S::nodes == 3) {
@@ -92,13 +92,14 @@ struct QuadraticDuals {
 
 // The MLS force -V0 D^-1 tau (Hu et al. 2018), per cell: the matrix that multiplies w (x_i - x_p) / dx.
 template <class S, class R>
-inline Mat3<R> mls_force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+NEVE_INLINE Mat3<R> mls_force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
   return scaled(full(load_symmetric<R>(state.tau, p, count)), V0 * scalar_t<R>(-S::inverse_inertia / dx));
 }
 
 // The classic force -V0 tau, per cell: the matrix that multiplies dx grad w.
 template <class R>
-inline Mat3<R> gradient_force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
+NEVE_INLINE Mat3<R> gradient_force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
+                                   R V0) {
   return scaled(full(load_symmetric<R>(state.tau, p, count)), V0 * scalar_t<R>(-1 / dx));
 }
 
