@@ -30,8 +30,27 @@ const char* simd_name() {
 #endif
 }
 
+// The level of x86-64 that this build needs, by what the compiler may use.
+const char* isa_name() {
+#if defined(__AVX512F__) && defined(__AVX512BW__) && defined(__AVX512CD__) && defined(__AVX512DQ__) && \
+    defined(__AVX512VL__)
+  return "x86-64-v4";
+#elif defined(__AVX2__) && defined(__FMA__)
+  return "x86-64-v3";
+#elif defined(__SSE4_2__)
+  return "x86-64-v2";
+#elif defined(__x86_64__)
+  return "x86-64";
+#elif defined(__aarch64__)
+  return "armv8-a";
+#else
+  return "none";
+#endif
+}
+
 nb::dict build_info() {
   nb::dict info;
+  info["isa"] = isa_name();
   info["simd"] = simd_name();
   info["lanes_f32"] = neve::lane_count<float>;
   info["lanes_f64"] = neve::lane_count<double>;

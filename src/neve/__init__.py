@@ -11,6 +11,8 @@ import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from neve.isa import extend as _extend
+
 if TYPE_CHECKING:
     from neve.scene.load import load as load
     from neve.scene.load import presets as presets
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
 # default of libgomp, to spin for milliseconds, takes the very cores that the awaited threads need. It is
 # read once, when the core is loaded.
 os.environ.setdefault("GOMP_SPINCOUNT", "20000")
+
+_NO_BUILD = _extend(__path__)
 
 _HOME = {
     "Scene": "neve.scene.scene",
@@ -35,6 +39,8 @@ __all__ = ["Scene", "Simulation", "load", "presets"]
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return import_module("neve.io.version").version()
+    if name in ("_core", "_look") and _NO_BUILD:
+        raise _NO_BUILD
     if name not in _HOME:
         raise AttributeError(f"module 'neve' has no attribute {name!r}")
     value = getattr(import_module(_HOME[name]), name)

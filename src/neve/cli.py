@@ -285,10 +285,15 @@ def info(as_json: bool) -> None:
     from neve import _core
     from neve.colliders import cache
     from neve.io.version import version
+    from neve.isa import advice, carried, processor
 
+    built = _core.build_info()
     facts: dict[str, Any] = {
         "version": version(),
-        **_core.build_info(),
+        **built,
+        "isa_carried": carried(),
+        "isa_of_processor": processor(),
+        "isa_advice": advice(built["isa"], processor()),
         "python": platform.python_version(),
         "platform": platform.platform(),
         "cache": None if cache.folder() is None else str(cache.folder()),
@@ -298,6 +303,9 @@ def info(as_json: bool) -> None:
         click.echo(json.dumps(facts, indent=2))
         return
     facts["cache"] = facts["cache"] or "off"
+    facts["isa_carried"] = ", ".join(facts["isa_carried"]) or "one build alone"
+    facts["isa_of_processor"] = ", ".join(facts["isa_of_processor"]) or "not x86-64"
+    facts["isa_advice"] = facts["isa_advice"] or "none: the build uses what the processor has"
     facts["cache_size"] = f"{facts.pop('cache_bytes') / 2**20:.1f} MB"
     for name, value in facts.items():
         click.echo(f"{name}: {value}")
@@ -324,7 +332,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except click.ClickException as error:
         _complain(usage(error))
         sys.exit(2)
-    except (MemoryError, OSError, RuntimeError, ValueError) as error:
+    except (ImportError, MemoryError, OSError, RuntimeError, ValueError) as error:
         sentence = user_error(error)
         if sentence is None:
             raise

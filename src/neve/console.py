@@ -10,6 +10,7 @@ import click
 
 # Errors whose text is a sentence for the user, by module, so that asking for them imports nothing.
 USER_ERRORS = (
+    ("neve.isa", "IsaError"),
     ("neve.scene.errors", "SceneError"),
     ("neve.io.errors", "RunError"),
     ("neve.look.film", "FilmError"),

@@ -1,0 +1,83 @@
+"""The build of the core for this processor.
+
+`pip install .` compiles one build, for the machine at hand. A package to share carries several, one folder of
+compiled modules for each instruction set (`builds/x86-64-v3`, ...). The best one that the processor runs is
+put on the path of `neve` when it is imported. The variable NEVE_ISA names another.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import MutableSequence
+from pathlib import Path
+
+VARIABLE = "NEVE_ISA"
+BUILDS = Path(__file__).parent / "builds"
+
+
+class IsaError(ImportError):
+    """One sentence for the user: why no build of the core can be taken."""
+
+
+def processor() -> list[str]:
+    """Return the x86-64 levels of this processor, lowest first; nothing on others."""
+    try:
+        from neve import _cpu
+    except ImportError:
+        return []
+    return _cpu.levels()
+
+
+def carried(builds: Path = BUILDS) -> list[str]:
+    """Return the instruction sets that the package carries a build for; none if it has one build alone."""
+    return sorted(path.name for path in builds.iterdir() if path.is_dir()) if builds.is_dir() else []
+
+
+def choose(carried: list[str], levels: list[str], wish: str | None) -> str | None:
+    """Return the instruction set to take; None where there is one build alone.
+
+    carried: of the package. levels: of the processor, lowest first. wish: what NEVE_ISA says, if anything.
+    Errors: IsaError if the wish is not carried or no build runs on this processor.
+    """
+    if not carried:
+        if wish:
+            raise IsaError(
+                f"{VARIABLE} = {wish}: this copy of Neve has one build, for the machine it was compiled on; "
+                f"unset {VARIABLE}."
+            )
+        return None
+    if wish and wish not in carried:
+        raise IsaError(f"{VARIABLE} = {wish}: this copy of Neve carries {', '.join(carried)}.")
+    runs = [level for level in levels if level in carried]
+    if wish and wish not in runs:
+        others = ", ".join(runs) or "none"
+        raise IsaError(
+            f"{VARIABLE} = {wish}: this processor cannot run it; of those carried it runs {others}."
+        )
+    if not runs:
+        raise IsaError(
+            f"this copy of Neve carries {', '.join(carried)}, and this processor runs none of them: "
+            "compile it here, by `pip install .` in its sources."
+        )
+    return wish or runs[-1]
+
+
+def extend(path: MutableSequence[str]) -> IsaError | None:
+    """Put the folder of the build to take on the path of the package; return why there is none."""
+    try:
+        isa = choose(carried(), processor(), os.environ.get(VARIABLE))
+    except IsaError as error:
+        return error
+    if isa:
+        path.append(str(BUILDS / isa))
+    return None
+
+
+def advice(isa: str, levels: list[str]) -> str | None:
+    """Return how to make Neve faster on this processor, or None where it already uses what there is.
+
+    isa: of the build in use. levels: of the processor, lowest first.
+    """
+    if not levels or isa not in levels or isa == levels[-1] or levels[-1] == "x86-64-v2":
+        return None
+    return f"this processor has {levels[-1]}, the build uses {isa}: `pip install .` in the sources is faster"
