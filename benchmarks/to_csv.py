@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-MACHINE = ("cpu", "simd", "compiler", "python")
+MACHINE = ("cpu", "isa", "compiler", "python")
 CASE = ("case", "particles", "threads", "precision", "spline", "transfer", "steps", "batches")
 STAGES = ("stress", "sort", "p2g", "grid", "g2p", "other")
 MEMORY = ("bytes_core", "bytes_resident", "blocks", "flowing")

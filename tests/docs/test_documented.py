@@ -168,7 +168,7 @@ RULES = [
     (r"python (-\w )?\S+\.py", parse_script),
     (r"python -m venv ", files_exist),
     (r"python -m ", runs),
-    (r"pip install ", installs),
+    (r"pip (install|wheel) ", installs),
     (r"npm ", scripts_of_npm),
     (r"(npx|pytest|cd|source|\.ci/\w+)( |$)", files_exist),
 ]
