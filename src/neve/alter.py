@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import build, make_model, material_table
+from neve.build import make_model, material_table, snow_of
 from neve.colliders.motion import rotation_vector
 from neve.model import Model
 from neve.scene.errors import SceneError
@@ -60,8 +60,9 @@ def extended(
 ) -> tuple[Scene, Model, State]:
     """Return the scene with one more source, its model, and the state with the snow of that source.
 
-    The new particles come after the others, and are named (id) on from them. What would lie inside a solid
-    as it stands at `time` [s] is left out.
+    The new particles come after the others, and are named (id) on from them; they lie where they would if the
+    scene had begun with them. What would lie inside a solid as it stands at `time` [s] is left out, and a
+    SceneWarning says so.
 
     Errors: SceneError if the source is too small or too large, or wholly inside a solid;
     pydantic.ValidationError if its snow is not allowed.
@@ -71,34 +72,12 @@ def extended(
     )
     more = _model(scene, wish, model)
     more.place_solids(time)
-    fresh = _snow_of(wish, source, more)
+    fresh = to_arrays(snow_of(wish, more, [len(scene.sources)]))
     there = to_arrays(state)
     first = int(there["id"].max()) + 1 if len(there["id"]) else 0
-    count = len(fresh["m"])
-    fresh["material"] = np.full(count, more.snows.index(wish.snow_of(source)), there["material"].dtype)
-    fresh["id"] = np.arange(first, first + count, dtype=there["id"].dtype)
+    fresh["id"] = np.arange(first, first + len(fresh["m"]), dtype=there["id"].dtype)
     both = {name: np.concatenate([there[name], fresh[name]]) for name in there}
     return wish, more, from_arrays(more.core, both)
-
-
-def _snow_of(wish: Scene, source: Source, model: Model) -> dict[str, NDArray[Any]]:
-    """Return the arrays of one source's particles, of a seed of its own, without those inside a solid."""
-    seed = (wish.numerics.seed + len(wish.sources) - 1) % 2**32
-    alone = wish.model_copy(
-        update={
-            "sources": (source,),
-            **{name: () for name in SOLIDS},
-            "numerics": wish.numerics.model_copy(update={"seed": seed}),
-        }
-    )
-    arrays = to_arrays(build(alone)[1])
-    x = np.ascontiguousarray(arrays["x"], dtype=np.float64)
-    free = np.ones(len(x), dtype=bool)
-    for i in range(len(model.solids)):
-        free &= model.native.surface(i, x)[0] >= 0.0
-    if not free.any():
-        raise SceneError("this snow would lie wholly inside a solid")
-    return {name: array[free] for name, array in arrays.items()}
 
 
 def _model(scene: Scene, wish: Scene, model: Model) -> Model:

@@ -1,7 +1,8 @@
-"""Turn a Scene into a Model and a State. Nothing else turns wishes into arrays."""
+"""Turn a Scene into a Model and a State: the only module that turns scene values into arrays."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,20 +29,29 @@ def build(scene: Scene) -> tuple[Model, State]:
     Errors: SceneError for a source, a mesh or a height map that cannot be used.
     """
     model = make_model(scene)
+    return model, snow_of(scene, model, range(len(scene.sources)))
+
+
+def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> State:
+    """Return the particles of the sources of these indices, without those inside a solid of `model`.
+
+    Errors: SceneError for a source that cannot be used, or that starts wholly inside solids.
+    """
+    sources = [scene.sources[i] for i in indices]
     samples = [
         carved(fill(scene.completed(s), scene.numerics, i), model, f"sources.{i}")
-        for i, s in enumerate(scene.sources)
+        for i, s in zip(indices, sources, strict=True)
     ]
     state = model.core.State(sum(len(s.x) for s in samples), model.native.more_modes)
     begin = 0
-    for source, s in zip(scene.sources, samples, strict=True):
+    for source, s in zip(sources, samples, strict=True):
         snow = scene.snow_of(source)
         rows = slice(begin, begin + len(s.x))
         _place(state, rows, s, model.snows.index(snow), snow.rho0)
         if _affine(scene.numerics):
             state.C[rows] = _spin_matrix(source.spin)
         begin = rows.stop
-    return model, state
+    return state
 
 
 def make_model(scene: Scene) -> Model:
