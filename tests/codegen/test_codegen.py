@@ -1,9 +1,10 @@
 """The hot loops are compiled to registers: no time is measured, the instructions are looked at.
 
 A compiler that keeps packs in memory makes the step ten times slower and warns of nothing. The probe has each
-hot loop as a function; its assembly for AVX2 and AVX-512 is read here.
+hot loop as a function; its assembly for AVX2 and AVX-512 is read here. Linux on x86-64 alone.
 """
 
+import functools
 import os
 import platform
 import re
@@ -12,154 +13,209 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from assembly import calls, counts, functions, reached
 
 ROOT = Path(__file__).parents[2]
-CMAKE = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+CMAKE = re.sub(r"#.*", "", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))
 COMPILER = next(
     (p for p in map(shutil.which, [os.environ.get("CXX", ""), "c++", "g++", "clang++"]) if p), None
 )
-WIDTH = {"x86-64-v3": "y", "x86-64-v4": "z"}  # of a register: ymm, zmm
 
-# Vector instructions that read or write the stack, in all that a function reaches: about 1.5 times what GCC
-# 12.2 or Clang 14 need, whichever needs more. AVX2 has 16 registers and spills some; AVX-512 has 32.
-MOST = {
+# Vector instructions that read or write the stack, in all that a function reaches: what GCC 12.2 and what
+# Clang 14 need. Each is counted as it stands in the text, a loop's body once, so the number is that of one
+# particle (scatter: and of leaving a cell), one pack (fill, return_map), or one row of nodes (node_rows).
+# AVX2 has 16 registers and spills some, above all the 18 (float64: 36) of a scatter's sums; AVX-512 has 32.
+TODAY = {
     "x86-64-v3": {
-        "gather<float>": 30,
-        "gather<double>": 146,
-        "scatter<float>": 192,
-        "scatter<double>": 453,
-        "fill<float>": 132,
-        "fill<double>": 120,
-        "node_rows<float>": 10,
-        "node_rows<double>": 33,
-        "return_map<float>": 1550,
-        "return_map<double>": 1600,
+        "gather<float>": (14, 20),
+        "gather<double>": (97, 79),
+        "scatter<float>": (115, 128),
+        "scatter<double>": (302, 120),
+        "fill<float>": (60, 88),
+        "fill<double>": (54, 80),
+        "node_rows<float>": (0, 0),
+        "node_rows<double>": (22, 12),
+        "return_map<float>": (937, 689),
+        "return_map<double>": (978, 717),
     },
     "x86-64-v4": {
-        "gather<float>": 10,
-        "gather<double>": 10,
-        "scatter<float>": 10,
-        "scatter<double>": 20,
-        "fill<float>": 10,
-        "fill<double>": 10,
-        "node_rows<float>": 10,
-        "node_rows<double>": 10,
-        "return_map<float>": 300,
-        "return_map<double>": 300,
+        "gather<float>": (0, 0),
+        "gather<double>": (0, 0),
+        "scatter<float>": (0, 0),
+        "scatter<double>": (9, 0),
+        "fill<float>": (0, 0),
+        "fill<double>": (0, 0),
+        "node_rows<float>": (0, 0),
+        "node_rows<double>": (0, 0),
+        "return_map<float>": (164, 134),
+        "return_map<double>": (197, 173),
     },
 }
+# The most that another compiler may need: 1.5 times as many, and 8 more where there are few. When packs were
+# wider than a register, GCC for AVX2 needed 2.4 (scatter<double>) to 19 (gather<float>) times as many.
+LEEWAY, SPARE = 1.5, 8
 
-STACK = re.compile(r"%r[sb]p\b.*\)")
-VECTOR = re.compile(r"%[xyz]mm")
-LANE_BY_LANE = re.compile(r"v?(sqrt|round|div|add)(ss|sd)\b")  # not mul: Clang multiplies single weights
-HALF_STORE = re.compile(r"vmov(?:[ua]p[sd]|dq[ua]\d*)\s+%xmm.*\)$")  # a wider load of it then waits
+# The most of what else `counts` counts; of what is not named here there is none.
+ALLOWED = {
+    "gather<double>": {"scalar": 8},  # AVX2: the weights of four nodes, each made ready once
+    "scatter<double>": {"scalar": 8},
+    "node_rows<double>": {"scalar": 4},  # Clang, AVX2: a node is one register, and 1 / m of it one number
+    # scalar, narrow: the law's constants, outside the loop; halves: GCC for AVX2 copies matrices of the law
+    # by them (today 73 and 76: here 1.5 times as many)
+    "return_map<float>": {"scalar": 11, "narrow": 3, "halves": 110},
+    "return_map<double>": {"scalar": 11, "narrow": 3, "halves": 114},
+}
+# Calls out of the probe, the most of each: Clang clears a scatter's sums and copies a result of the law by
+# call; exp of float64 is the C library's.
+ALLOWED_CALLS = {
+    "scatter<double>": {"memset": 1},
+    "return_map<float>": {"memcpy": 1},
+    "return_map<double>": {"memcpy": 1, "exp": 8},
+}
 
 
-def flags():
+@functools.cache
+def is_clang():
+    """Say whether the compiler at hand is Clang."""
+    said = subprocess.run([COMPILER, "--version"], capture_output=True, text=True, check=True).stdout
+    return "clang" in said
+
+
+def flags(clang):
     """The flags of CMakeLists.txt that decide how the core's code is generated."""
-    is_clang = "clang" in subprocess.run([COMPILER, "--version"], capture_output=True, text=True).stdout
-    found = re.findall(r"(?<=[ ,])-(?:f(?!sanitize|no-omit)|mprefer)[\w=-]+", CMAKE)
-    assert {"-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast"} <= set(found)
-    return [flag for flag in found if not (is_clang and "sched" in flag)]
+    gnu = r'if\(CMAKE_CXX_COMPILER_ID STREQUAL "GNU"\).*?endif\(\)'
+    text = re.sub(gnu, "", CMAKE, flags=re.S) if clang else CMAKE
+    found = re.findall(r"(?<=[ ,])-(?:O3|f(?!sanitize|no-omit)|mprefer)[\w=-]*", text)
+    return ["-std=gnu++20", "-w", "-Wno-psabi", *found]
 
 
-def bodies(assembly):
-    """Each function of an assembly text: its symbol, and its instructions."""
-    for symbol, body in re.findall(r"^([\w.$]+):[^\n]*\n(.*?)^\s*\.size\s+\1,", assembly, re.M | re.S):
-        yield symbol, [line.strip() for line in body.splitlines() if re.match(r"\s+[a-z]", line)]
-
-
-def reached(symbol, functions):
-    """The instructions of a function and of all functions of the same text that it calls or jumps to."""
-    seen, todo = {symbol}, [symbol]
-    while todo:
-        for line in functions[todo.pop()]:
-            target = re.match(r"(?:call|jmp|callq|jmpq)\s+([\w.$]+)", line)
-            if target and target[1] in functions and target[1] not in seen and ".cold" not in target[1]:
-                seen.add(target[1])
-                todo.append(target[1])
-    return [line for name in sorted(seen) for line in functions[name]]
-
-
-def stack_traffic(lines):
-    """The vector instructions that read or write the stack."""
-    return [line for line in lines if STACK.search(line) and VECTOR.search(line)]
-
-
-@pytest.fixture(scope="module", params=list(WIDTH))
-def probe(request, tmp_path_factory):
-    """The level, and the instructions that each function of the probe reaches."""
-    if platform.machine() not in ("x86_64", "AMD64") or COMPILER is None:
-        pytest.skip("needs an x86-64 processor and a compiler (c++, or what CXX names)")
-    out = tmp_path_factory.mktemp("probe") / "probe.s"
-    command = [
-        COMPILER,
-        "-O3",
-        "-std=gnu++20",
-        "-w",
-        *flags(),
-        f"-march={request.param}",
-        f"-I{ROOT / 'core'}",
-    ]
-    source = Path(__file__).parent / "probe.cpp"
-    done = subprocess.run([*command, "-S", source, "-o", out], capture_output=True, text=True, check=False)
-    if "march" in done.stderr:
-        pytest.skip(f"{COMPILER} does not know -march={request.param}")
+def compiled(source, level, folder):
+    """Compile to assembly and return its functions; skip where that cannot be."""
+    if platform.machine() not in ("x86_64", "AMD64") or platform.system() != "Linux":
+        pytest.skip("the instructions are read on Linux on x86-64 alone")
+    if COMPILER is None:
+        pytest.skip("needs a C++ compiler: c++, g++, clang++, or what CXX names")
+    out = folder / "out.s"
+    command = [COMPILER, *flags(is_clang()), f"-march={level}", f"-I{ROOT / 'core'}", "-S", source, "-o", out]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode and re.search(r"march|unknown target CPU", done.stderr):
+        pytest.skip(f"{COMPILER} is too old: it does not know -march={level}")
     assert done.returncode == 0, done.stderr[-2000:]
-    functions = dict(bodies(out.read_text(encoding="utf-8")))
-    loops = {}
-    for symbol in functions:
-        if name := re.match(r"_ZN4neve5probe\d+(\w+)I([fd])E", symbol):
+    return functions(out.read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def compile_probe(tmp_path_factory):
+    """Compile the probe for a level, once, whatever the order of the tests."""
+    source = Path(__file__).parent / "probe.cpp"
+    return functools.cache(lambda level: compiled(source, level, tmp_path_factory.mktemp("probe")))
+
+
+@pytest.fixture(params=list(TODAY))
+def probe(request, compile_probe):
+    """The level, and the instructions that each function of the probe reaches."""
+    of, loops = compile_probe(request.param), {}
+    for symbol in of:
+        if name := re.match(r"_ZN4neve5probe\d+(\w+?)I([fd])E", symbol):
             kind = {"f": "float", "d": "double"}[name[2]]
-            loops[f"{name[1]}<{kind}>"] = reached(symbol, functions)
+            loops[f"{name[1]}<{kind}>"] = reached(symbol, of)
     return request.param, loops
+
+
+def test_flags_are_those_of_the_build():
+    """The flags are read from CMakeLists.txt, of its comments none."""
+    some = {"-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast", "-mprefer-vector-width=512"}
+    ordered = {"-fschedule-insns", "-fsched-pressure"}
+    given = {"-std=gnu++20", "-w", "-Wno-psabi"}
+    assert set(flags(clang=False)) == given | some | ordered
+    assert set(flags(clang=True)) == given | some
 
 
 def test_hot_loops_stay_in_registers(probe):
     """No more vector instructions touch the stack than the bound says."""
     level, loops = probe
-    found = {name: len(stack_traffic(lines)) for name, lines in loops.items()}
-    assert set(found) == set(MOST[level])
-    assert {name: n for name, n in found.items() if n > MOST[level][name]} == {}
+    assert set(loops) == set(TODAY[level])
+    bound = {name: LEEWAY * today[is_clang()] + SPARE for name, today in TODAY[level].items()}
+    found = {name: counts(lines, level)["stack"] for name, lines in loops.items()}
+    assert {name: f"{n} > {bound[name]}" for name, n in found.items() if n > bound[name]} == {}
 
 
 def test_hot_loops_use_whole_registers(probe):
-    """Arithmetic is on registers of the machine's width, fused, nothing goes lane by lane or by halves."""
+    """Multiply-adds are fused, packs fill registers, and nothing goes lane by lane or by halves."""
     level, loops = probe
-    for name in ("gather", "scatter", "fill"):
-        for kind in ("float", "double"):
-            lines = loops[f"{name}<{kind}>"]
-            fused = [line for line in lines if line.startswith("vf")]
-            assert fused, (name, kind)
-            assert all(f"%{WIDTH[level]}mm" in line for line in fused), (name, kind)
-            assert [line for line in lines if LANE_BY_LANE.match(line)] == [], (name, kind)
-            halves = [line for line in stack_traffic(lines) if HALF_STORE.match(line)]
-            assert halves == [], (name, kind)
-            if name != "scatter":  # Clang clears and moves sums by a call, once for each cell
-                assert [line for line in lines if line.startswith("call")] == [], (name, kind)
+    for name, lines in loops.items():
+        found = counts(lines, level)
+        assert found["fused"] > 0, name
+        allowed = ALLOWED.get(name, {})
+        most = {kind: allowed.get(kind, 0) for kind in ("halves", "scalar", "narrow")}
+        assert {kind: found[kind] for kind in most if found[kind] > most[kind]} == {}, name
 
 
+def test_hot_loops_call_nothing(probe):
+    """No loop copies by memcpy or leaves the probe, but where the table says so."""
+    _, loops = probe
+    for name, lines in loops.items():
+        out = {to: n for to, n in calls(lines).items() if not re.match(r"_ZNK?4neve", to)}
+        most = ALLOWED_CALLS.get(name, {})
+        assert {to: n for to, n in out.items() if n > most.get(to, 0)} == {}, name
+
+
+# The same sums of the same numbers: in vectors wider than a register and by calls; in registers and inlined.
 STORM = """
-typedef float Wide __attribute__((vector_size(64)));
-struct Matrix { Wide c[3]; };
-Matrix turned(Matrix a, Matrix b) {
-  for (int k = 0; k < 3; ++k) a.c[k] = a.c[k] * b.c[k] + b.c[(k + 1) % 3] * a.c[(k + 2) % 3];
-  return a;
+template <int bytes> struct Matrix { typedef float Pack __attribute__((vector_size(bytes))); Pack c[3]; };
+template <class M> [[gnu::always_inline]] inline M turned_here(M a, M b) {
+  return {{a.c[0] * b.c[0] + b.c[1], a.c[1] * b.c[1] + b.c[2], a.c[2] * b.c[2] + b.c[0]}};
+}
+[[gnu::noinline]] Matrix<64> turned(Matrix<64> a, Matrix<64> b) { return turned_here(a, b); }
+extern "C" void storm(Matrix<64>* m, int n) {
+  for (int i = 0; i < n; ++i) m[i] = turned(turned(m[i], m[i]), m[i]);
+}
+extern "C" void calm(Matrix<32>* m, int n) {
+  for (int i = 0; i < 2 * n; ++i) m[i] = turned_here(turned_here(m[i], m[i]), m[i]);
 }
 """
 
 
 def test_a_spill_storm_is_seen(tmp_path):
-    """GCC compiles vectors wider than a register through memory: the reader counts many of them."""
-    if platform.machine() not in ("x86_64", "AMD64") or COMPILER is None:
-        pytest.skip("needs an x86-64 processor and a compiler (c++, or what CXX names)")
-    source, out = tmp_path / "storm.cpp", tmp_path / "storm.s"
+    """Vectors wider than a register go through memory, and are counted; the same work in registers is not."""
+    source = tmp_path / "storm.cpp"
     source.write_text(STORM, encoding="utf-8")
-    command = [COMPILER, "-O3", "-std=gnu++20", "-w", *flags(), "-march=x86-64-v3", "-S", source, "-o", out]
-    if subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip(f"{COMPILER} does not know -march=x86-64-v3")
-    functions = dict(bodies(out.read_text(encoding="utf-8")))
-    (symbol,) = functions
-    assert (
-        len(stack_traffic(functions[symbol])) > 12
-    )  # 18 registers come and 6 go; the work itself needs none
+    of = compiled(source, "x86-64-v3", tmp_path)
+    storm, calm = (counts(reached(name, of), "x86-64-v3") for name in ("storm", "calm"))
+    assert calm["stack"] == 0
+    assert calm["fused"] > 0
+    # each call is given 12 registers and gives back 6; written, read, and read again by who called
+    assert storm["stack"] > LEEWAY * calm["stack"] + SPARE + 12
+
+
+TEXT = """
+hot:
+\tpushq\t%rbp
+\tmovq\t%rsp, %rbp
+\tvmovdqa\t%xmm0, -64(%rbp)  # 16-byte Spill
+\tvmovaps\t-64(%rbp), %ymm1
+\tvaddss\t(%rdi), %xmm0, %xmm0
+\tvmulps\t%xmm0, %xmm1, %xmm2
+.L3:
+\tvfmadd231ps\t32(%rsp), %ymm1, %ymm2
+\tcall\tmemcpy@PLT
+\tjmp\thelper
+\t.size\thot, .-hot
+helper:
+\tvmovaps\t(%rbp), %ymm0
+\tjne\t.L3
+\tcall\trare
+\t.size\thelper, .-helper
+\t.section\t.text.unlikely
+rare:
+\tvmovaps\t%ymm0, (%rsp)
+\t.size\trare, .-rare
+"""
+
+
+def test_assembly_is_read():
+    """The reader follows calls and jumps, knows the stack, leaves out the unlikely, and sees each fault."""
+    lines = reached("hot", functions(TEXT))
+    assert counts(lines, "x86-64-v3") == {"stack": 3, "halves": 1, "scalar": 1, "narrow": 1, "fused": 1}
+    assert counts(lines, "x86-64-v4")["narrow"] == 2  # the fused one is of ymm
+    assert calls(lines) == {"memcpy": 1, "rare": 1}
