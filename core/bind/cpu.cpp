@@ -35,8 +35,15 @@ PyMethodDef methods[] = {
     {"levels", levels, METH_NOARGS,
      "Return the x86-64 levels of this processor, lowest first; an empty list on others."},
     {nullptr, nullptr, 0, nullptr}};
-PyModuleDef module = {PyModuleDef_HEAD_INIT, "_cpu", "What the processor can do.", -1, methods,
-                      nullptr,               nullptr, nullptr,                     nullptr};
+PyModuleDef module = {PyModuleDef_HEAD_INIT,
+                      "_cpu",
+                      "What the processor can do.",
+                      -1,
+                      methods,
+                      nullptr,
+                      nullptr,
+                      nullptr,
+                      nullptr};
 
 }  // namespace
 

@@ -167,7 +167,7 @@ NEVE_INLINE Registers<P, K>& operator*=(Registers<P, K>& a, const B& b) {
 template <class R>
 NEVE_INLINE R splat(scalar_t<R> a) {
   if constexpr (is_pack<R>) {
-    return R{} + a;
+    return a - R{};
   } else {
     return a;
   }
