@@ -3,6 +3,7 @@
 `.ci/run` and the tests type them from there, so that what is tested is what is printed:
 
     python tools/documented.py README.md first      # the first block of commands, a line each
+    python tools/documented.py README.md commands   # all of them
     python tools/documented.py README.md python     # the blocks of Python
 """
 
@@ -28,13 +29,18 @@ def command_blocks(text: str) -> list[list[str]]:
     indented = INDENTED.findall(FENCE.sub("", text))
     blocks = [*indented, *(body for name, body in FENCE.findall(text) if name in SHELLS)]
     lines = [[re.sub(r"\s+# .*", "", line).strip() for line in block.splitlines()] for block in blocks]
-    return [block for block in lines if COMMAND.match(block[0])]
+    shells = len(indented)  # what comes after them is fenced, and says that it is for a shell
+    return [block for k, block in enumerate(lines) if k >= shells or COMMAND.match(block[0])]
 
 
 def main(path: str, what: str) -> None:
-    """Print what a page has of the first block of commands (`first`) or of a language's blocks."""
+    """Print what a page has: its `first` block of commands, all `commands`, or the blocks of a language."""
     text = Path(path).read_text(encoding="utf-8")
-    print("\n".join(command_blocks(text)[0] if what == "first" else fenced(text, what)))
+    if what in ("first", "commands"):
+        blocks = command_blocks(text)
+        print("\n".join(line for block in blocks[: 1 if what == "first" else None] for line in block))
+    else:
+        print("\n".join(fenced(text, what)))
 
 
 if __name__ == "__main__":

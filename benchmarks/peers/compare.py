@@ -1,7 +1,7 @@
 """Run the same snow in Neve and in Taichi, batch by batch in turn, and print both speeds and their ratio.
 
     pip install . -r benchmarks/peers/requirements.txt
-    python -P benchmarks/peers/compare.py [--particles 1m] [--batches 7] [--steps 20] [--json]
+    python benchmarks/peers/compare.py [--particles 1m] [--batches 7] [--steps 20] [--json]
 
 Both start from the same particles (a block landing on the ground at 5 m/s), take the same steps of the same
 length with the same law, and are compared at the end: the mean position and velocity and the share of snow

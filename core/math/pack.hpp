@@ -299,6 +299,7 @@ namespace detail {
 // read.
 template <class P>
 NEVE_INLINE P load_some(const scalar_t<P>* from, int count) {
+  static_assert(sizeof(P) == register_bytes);
 #if defined(__AVX512F__)
   const unsigned mask = (1u << count) - 1;
   if constexpr (std::is_same_v<P, Pack<float, 16>>) {
@@ -314,8 +315,11 @@ NEVE_INLINE P load_some(const scalar_t<P>* from, int count) {
     return reinterpret_cast<P>(_mm256_maskload_pd(from, mask));
   }
 #else
+  if (count == width<P>) return load_registers<P>(from);
   P r{};
-  std::memcpy(&r, from, static_cast<std::size_t>(count) * sizeof(scalar_t<P>));
+  for_parts<width<P> - 1>([&](int k) NEVE_INLINE_LAMBDA {
+    if (k < count) r[k] = from[k];
+  });
   return r;
 #endif
 }
@@ -337,7 +341,10 @@ NEVE_INLINE void store_some(scalar_t<P>* to, const P& a, int count) {
     _mm256_maskstore_pd(to, mask, reinterpret_cast<__m256d>(a));
   }
 #else
-  std::memcpy(to, &a, static_cast<std::size_t>(count) * sizeof(scalar_t<P>));
+  if (count == width<P>) return store_registers(to, a);
+  for_parts<width<P> - 1>([&](int k) NEVE_INLINE_LAMBDA {
+    if (k < count) to[k] = a[k];
+  });
 #endif
 }
 

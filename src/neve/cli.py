@@ -282,18 +282,19 @@ def info(as_json: bool) -> None:
     """Show the version, what the core was built for, and the folder of the cache."""
     import platform
 
+    import neve
     from neve import _core
     from neve.colliders import cache
     from neve.io.version import version
     from neve.isa import advice, carried, processor
 
-    built = _core.build_info()
+    built, levels, builds = _core.build_info(), processor(), list(carried(neve.__path__))
     facts: dict[str, Any] = {
         "version": version(),
         **built,
-        "isa_carried": carried(),
-        "isa_of_processor": processor(),
-        "isa_advice": advice(built["isa"], processor()),
+        "isa_carried": builds,
+        "isa_of_processor": levels,
+        "isa_advice": advice(built["isa"], builds, levels),
         "python": platform.python_version(),
         "platform": platform.platform(),
         "cache": None if cache.folder() is None else str(cache.folder()),

@@ -8,11 +8,10 @@ put on the path of `neve` when it is imported. The variable NEVE_ISA names anoth
 from __future__ import annotations
 
 import os
-from collections.abc import MutableSequence
+from collections.abc import Collection, Iterable, MutableSequence
 from pathlib import Path
 
 VARIABLE = "NEVE_ISA"
-BUILDS = Path(__file__).parent / "builds"
 
 
 class IsaError(ImportError):
@@ -21,19 +20,18 @@ class IsaError(ImportError):
 
 def processor() -> list[str]:
     """Return the x86-64 levels of this processor, lowest first; nothing on others."""
-    try:
-        from neve import _cpu
-    except ImportError:
-        return []
+    from neve import _cpu
+
     return _cpu.levels()
 
 
-def carried(builds: Path = BUILDS) -> list[str]:
-    """Return the instruction sets that the package carries a build for; none if it has one build alone."""
-    return sorted(path.name for path in builds.iterdir() if path.is_dir()) if builds.is_dir() else []
+def carried(path: Iterable[str]) -> dict[str, Path]:
+    """Return the folder of each build in a package with this path; none if it has one build alone."""
+    folders = [folder for entry in path for folder in Path(entry).glob("builds/*") if folder.is_dir()]
+    return {folder.name: folder for folder in sorted(folders)}
 
 
-def choose(carried: list[str], levels: list[str], wish: str | None) -> str | None:
+def choose(carried: Collection[str], levels: list[str], wish: str | None) -> str | None:
     """Return the instruction set to take; None where there is one build alone.
 
     carried: of the package. levels: of the processor, lowest first. wish: what NEVE_ISA says, if anything.
@@ -64,20 +62,23 @@ def choose(carried: list[str], levels: list[str], wish: str | None) -> str | Non
 
 def extend(path: MutableSequence[str]) -> IsaError | None:
     """Put the folder of the build to take on the path of the package; return why there is none."""
+    builds = carried(path)
     try:
-        isa = choose(carried(), processor(), os.environ.get(VARIABLE))
+        isa = choose(builds, processor() if builds else [], os.environ.get(VARIABLE))
     except IsaError as error:
         return error
     if isa:
-        path.append(str(BUILDS / isa))
+        path.append(str(builds[isa]))
     return None
 
 
-def advice(isa: str, levels: list[str]) -> str | None:
+def advice(isa: str, carried: Collection[str], levels: list[str]) -> str | None:
     """Return how to make Neve faster on this processor, or None where it already uses what there is.
 
-    isa: of the build in use. levels: of the processor, lowest first.
+    isa: of the build in use. carried: of the package. levels: of the processor, lowest first.
     """
-    if not levels or isa not in levels or isa == levels[-1] or levels[-1] == "x86-64-v2":
+    if not levels or isa == levels[-1]:
         return None
+    if levels[-1] in carried:
+        return f"this processor has {levels[-1]}, the build in use is for {isa}: unset {VARIABLE}"
     return f"this processor has {levels[-1]}, the build uses {isa}: `pip install .` in the sources is faster"

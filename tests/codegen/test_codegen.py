@@ -81,6 +81,13 @@ def is_clang():
     return "clang" in said
 
 
+@functools.cache
+def is_measured():
+    """Say whether the compiler at hand is one whose numbers stand here: others spill as they think best."""
+    said = subprocess.run([COMPILER, "-dumpversion"], capture_output=True, text=True, check=True).stdout
+    return said.partition(".")[0].strip() == ("14" if is_clang() else "12")
+
+
 def flags(clang):
     """The flags of CMakeLists.txt that decide how the core's code is generated."""
     gnu = r'if\(CMAKE_CXX_COMPILER_ID STREQUAL "GNU"\).*?endif\(\)'
@@ -115,6 +122,8 @@ def compile_probe(tmp_path_factory):
 def probe(request, compile_probe):
     """The level, and the instructions that each function of the probe reaches."""
     of, loops = compile_probe(request.param), {}
+    if not is_measured():
+        pytest.skip("the bounds are those of GCC 12 and Clang 14")
     for symbol in of:
         if name := re.match(r"_ZN4neve5probe\d+(\w+?)I([fd])E", symbol):
             kind = {"f": "float", "d": "double"}[name[2]]
