@@ -38,6 +38,12 @@ NEVE_INLINE P sqrt_of_register(P a) {
   } else if constexpr (std::is_same_v<P, Pack<double, 8>>) {
     return reinterpret_cast<P>(_mm512_sqrt_pd(reinterpret_cast<__m512d>(a)));
   }
+#elif defined(__aarch64__)
+  if constexpr (std::is_same_v<P, Pack<float, 4>>) {
+    return reinterpret_cast<P>(vsqrtq_f32(reinterpret_cast<float32x4_t>(a)));
+  } else if constexpr (std::is_same_v<P, Pack<double, 2>>) {
+    return reinterpret_cast<P>(vsqrtq_f64(reinterpret_cast<float64x2_t>(a)));
+  }
 #endif
   return each_lane(a, [](auto x) { return std::sqrt(x); });
 }
@@ -49,6 +55,12 @@ NEVE_INLINE P floor_of_register(P a) {
     return reinterpret_cast<P>(_mm512_floor_ps(reinterpret_cast<__m512>(a)));
   } else if constexpr (std::is_same_v<P, Pack<double, 8>>) {
     return reinterpret_cast<P>(_mm512_floor_pd(reinterpret_cast<__m512d>(a)));
+  }
+#elif defined(__aarch64__)
+  if constexpr (std::is_same_v<P, Pack<float, 4>>) {
+    return reinterpret_cast<P>(vrndmq_f32(reinterpret_cast<float32x4_t>(a)));
+  } else if constexpr (std::is_same_v<P, Pack<double, 2>>) {
+    return reinterpret_cast<P>(vrndmq_f64(reinterpret_cast<float64x2_t>(a)));
   }
 #endif
   return each_lane(a, [](auto x) { return std::floor(x); });
