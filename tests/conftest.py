@@ -17,7 +17,7 @@ os.environ["NEVE_CACHE"] = CACHE.name
 
 
 def pytest_configure(config):
-    """Let scenes of the tests be coarse on purpose; tests/scene/test_advice.py tests the warnings."""
+    """Let scenes of the tests be coarse on purpose; tests/scene/checks/test_advice.py tests the warnings."""
     config.addinivalue_line("filterwarnings", "ignore::neve.scene.errors.SceneWarning")
 
 

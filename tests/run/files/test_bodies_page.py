@@ -10,7 +10,7 @@ from neve.run import pictures, run_scene
 from neve.scene.load import load
 from neve.simulation import Simulation
 
-PAGE = (Path(__file__).parents[2] / "docs/bodies.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs/bodies.md").read_text(encoding="utf-8")
 BALL, GATE, WHEEL, ROBOT = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
 COARSE = ["numerics.dx=0.1", "run.film=false"]
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from reference.laws import LAWS
+from verification.laws.test_25_cam_clay import invariants, pressed
 from verification.material import near_identity, respond
-from verification.test_25_cam_clay import invariants, pressed
 
 from neve import _core
 

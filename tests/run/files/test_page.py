@@ -14,7 +14,7 @@ from neve.mpm.time_step import Bound
 from neve.run import bodies
 from neve.run.loop import _FREE
 
-PAGE = (Path(__file__).parents[2] / "docs/run_folder.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs/run_folder.md").read_text(encoding="utf-8")
 
 
 def tables():

@@ -18,12 +18,12 @@ MODELS = [Scene, Overrides, *(model for _, _, model in SECTIONS)]
 
 def test_document_is_up_to_date() -> None:
     """docs/scene_format.md is the generated text; `python -m neve.scene.document` writes it."""
-    assert (Path(__file__).parents[2] / PATH).read_text(encoding="utf-8") == document()
+    assert (Path(__file__).parents[3] / PATH).read_text(encoding="utf-8") == document()
 
 
 def test_table_of_snows_is_up_to_date() -> None:
     """The table of docs/snows.md is the generated one; the rest of the page is free."""
-    page = (Path(__file__).parents[2] / SNOWS_PATH).read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / SNOWS_PATH).read_text(encoding="utf-8")
     assert with_table(page) == page
     for name in SNOWS:
         assert f"| `{name}` | {SNOWS[name].about} |" in page
