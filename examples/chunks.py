@@ -17,7 +17,7 @@ import numpy as np
 from PIL import Image
 
 from neve.fragments import LEAST, Limits, find, summary
-from neve.look.preview import Preview
+from neve.render.preview import Preview
 from neve.scene.load import load
 from neve.simulation import Simulation
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from neve.look.preview import Preview
+from neve.render.preview import Preview
 from neve.scene.load import scene_from
 from neve.scene.scene import Scene
 from neve.scene.snows import SNOWS

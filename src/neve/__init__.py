@@ -39,7 +39,7 @@ __all__ = ["Scene", "Simulation", "load", "presets"]
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return import_module("neve.io.version").version()
-    if name in ("_core", "_look") and _NO_BUILD:
+    if name in ("_core", "_render") and _NO_BUILD:
         raise _NO_BUILD
     if name not in _HOME:
         raise AttributeError(f"module 'neve' has no attribute {name!r}")

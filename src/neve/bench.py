@@ -171,7 +171,7 @@ def sampling() -> Iterator[Once]:
 
 def preview() -> Iterator[Once]:
     """Time the drawing of one frame of the film."""
-    from neve.look.preview import Preview
+    from neve.render.preview import Preview
 
     for name in ("20k", "200k", "1m"):
         scene = landing_block(BLOCKS[name].cells)

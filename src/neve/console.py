@@ -13,7 +13,7 @@ USER_ERRORS = (
     ("neve.isa", "IsaError"),
     ("neve.scene.errors", "SceneError"),
     ("neve.io.errors", "RunError"),
-    ("neve.look.film", "FilmError"),
+    ("neve.render.film", "FilmError"),
     ("neve.mpm.blowup", "Blowup"),
     ("neve.viewer.show", "ViewError"),
     ("neve.drive.serve", "DriveError"),

@@ -156,8 +156,8 @@ def install(put=sys.modules.__setitem__):
     """Put the stand-ins where the run loop imports the real ones."""
     for name, content in {
         "neve.simulation": {"Simulation": Simulation},
-        "neve.look.preview": {"Preview": Preview},
-        "neve.look.film": {"Film": Film},
+        "neve.render.preview": {"Preview": Preview},
+        "neve.render.film": {"Film": Film},
     }.items():
         module = types.ModuleType(name)
         vars(module).update(content)

@@ -35,7 +35,7 @@ class RunFolder:
         self.frames = self.path / "frames"
         self.checkpoint = self.path / "checkpoint"
         self.film = self.path / "preview.mp4"
-        self.film_parts = self.path / ".preview.mp4.parts"  # what neve.look.film keeps of an unfinished film
+        self.film_parts = self.path / ".preview.mp4.parts"  # of a film not finished yet
         self.picture = self.path / "preview.png"
 
     def is_run(self) -> bool:

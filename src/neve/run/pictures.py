@@ -21,7 +21,7 @@ from neve.schedule import EveryFrame, Never, Schedule
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
     from neve.io.run_folder import RunFolder
-    from neve.look.preview import Preview
+    from neve.render.preview import Preview
     from neve.run.outputs import Moment
     from neve.scene.scene import Scene
 
@@ -39,7 +39,7 @@ class Painter:
 
     @functools.cached_property
     def _preview(self) -> Preview:
-        from neve.look.preview import Preview
+        from neve.render.preview import Preview
 
         return Preview(self._scene, *SIZE, threads=self._threads)
 
@@ -66,7 +66,7 @@ class FilmOutput:
     def __init__(
         self, folder: RunFolder, scene: Scene, painter: Painter, done: int | None, anew: bool = False
     ) -> None:
-        from neve.look.film import Film
+        from neve.render.film import Film
 
         self.schedule: Schedule = EveryFrame()
         self._folder = folder

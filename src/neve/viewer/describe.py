@@ -10,7 +10,7 @@ import numpy as np
 
 from neve.build import material_table
 from neve.colliders.solid import Solid
-from neve.look.preview import SKY, STEEL, SUN
+from neve.render.preview import SKY, STEEL, SUN
 from neve.scene.allowed import shapes
 from neve.scene.files import own_files
 from neve.scene.load import preset_about, presets
@@ -59,7 +59,7 @@ def materials(scene: Scene) -> list[str]:
 def drawn(scene: Scene, solids: tuple[Solid, ...]) -> dict[str, Any]:
     """Return what is drawn beside the particles: camera, light, solids, and how large a particle is.
 
-    Light is in the units of the film (neve.look), whose curve the page uses as well.
+    Light is in the units of the film (neve.render), whose curve the page uses as well.
     """
     numerics = scene.numerics
     volume = numerics.dx**3 / numerics.particles_per_cell

@@ -17,8 +17,8 @@ from neve.io.atomic import write_bytes, write_text
 from neve.io.errors import RunError, cannot_write
 from neve.io.frames import frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
-from neve.look.film import Film, FilmError
-from neve.look.preview import Preview
+from neve.render.film import Film, FilmError
+from neve.render.preview import Preview
 from neve.scene.errors import SceneError
 from neve.scene.load import to_toml
 from neve.scene.scene import Camera, Scene

@@ -1,6 +1,6 @@
 "use strict";
 // What all shaders share: random bits, the sky, the film's curve, and how much light passes the snow.
-// The light is that of the film (core/look): the same sun, sky, albedo and tone curve. Where the film walks through a
+// The light is that of the film (core/render): the same sun, sky, albedo and tone curve. Where the film walks through a
 // density grid, the page asks deep opacity maps (Yuksel and Keyser 2008): for each of 13 directions the depth at which
 // snow begins and the optical depth of what follows, in four layers.
 

@@ -4,10 +4,10 @@
 #pragma once
 #include <array>
 
-#include "look/ground.hpp"
-#include "look/splat.hpp"
+#include "render/ground.hpp"
+#include "render/splat.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 class Backdrop {
  public:
@@ -371,4 +371,4 @@ class Backdrop {
   const Density* snow_ = nullptr;
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -3,9 +3,9 @@
 #pragma once
 #include <vector>
 
-#include "look/vec.hpp"
+#include "render/vec.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 struct Int3 {
   int32_t x = 0, y = 0, z = 0;
@@ -202,4 +202,4 @@ class Blocks {
   Vec3 low_{}, high_{};
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

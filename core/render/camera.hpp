@@ -2,9 +2,9 @@
 #pragma once
 #include <numbers>
 
-#include "look/vec.hpp"
+#include "render/vec.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 struct Camera {
   Vec3 eye, right, down, forward;
@@ -38,4 +38,4 @@ struct Camera {
   }
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -9,8 +9,8 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 
-from neve.look import film as module
-from neve.look.film import Film, FilmError
+from neve.render import film as module
+from neve.render.film import Film, FilmError
 
 SIZE = (64, 48)
 PARTS = ".preview.mp4.parts"
@@ -76,7 +76,7 @@ def test_odd_sizes_are_padded(tmp_path):
 KILLED = """
     import os, signal, sys
     import numpy as np
-    from neve.look import film
+    from neve.render import film
     film.SEGMENT_FRAMES = 5
     made = film.Film(sys.argv[1], 24, (64, 48))
     for index in range(int(sys.argv[2])):
@@ -141,7 +141,7 @@ def test_a_kill_while_the_make_is_written_costs_nothing(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("neve.look.film.os.replace", killed)
+        patch.setattr("neve.render.film.os.replace", killed)
         with pytest.raises(KeyboardInterrupt):
             Film(path, 24, SIZE, start=1)
     assert Film(path, 24, SIZE, start=1).missing == []

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace neve::look {
+namespace neve::render {
 
 struct Vec3 {
   float x = 0, y = 0, z = 0;
@@ -53,4 +53,4 @@ inline uint32_t scramble(uint32_t a) {
 /// Turn 32 random bits into [0, 1).
 inline float unit(uint32_t bits) { return float(bits >> 8) * (1.0f / 16777216.0f); }
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -2,10 +2,10 @@
 #pragma once
 #include <span>
 
-#include "look/bodies.hpp"
-#include "look/density.hpp"
+#include "render/bodies.hpp"
+#include "render/density.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 struct Light {
   Vec3 sun;        // unit vector towards the sun
@@ -140,4 +140,4 @@ inline float sky_past(std::span<const Body> bodies, bool rest, const Body& self,
   return seen;
 }
 
-}  // namespace neve::look
+}  // namespace neve::render

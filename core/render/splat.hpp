@@ -3,10 +3,10 @@
 #pragma once
 #include <bit>
 
-#include "look/grains.hpp"
-#include "look/raster.hpp"
+#include "render/grains.hpp"
+#include "render/raster.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 using Key = uint64_t;
 constexpr uint32_t first_body = 0xffff0000u;  // indices from here on are bodies
@@ -137,4 +137,4 @@ inline void draw_samples(Samples& samples, const Samples& still, std::span<const
   }
 }
 
-}  // namespace neve::look
+}  // namespace neve::render

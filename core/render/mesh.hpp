@@ -2,11 +2,11 @@
 #pragma once
 #include <span>
 
-#include "look/primitives.hpp"
-#include "look/triangles.hpp"
+#include "render/primitives.hpp"
+#include "render/triangles.hpp"
 #include "threads.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 /// Rough distances around a mesh, for the shade it gives to what is near: a few dozen samples along its longest side.
 class RoughDistance {
@@ -221,4 +221,4 @@ class Mesh {
   float bound_ = 1, shade_ = 1;
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -1,9 +1,9 @@
 // What surfaces are made of: frozen ground, rock, paint, metal, rubber, wood. All of it is a function of position, so
 // nothing is stored and nothing shimmers from frame to frame.
 #pragma once
-#include "look/bodies.hpp"
+#include "render/bodies.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 struct Relief {
   float value, du, dv;  // height in [-1, 1] and its slopes
@@ -117,4 +117,4 @@ inline Finish finish(const Body& body, Vec3 point, Vec3 normal, Vec3 direction, 
   }
 }
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -3,9 +3,9 @@
 #pragma once
 #include <span>
 
-#include "look/blocks.hpp"
+#include "render/blocks.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 class Density {
  public:
@@ -124,4 +124,4 @@ class Density {
   std::vector<Blocks> level_;
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

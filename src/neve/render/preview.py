@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-import neve._look as _look
+import neve._render as _render
 
 if TYPE_CHECKING:
     from neve._core import HeightField
@@ -52,10 +52,10 @@ class Preview:
             math.cos(elevation) * math.sin(azimuth),
             math.sin(elevation),
         )
-        self._meshes: dict[int, tuple[object, _look.Mesh]] = {}
-        self._painter = _look.Painter(
-            _look.Camera(camera.position, camera.target, camera.up, camera.fov, width, height),
-            _look.Light(
+        self._meshes: dict[int, tuple[object, _render.Mesh]] = {}
+        self._painter = _render.Painter(
+            _render.Camera(camera.position, camera.target, camera.up, camera.fov, width, height),
+            _render.Light(
                 sun,
                 _scaled(light.sun_color, SUN * light.sun_strength),
                 _scaled(light.sky_color, SKY * light.sky_strength),
@@ -83,7 +83,7 @@ class Preview:
         )
         return picture
 
-    def _body(self, solid: Solid, pose: Pose) -> _look.Body:
+    def _body(self, solid: Solid, pose: Pose) -> _render.Body:
         """Translate a solid and its pose for the renderer."""
         ground = solid.shape in ("plane", "terrain") and solid.color is None and solid.finish is None
         x, y, z = (float(a) for a in pose.position)
@@ -92,7 +92,7 @@ class Preview:
         stuff = "ground" if ground else solid.finish or "paint"
         color = solid.color or STEEL
         mesh = self._mesh(solid) if solid.shape in ("mesh", "terrain") else None
-        return _look.Body(
+        return _render.Body(
             "mesh" if mesh else solid.shape,
             (x, y, z),
             rotation,
@@ -103,17 +103,17 @@ class Preview:
             rest=solid.moved_by == "rest",
         )
 
-    def _mesh(self, solid: Solid) -> _look.Mesh:
+    def _mesh(self, solid: Solid) -> _render.Mesh:
         """Return the triangles of a mesh or terrain, made ready once for all frames and bodies of it."""
         what: HeightField | SolidMesh | None = solid.mesh or solid.terrain
         if id(what) not in self._meshes:
             if solid.mesh is not None:
                 vertices = np.ascontiguousarray(solid.mesh.vertices, np.float64)
-                mesh = _look.Mesh(vertices, np.ascontiguousarray(solid.mesh.faces, np.int32))
+                mesh = _render.Mesh(vertices, np.ascontiguousarray(solid.mesh.faces, np.int32))
             elif solid.terrain is not None:
                 across, along = (float(side) for side in solid.terrain.size)
                 heights = np.ascontiguousarray(solid.terrain.heights, np.float32)
-                mesh = _look.Mesh.terrain(heights, (across, along))
+                mesh = _render.Mesh.terrain(heights, (across, along))
             else:
                 raise ValueError(f"{solid.name} is a {solid.shape} without its surface")
             self._meshes[id(what)] = what, mesh

@@ -3,9 +3,9 @@
 #include <memory>
 #include <span>
 
-#include "look/mesh.hpp"
+#include "render/mesh.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 enum class Shape { plane, box, sphere, cylinder, mesh };
 
@@ -146,4 +146,4 @@ inline float sky_past_self(const Body& body, Vec3 point, Vec3 normal) {
   return open_sky(body.mesh->shade(), [&](float t) { return body.mesh->nearest(p + n * t, t); });
 }
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -1,4 +1,4 @@
-// Python's door to the pictures: neve._look.
+// Python's door to the pictures: neve._render.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -12,11 +12,11 @@
 
 #include <mutex>
 
-#include "look/picture.hpp"
+#include "render/picture.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
-using namespace neve::look;
+using namespace neve::render;
 
 namespace {
 
@@ -187,7 +187,7 @@ void bind_density(nb::module_& m) {
 
 }  // namespace
 
-NB_MODULE(_look, m) {
+NB_MODULE(_render, m) {
   m.doc() = "Light and draw particles.";
   bind_density(m);
   nb::class_<Camera>(m, "Camera", "A pinhole camera.")

@@ -1,9 +1,9 @@
 // Light on a grain of snow. What arrives is found once per visible particle; what each pixel sees of it
 // depends on the grain's own roundness.
 #pragma once
-#include "look/ground.hpp"
+#include "render/ground.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 /// Light at one particle.
 struct Lit {
@@ -74,4 +74,4 @@ inline Vec3 grain_light(const Lit& lit, const Light& light, Vec3 round, Vec3 to_
   return color;
 }
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neve._look import Density
+from neve._render import Density
 
 H = 0.1  # [m]
 

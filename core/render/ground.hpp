@@ -1,10 +1,10 @@
 // The set around the snow: how ground, bodies and sky look in sun and haze.
 #pragma once
-#include "look/camera.hpp"
-#include "look/light.hpp"
-#include "look/stuff.hpp"
+#include "render/camera.hpp"
+#include "render/light.hpp"
+#include "render/stuff.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 struct Sky {
   Vec3 zenith, horizon;
@@ -92,4 +92,4 @@ inline float sky_arrival(const Density& snow, Vec3 point, Vec3 normal) {
   return mix(0.14f, open, saturate(open));
 }
 
-}  // namespace neve::look
+}  // namespace neve::render

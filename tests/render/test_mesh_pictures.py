@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from neve import _look
+from neve import _render
 from neve.colliders.motion import Pose, turn
 from neve.colliders.solid import Solid
-from neve.look.preview import Preview
+from neve.render.preview import Preview
 from neve.scene.scene import Camera, Light, Numerics, Scene, SnowSphere
 
 SIZE = (320, 180)
@@ -124,7 +124,7 @@ def test_a_mesh_shades_itself():
     )
     # The ray up to the near box's middle: 1.5 m nearer is 1.5 tan 30 = 0.87 m higher.
     changed = (alone - both)[..., 0]
-    lens = _look.Camera(CAMERA.position, CAMERA.target, CAMERA.up, CAMERA.fov, *SIZE)
+    lens = _render.Camera(CAMERA.position, CAMERA.target, CAMERA.up, CAMERA.fov, *SIZE)
     column, row, _ = lens.project((0.0, 0.9, 1.4 - 1.5 * np.tan(np.radians(30))))
     spot = changed[int(row) - 3 : int(row) + 4, int(column) - 3 : int(column) + 4]
     assert spot.min() > 40

@@ -1,12 +1,12 @@
 // A picture of snow, start to end: density, grains, z-buffer, light, film.
 #pragma once
 
-#include "look/backdrop.hpp"
-#include "look/film_curve.hpp"
-#include "look/snow.hpp"
-#include "look/splat.hpp"
+#include "render/backdrop.hpp"
+#include "render/film_curve.hpp"
+#include "render/snow.hpp"
+#include "render/splat.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 struct Particles {
   std::span<const Vec3> x;     // [m]
@@ -143,4 +143,4 @@ class Painter {
   std::vector<Lit> lit_;
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from neve import _look
+from neve import _render
 from neve.build import solids
 from neve.colliders.motion import pose
-from neve.look.preview import Preview
+from neve.render.preview import Preview
 from neve.scene.scene import Box, Camera, Cylinder, Light, Numerics, Plane, Scene, SnowSphere, Sphere
 
 SIZE = (320, 180)
@@ -40,7 +40,7 @@ def ball(center, radius, spacing=DX / 2):
 
 def pixel(point, camera=CAMERA):
     """Row and column of the pixel that shows a point."""
-    lens = _look.Camera(camera.position, camera.target, camera.up, camera.fov, *SIZE)
+    lens = _render.Camera(camera.position, camera.target, camera.up, camera.fov, *SIZE)
     column, row, _ = lens.project(tuple(float(a) for a in point))
     return int(row), int(column)
 
@@ -63,7 +63,7 @@ def patch(image, point):
 def test_camera_projects_known_points(point, shown):
     """A camera ten metres in front, 90 degrees high on 100 pixels: focal length 50, so column = 100 + 50
     x / depth and row = 50 - 50 z / depth."""
-    camera = _look.Camera((0, -10, 0), (0, 0, 0), (0, 0, 1), 90, 200, 100)
+    camera = _render.Camera((0, -10, 0), (0, 0, 0), (0, 0, 1), 90, 200, 100)
     assert camera.project(point) == pytest.approx(shown, abs=1e-4)
 
 

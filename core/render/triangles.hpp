@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "geometry/mesh.hpp"
-#include "look/vec.hpp"
+#include "render/vec.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 inline Point to_point(Vec3 a) { return {a.x, a.y, a.z}; }
 inline Vec3 to_vec(const Point& a) { return {float(a.x), float(a.y), float(a.z)}; }
@@ -156,4 +156,4 @@ class NearMiss {
   double start_, best_ = 0;
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -2,10 +2,10 @@
 #pragma once
 #include <vector>
 
-#include "look/bodies.hpp"
-#include "look/camera.hpp"
+#include "render/bodies.hpp"
+#include "render/camera.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 /// A triangle on the film.
 struct Flat {
@@ -163,4 +163,4 @@ class Raster {
   std::vector<std::vector<uint32_t>> in_band_;
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -1,4 +1,4 @@
-"""Light and draw particles: the compiled part of `neve.look`."""
+"""Light and draw particles: the compiled part of `neve.render`."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -3,10 +3,10 @@
 #pragma once
 #include <vector>
 
-#include "look/camera.hpp"
-#include "look/light.hpp"
+#include "render/camera.hpp"
+#include "render/light.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 struct Grain {
   float column, row;  // of the centre [samples]
@@ -148,4 +148,4 @@ class Projection {
   float samples_;
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

@@ -2,9 +2,9 @@
 #pragma once
 #include <vector>
 
-#include "look/vec.hpp"
+#include "render/vec.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 /// Bend light like film and code it as sRGB: a soft foot, a straight middle, a long shoulder, so that
 /// bright snow keeps its texture. A table, because a power per channel and pixel would take longer than the
@@ -35,4 +35,4 @@ class FilmCurve {
   std::vector<float> table_;
 };
 
-}  // namespace neve::look
+}  // namespace neve::render

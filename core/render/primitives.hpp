@@ -1,8 +1,8 @@
 // Box, sphere and cylinder in their own frame: where a ray meets them, how far away they are.
 #pragma once
-#include "look/vec.hpp"
+#include "render/vec.hpp"
 
-namespace neve::look {
+namespace neve::render {
 
 struct Hit {
   float t = 1e30f;  // in lengths of the direction
@@ -82,4 +82,4 @@ inline float cylinder_distance(float radius, float half_height, Vec3 p) {
   return std::max(aside, up);
 }
 
-}  // namespace neve::look
+}  // namespace neve::render
