@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.build import make_model, material_table, snow_of
-from neve.colliders.motion import rotation_vector
+from neve.geometry.pose import rotation_vector
 from neve.model import Model
 from neve.scene.errors import SceneError
 from neve.scene.scene import Scene, Source

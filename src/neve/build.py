@@ -58,7 +58,7 @@ def make_model(scene: Scene) -> Model:
     """Return the constants of the scene's run, without sampling any snow."""
     around, rigid = _colliders(scene), None
     if scene.bodies or scene.robots:
-        from neve.colliders.rigid import RigidBodies
+        from neve.rigid.bodies import RigidBodies
 
         rigid = RigidBodies(scene, around)
     met = (*around, *rigid.solids) if rigid else around

@@ -284,7 +284,7 @@ def info(as_json: bool) -> None:
 
     import neve
     from neve import _core
-    from neve.colliders import cache
+    from neve.geometry import cache
     from neve.io.version import version
     from neve.isa import advice, carried, processor
 

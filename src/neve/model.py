@@ -9,9 +9,10 @@ from functools import lru_cache
 import numpy as np
 
 from neve import _core
-from neve.colliders.motion import Pose, pose
+from neve.colliders.motion import pose
 from neve.colliders.solid import Solid
-from neve.colliders.yielding import YieldingBodies
+from neve.geometry.pose import Pose
+from neve.rigid.coupled_bodies import CoupledBodies
 from neve.scene.scene import Collider, Numerics, Snow, World
 from neve.scene.snow import used
 
@@ -31,7 +32,7 @@ class Model:
         snows: Sequence[Snow],
         colliders: Sequence[Collider],
         solids: Sequence[Solid],
-        rigid: YieldingBodies | None = None,
+        rigid: CoupledBodies | None = None,
     ) -> None:
         self.core = PRECISIONS[numerics.precision]
         self.numerics = numerics

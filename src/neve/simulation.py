@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from neve import _core
 from neve.alter import altered, extended
 from neve.build import build, make_model
-from neve.colliders.motion import Pose
 from neve.colliders.solid import Solid
-from neve.colliders.yielding import LostBody
 from neve.diagnostics import Diagnostics, diagnose
+from neve.geometry.pose import Pose
 from neve.mpm.blowup import Blowup, require_finite, require_progress
 from neve.mpm.caution import careful_step
 from neve.mpm.solver import STAGES, measure_volumes, sort
 from neve.mpm.time_step import fitted, largest
+from neve.rigid.coupled_bodies import LostBody
 from neve.scene.advice import advice
 from neve.scene.errors import SceneWarning
 from neve.scene.scene import Scene, Source

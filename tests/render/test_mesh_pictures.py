@@ -8,8 +8,8 @@ import pytest
 import trimesh
 
 from neve import _render
-from neve.colliders.motion import Pose, turn
 from neve.colliders.solid import Solid
+from neve.geometry.pose import Pose, rotation_matrix
 from neve.render.preview import Preview
 from neve.scene.scene import Camera, Light, Numerics, Scene, SnowSphere
 
@@ -24,7 +24,7 @@ RED = (0.8, 0.02, 0.02)
 
 def at(solid, position=(0.0, 0.0, 0.0), rotation=(0.0, 0.0, 0.0)):
     still = np.zeros(3)
-    return solid, Pose(np.array(position, float), turn(np.radians(rotation)), still, still)
+    return solid, Pose(np.array(position, float), rotation_matrix(np.radians(rotation)), still, still)
 
 
 GROUND = at(Solid(name="ground", shape="plane"))
@@ -107,7 +107,7 @@ def test_inside_out_and_torn_meshes_are_drawn(kind):
     flipped = draw([GROUND, at(mesh_solid(mesh, flip=True), *PLACE)])
     assert np.abs(whole.astype(int) - flipped).max() <= 2
     torn = mesh.copy()
-    back = torn.triangles_center @ turn(np.radians(PLACE[1]))[1] > 0.2
+    back = torn.triangles_center @ rotation_matrix(np.radians(PLACE[1]))[1] > 0.2
     torn.update_faces(~back)
     assert 0 < back.sum() < len(back)
     assert np.array_equal(red(draw([GROUND, at(mesh_solid(torn), *PLACE)])), red(whole))

@@ -3,8 +3,8 @@
 import numpy as np
 
 from neve.build import build
-from neve.colliders.motion import Pose, turn
 from neve.colliders.solid import Solid
+from neve.geometry.pose import Pose, rotation_matrix
 from neve.model import Model
 from neve.simulation import Simulation
 
@@ -67,7 +67,7 @@ class FreeBodies:
             L = b.I @ b.w + e[3:6]
             b.v += e[:3] / b.mass + dt * self.gravity
             b.x += dt * b.v
-            b.R = turn(dt * b.w) @ b.R
+            b.R = rotation_matrix(dt * b.w) @ b.R
             b.w = np.linalg.solve(b.I, L)
 
     @property

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from neve.colliders.rigid import RigidBodies
 from neve.colliders.solid import solid_of
+from neve.rigid.bodies import RigidBodies
 from neve.scene.load import scene_from
 
 G = 9.81

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.sdf import SolidMesh, solid_mesh
-from neve.colliders.terrain import height_field
+from neve.geometry.sdf import SolidMesh, solid_mesh
+from neve.geometry.terrain import height_field
 from neve.scene.fields import Finish
 from neve.scene.scene import (
     Box,

@@ -13,9 +13,9 @@ import neve._render as _render
 
 if TYPE_CHECKING:
     from neve._core import HeightField
-    from neve.colliders.motion import Pose
-    from neve.colliders.sdf import SolidMesh
     from neve.colliders.solid import Solid
+    from neve.geometry.pose import Pose
+    from neve.geometry.sdf import SolidMesh
     from neve.scene.scene import Scene
 
 # Paint of a collider without a colour of its own: grey-blue steel.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from neve.colliders.motion import Pose, quaternion_of
+from neve.geometry.pose import Pose, quaternion_of
 from neve.io.run_folder import RunFolder
 from neve.io.table import Table
 from neve.schedule import EveryFrame, Schedule

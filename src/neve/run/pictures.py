@@ -45,7 +45,7 @@ class Painter:
 
     def draw(self, content: Frame) -> NDArray[np.uint8]:
         """Return the image of a frame, (height, width, 3)."""
-        from neve.colliders.motion import Pose
+        from neve.geometry.pose import Pose
 
         still = np.zeros(3)
         poses = zip(content.body_position, content.body_rotation, strict=True)

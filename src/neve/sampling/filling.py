@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.inside import windings
-from neve.colliders.sdf import SolidMesh, solid_mesh
+from neve.geometry.inside import windings
+from neve.geometry.sdf import SolidMesh, solid_mesh
 from neve.scene.errors import SceneError
 from neve.scene.scene import Numerics, SnowMesh
 
@@ -51,7 +51,7 @@ class MeshSpace:
 def mesh_space(source: SnowMesh, numerics: Numerics, name: str) -> MeshSpace:
     """Return the space inside the mesh of `source`; `name` tells it in messages.
 
-    Errors: SceneError for a mesh that cannot be used; see `neve.colliders.mesh.read_mesh`.
+    Errors: SceneError for a mesh that cannot be used; see `neve.geometry.mesh.read_mesh`.
     """
     mesh = solid_mesh(source, numerics.dx, name)
     margin = 0.5 * source.thickness

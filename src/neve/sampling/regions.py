@@ -9,7 +9,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.motion import turn
+from neve.geometry.pose import rotation_matrix
 from neve.sampling.filling import MeshSpace, mesh_space
 from neve.sampling.lettering import Letters, letters
 from neve.scene.scene import (
@@ -116,7 +116,7 @@ def _mesh(source: SnowMesh, space: MeshSpace) -> Region:
 
 
 def _axes(rotation: tuple[float, ...]) -> Array:
-    return turn(np.radians(rotation))
+    return rotation_matrix(np.radians(rotation))
 
 
 def _everywhere(x: Array) -> Mask:

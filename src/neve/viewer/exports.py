@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from neve.colliders.motion import Pose
 from neve.colliders.solid import Solid
+from neve.geometry.pose import Pose
 from neve.io.atomic import write_bytes, write_text
 from neve.io.errors import RunError, cannot_write
 from neve.io.frames import frame_numbers, read_frame

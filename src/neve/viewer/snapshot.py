@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from neve.viewer.modes import Columns, measure
 
 if TYPE_CHECKING:
-    from neve.colliders.motion import Pose
+    from neve.geometry.pose import Pose
     from neve.simulation import Simulation
 
 Array = NDArray[np.float32]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.motion import Pose, rotation_vector, turn
+from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
 from neve.scene.errors import SceneError
 from neve.simulation import Simulation
 from neve.viewer import edit
@@ -99,7 +99,7 @@ class Mover:
                 if goal.done:
                     del self._goals[name]
             t = 0.0 if name.startswith("bodies.") else sim.time  # bodies begin where they are told
-            start = turn(t * spin).T @ pose.rotation
+            start = rotation_matrix(t * spin).T @ pose.rotation
             rest = goal.model_copy(
                 update={
                     "position": tuple(pose.position - t * velocity),
@@ -117,7 +117,7 @@ def _spin_to(pose: Pose, goal: Move, seconds: float) -> Array:
     """Return the angular velocity [rad/s] that turns a body to its goal in so many seconds."""
     if goal.rotation is None:
         return np.zeros(3)
-    wish = turn(np.radians(goal.rotation))
+    wish = rotation_matrix(np.radians(goal.rotation))
     return rotation_vector(wish @ pose.rotation.T) / seconds
 
 

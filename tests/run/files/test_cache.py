@@ -9,9 +9,9 @@ import meshes
 import numpy as np
 import pytest
 
-from neve.colliders import cache, sdf
-from neve.colliders.sdf import of_triangles
-from neve.colliders.triangles import tidied
+from neve.geometry import cache, sdf
+from neve.geometry.sdf import of_triangles
+from neve.geometry.triangles import tidied
 
 
 @pytest.fixture

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from neve.colliders.mesh import read_mesh
-from neve.colliders.sdf import SolidMesh, grid_bytes, of_triangles, solid_mesh, thinnest
-from neve.colliders.triangles import Triangles, tidied
+from neve.geometry.mesh import read_mesh
+from neve.geometry.sdf import SolidMesh, grid_bytes, of_triangles, solid_mesh, thinnest
+from neve.geometry.triangles import Triangles, tidied
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.load import load, scene_from
 from neve.scene.scene import Mesh
@@ -280,7 +280,7 @@ def test_spacing_follows_thin_parts_and_memory(tmp_path: Path, monkeypatch: pyte
     assert thin.sdf.sample(np.array([[0.1, 0.2, 0.0]]))[0][0] < -0.005, "the plate is there"
     assert solid_mesh(Mesh(file=thick, detail=0.08), 0.1, NAME).spacing == 0.08
     assert "detail = 1e-05 would take" in refusal(Mesh(file=thick, detail=1e-5))
-    monkeypatch.setattr("neve.colliders.sdf.USUAL", 2**20)
+    monkeypatch.setattr("neve.geometry.sdf.USUAL", 2**20)
     with pytest.warns(
         SceneWarning, match=r"colliders\.0\.detail is \S+ m, because 0\.025 m would take \d+ MB"
     ):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from neve.colliders.motion import Pose, pose, rotation_vector, turn
+from neve.colliders.motion import pose
+from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
 from neve.scene.scene import Box, Collider, Cylinder, Keyframe, Plane, Sphere
 
 RNG = np.random.default_rng(0)
@@ -24,26 +25,26 @@ MOVING: list[Collider] = [
 
 
 def test_turn_is_the_rotation_by_an_angle_about_an_axis() -> None:
-    """turn(w): keeps the axis, is orthogonal with determinant 1, and its trace is 1 + 2 cos |w|."""
+    """rotation_matrix(w) keeps the axis, is orthogonal, of determinant 1, and its trace is 1 + 2 cos |w|."""
     for w in RNG.normal(size=(50, 3)) * 3.0:
-        R = turn(w)
+        R = rotation_matrix(w)
         assert R @ w == pytest.approx(w, abs=1e-12)
         assert np.eye(3) == pytest.approx(R @ R.T, abs=1e-14)
         assert np.linalg.det(R) == pytest.approx(1.0)
         assert np.trace(R) == pytest.approx(1.0 + 2.0 * np.cos(np.linalg.norm(w)))
-    assert turn(np.array([0.0, 0.0, np.pi / 2])) @ [1.0, 0.0, 0.0] == pytest.approx(
+    assert rotation_matrix(np.array([0.0, 0.0, np.pi / 2])) @ [1.0, 0.0, 0.0] == pytest.approx(
         [0.0, 1.0, 0.0], abs=1e-15
     )
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-4, 1.0, 3.0, np.pi - 1e-8, np.pi])
 def test_rotation_vector_undoes_turn(angle: float) -> None:
-    """rotation_vector(turn(w)) turns as w does, for angles from nothing to half a turn."""
+    """rotation_vector(rotation_matrix(w)) turns as w does, for angles from nothing to half a turn."""
     for axis in (*np.eye(3), -np.eye(3)[1], *RNG.normal(size=(20, 3))):
         w = angle * axis / np.linalg.norm(axis)
-        back = rotation_vector(turn(w))
+        back = rotation_vector(rotation_matrix(w))
         assert np.linalg.norm(back) == pytest.approx(angle, abs=1e-8)
-        assert turn(back) == pytest.approx(turn(w), abs=1e-12)
+        assert rotation_matrix(back) == pytest.approx(rotation_matrix(w), abs=1e-12)
 
 
 @pytest.mark.parametrize("body", MOVING, ids=lambda body: f"{body.shape}-{len(body.keyframes)}")
@@ -62,7 +63,9 @@ def test_keyframes_are_met_and_held() -> None:
     body = Box(keyframes=KEYS)
     for key in KEYS:
         assert pose(body, key.t).position == pytest.approx(key.position)
-        assert pose(body, key.t).rotation == pytest.approx(turn(np.radians(key.rotation)), abs=1e-12)
+        assert pose(body, key.t).rotation == pytest.approx(
+            rotation_matrix(np.radians(key.rotation)), abs=1e-12
+        )
     for t, key in ((0.0, KEYS[0]), (2.0, KEYS[2]), (9.0, KEYS[2])):
         resting = pose(body, t)
         assert resting.position == pytest.approx(key.position)
@@ -70,7 +73,7 @@ def test_keyframes_are_met_and_held() -> None:
         assert not resting.omega.any()
     half = pose(body, 1.0)
     assert half.position == pytest.approx([1.0, 0.0, 1.0])
-    assert half.rotation == pytest.approx(turn(np.array([0.0, 0.0, np.pi / 4])), abs=1e-12)
+    assert half.rotation == pytest.approx(rotation_matrix(np.array([0.0, 0.0, np.pi / 4])), abs=1e-12)
     assert half.velocity == pytest.approx([2.0, 0.0, 0.0])
     assert half.omega == pytest.approx([0.0, 0.0, np.pi / 2])
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from neve.colliders.inertia import bulk_of, bulk_of_mesh, bulk_of_sheet, measured_bulk
-from neve.colliders.motion import turn
 from neve.colliders.solid import Solid
-from neve.colliders.triangles import tidied
+from neve.geometry.pose import rotation_matrix
+from neve.geometry.triangles import tidied
+from neve.rigid.inertia import bulk_of, bulk_of_mesh, bulk_of_sheet, measured_bulk
 from neve.scene.errors import SceneError
 
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
@@ -44,7 +44,11 @@ def test_mesh_of_a_box_weighs_like_the_box():
 
     1e3 m away positions carry errors of 1e3 eps, a share of 1e-13 / 0.2 of the size: 1e-11 is enough.
     """
-    half, R, shift = np.array([0.3, 0.5, 0.2]), turn(np.array([0.3, -1.0, 0.4])), np.array([1e3, -5.0, 2.0])
+    half, R, shift = (
+        np.array([0.3, 0.5, 0.2]),
+        rotation_matrix(np.array([0.3, -1.0, 0.4])),
+        np.array([1e3, -5.0, 2.0]),
+    )
     found = bulk_of_mesh(CORNERS * half @ R.T + shift, SIDES)
     box = bulk_of(Solid("bodies.0", "box", half))
     assert found.volume == pytest.approx(box.volume, rel=1e-11)

@@ -6,7 +6,7 @@ import trimesh
 from meshes import box, joined, sheet, written
 from verification.loose import G, bodies_of, exchange, run
 
-from neve.colliders.motion import turn
+from neve.geometry.pose import rotation_matrix
 from neve.io.assets import companions
 from neve.scene.errors import SceneError
 
@@ -39,7 +39,7 @@ def test_frame_is_the_origin_of_the_file(tmp_path):
     (pose,) = rigid.poses()
     assert pose.position == pytest.approx([1, 2, 3])
     assert pose.velocity == pytest.approx([1, 0, 0], abs=1e-12)
-    arm = turn(np.array([0, 0, np.pi / 2])) @ FAR
+    arm = rotation_matrix(np.array([0, 0, np.pi / 2])) @ FAR
     mass = 500.0 * SIZE.prod()
     assert rigid.mass == pytest.approx([mass], rel=1e-6)
     p = mass * (np.array([1, 0, 0]) + np.cross([0, 0, 2], arm))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from verification.loose import G, bodies_of, exchange, run
 
-from neve.colliders.motion import turn
+from neve.geometry.pose import rotation_matrix
 from neve.scene.errors import SceneError
 
 EPS = np.finfo(float).eps
@@ -51,7 +51,7 @@ def test_moment_turns_the_body():
     """From rest a moment L turns a body at I^-1 L, I in the axes of the turned body, to rounding."""
     rigid = bodies_of([{**BOX, "mass": 7.0}], gravity=[0, 0, 0])
     L = np.array([0.2, -0.1, 0.3])
-    R = turn(np.radians(BOX["rotation"]))
+    R = rotation_matrix(np.radians(BOX["rotation"]))
     (pose,) = run(rigid, 1e-6, 1, exchange([0, 0, 0, *L]))
     expected = R @ np.linalg.solve(box_inertia(7.0, BOX["size"]), R.T @ L)
     assert pose.omega == pytest.approx(expected, rel=1e-5)  # it turns by 1e-6 s x 10 rad/s meanwhile
@@ -96,7 +96,7 @@ def test_mobility_is_the_response():
 def test_mobility_of_a_free_body():
     """About its centre of mass a free body has A = diag(1 / m, R I^-1 R^T)."""
     rigid = bodies_of([{**BOX, "mass": 4.0}])
-    R = turn(np.radians(BOX["rotation"]))
+    R = rotation_matrix(np.radians(BOX["rotation"]))
     expected = np.zeros((6, 6))
     expected[:3, :3] = np.eye(3) / 4.0
     expected[3:, 3:] = R @ np.linalg.inv(box_inertia(4.0, BOX["size"])) @ R.T

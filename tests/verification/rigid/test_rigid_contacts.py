@@ -157,7 +157,7 @@ def test_state_of_other_bodies_is_refused():
 
 def test_lost_body_is_told():
     """A push or a speed without bound ends in a sentence that names the body."""
-    from neve.colliders.yielding import LostBody
+    from neve.rigid.coupled_bodies import LostBody
 
     rigid = bodies_of([{"shape": "box"}, {"shape": "box", "center": [9, 0, 0]}])
     with pytest.raises(LostBody, match=r"the snow pushes bodies\.1 without a finite force at t = 0\.1 s"):

@@ -8,13 +8,13 @@ from verification.scenes import box, columns, scene, simulate
 from verification.stages import Lab
 
 from neve import _core
-from neve.colliders.motion import turn
+from neve.geometry.pose import rotation_matrix
 from neve.scene.load import scene_from
 
 DX = 0.05
 THIN = 0.3 * DX
 TILT = (0.0, 25.0, 40.0)  # degrees
-AXES = turn(np.radians(TILT))
+AXES = rotation_matrix(np.radians(TILT))
 
 
 def plate(**more):

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.engine import engine, quaternion, reason
-from neve.colliders.motion import turn
+from neve.geometry.pose import rotation_matrix
+from neve.rigid.engine import engine, quaternion, reason
 from neve.scene.bodies import Motor, Robot
 from neve.scene.complaint import nearest
 from neve.scene.errors import SceneError
@@ -69,7 +69,7 @@ def add_robot(spec: Any, robot: Robot, name: str) -> Loaded:
         child.delete(key)
     for option in (o for o in dir(spec.option) if not o.startswith("_")):
         setattr(child.option, option, getattr(spec.option, option))
-    R = turn(np.radians(robot.rotation))
+    R = rotation_matrix(np.radians(robot.rotation))
     frame = spec.worldbody.add_frame(pos=robot.position, quat=quaternion(R))
     spec.attach(child, prefix=f"{name}.", frame=frame)
     return loaded
@@ -259,7 +259,7 @@ def place_joints(model: Any, robots: Sequence[Loaded]) -> Array:
     mujoco = engine()
     places = np.array(model.qpos0)
     for loaded in robots:
-        R = turn(np.radians(loaded.robot.rotation))
+        R = rotation_matrix(np.radians(loaded.robot.rotation))
         for name, value in loaded.start.items():
             begin = int(model.joint(f"{loaded.name}.{name}").qposadr[0])
             if len(value) == 7:

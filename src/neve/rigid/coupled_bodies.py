@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from neve.colliders.motion import Pose
     from neve.colliders.solid import Solid
+    from neve.geometry.pose import Pose
 
 Array = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ class LostBody(RuntimeError):
     """Say which body has no finite place or velocity any more, and when. One sentence."""
 
 
-class YieldingBodies(Protocol):
+class CoupledBodies(Protocol):
     """Solids that the snow moves: n of them, in one order everywhere.
 
     Velocities and impulses are those of the origin of the solid's own frame, in world axes: linear part

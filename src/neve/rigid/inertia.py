@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.inside import windings
 from neve.colliders.solid import Solid
-from neve.colliders.triangles import Triangles
+from neve.geometry.inside import windings
+from neve.geometry.triangles import Triangles
 from neve.scene.errors import SceneError
 
 Array = NDArray[np.float64]

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.engine import engine, quaternion, reason
-from neve.colliders.hulls import add_mesh, add_terrain, lift_of
-from neve.colliders.inertia import bulk_of
-from neve.colliders.motion import pose, turn
-from neve.colliders.parts import Place
-from neve.colliders.robots import Loaded, add_robot, place_joints
+from neve.colliders.motion import pose
 from neve.colliders.solid import Solid
+from neve.geometry.pose import rotation_matrix
+from neve.rigid.engine import engine, quaternion, reason
+from neve.rigid.hulls import add_mesh, add_terrain, lift_of
+from neve.rigid.inertia import bulk_of
+from neve.rigid.robot_solids import Place
+from neve.rigid.robots import Loaded, add_robot, place_joints
 from neve.scene.bodies import DENSITY, Motor, RigidBody
 from neve.scene.errors import SceneError
 from neve.scene.scene import Collider, Rigid, Scene
@@ -192,7 +193,7 @@ def _add_body(spec: Any, body: Rigid, solid: Solid, frames: Sequence[_Frame]) ->
             f"{solid.name} has a mass of {mass:.3g} kg and moments of inertia from {min(moments):.3g} kg m2: "
             f"the rigid-body engine needs {LIGHTEST:g} at least, so make it larger or heavier"
         )
-    R = turn(np.radians(body.rotation))
+    R = rotation_matrix(np.radians(body.rotation))
     center = np.array(body.center)
     frame = _Frame(center + R @ bulk.center, R @ axes)
     if body.parent is None:
@@ -245,7 +246,7 @@ def _find_places(
     made: Assembly, solids: Sequence[Solid], bodies: Sequence[Rigid], frames: Sequence[_Frame]
 ) -> None:
     for solid, body, frame in zip(solids, bodies, frames, strict=True):
-        place = frame.inside(np.array(body.center), turn(np.radians(body.rotation)))
+        place = frame.inside(np.array(body.center), rotation_matrix(np.radians(body.rotation)))
         made.places.append(Place(made.model.body(solid.name).id, *place))
 
 

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
-from neve.colliders.engine import engine
-from neve.colliders.mesh import DOUBTFUL_SHARE, doubtful_share
-from neve.colliders.robots import Loaded
-from neve.colliders.sdf import SolidMesh, filled
 from neve.colliders.solid import Shape, Solid
-from neve.colliders.triangles import tidied
+from neve.geometry.mesh import DOUBTFUL_SHARE, doubtful_share
+from neve.geometry.sdf import SolidMesh, filled
+from neve.geometry.triangles import tidied
+from neve.rigid.engine import engine
+from neve.rigid.robots import Loaded
 
 if TYPE_CHECKING:
     from neve._core import HeightField

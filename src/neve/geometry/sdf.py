@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
-from neve.colliders import cache
-from neve.colliders.mesh import read_mesh, warn_if_small
-from neve.colliders.triangles import Triangles
+from neve.geometry import cache
+from neve.geometry.mesh import read_mesh, warn_if_small
+from neve.geometry.triangles import Triangles
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.meshes import MeshFile
 

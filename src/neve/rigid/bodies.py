@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.assembly import Assembly, assemble
-from neve.colliders.engine import engine, quaternion
-from neve.colliders.motion import Pose, cross, pose
-from neve.colliders.overlap import require_apart
-from neve.colliders.parts import parts_of
-from neve.colliders.resistance import damping, support
+from neve.colliders.motion import pose
 from neve.colliders.solid import Solid, solid_of_body
-from neve.colliders.yielding import LostBody
+from neve.geometry.pose import Pose, cross
+from neve.rigid.assembly import Assembly, assemble
+from neve.rigid.constraint_inertia import damping, support
+from neve.rigid.coupled_bodies import LostBody
+from neve.rigid.engine import engine, quaternion
+from neve.rigid.overlap import require_apart
+from neve.rigid.robot_solids import parts_of
 from neve.scene.scene import Scene
 
 Array = NDArray[np.float64]

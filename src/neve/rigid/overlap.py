@@ -28,7 +28,7 @@ def require_apart(model: Any, data: Any) -> None:
 
 
 def _sentence(model: Any, names: list[str], geoms: tuple[int, int], depth: float) -> str:
-    from neve.colliders.engine import engine
+    from neve.rigid.engine import engine
 
     meshes = [model.geom_type[geom] == engine().mjtGeom.mjGEOM_MESH for geom in geoms]
     hull = "; bodies touch the convex hull of a mesh" if any(meshes) else ""

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.engine import engine
 from neve.colliders.solid import Solid
+from neve.rigid.engine import engine
 
 Array = NDArray[np.float64]
 

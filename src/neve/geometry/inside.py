@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.triangles import Triangles
+from neve.geometry.triangles import Triangles
 
 Array = NDArray[np.float64]
 

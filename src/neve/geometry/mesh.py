@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.triangles import Triangles, tidied
+from neve.geometry.triangles import Triangles, tidied
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.files import where
 from neve.scene.meshes import MeshFile

@@ -1,0 +1,1 @@
+"""Geometry: triangle meshes, signed distances, terrain and poses."""

@@ -1,0 +1,1 @@
+"""Bodies and robots that the snow moves, by the rigid-body engine MuJoCo."""
