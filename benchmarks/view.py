@@ -19,9 +19,9 @@ import time
 
 import numpy as np
 
-from neve.viewer.player import Player
+from neve.viewer.players.player import Player
+from neve.viewer.players.snapshot import Snapshot
 from neve.viewer.show import prepare
-from neve.viewer.snapshot import Snapshot
 
 
 class Cycling(Player):

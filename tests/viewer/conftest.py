@@ -7,7 +7,7 @@ import shutil
 import pytest
 
 from neve.scene.load import scene_from, to_toml
-from neve.viewer.encode import unframed
+from neve.viewer.protocol.state import unframed
 
 SMALL = {
     "numerics": {"dx": 0.1},

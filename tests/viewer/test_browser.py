@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from neve.viewer.replay import replay_of
+from neve.viewer.exports.replay import replay_of
 from neve.viewer.show import prepare
 
 playwright = pytest.importorskip(

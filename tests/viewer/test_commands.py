@@ -8,7 +8,9 @@ from neve.scene.errors import SceneError
 from neve.scene.load import load, presets
 from neve.scene.scene import Scene, Variation
 from neve.scene.snow import used
-from neve.viewer import commands, edit, panel, safety
+from neve.viewer import safety
+from neve.viewer.protocol import commands, panel
+from neve.viewer.tools import edit
 
 GOOD = [
     {"do": "play"},

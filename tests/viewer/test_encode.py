@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from neve.viewer.encode import MOST, encode, framed, pack, unframed
 from neve.viewer.modes import MODES, Scale, measure, rounded
-from neve.viewer.snapshot import Snapshot, by_birth
+from neve.viewer.players.snapshot import Snapshot, by_birth
+from neve.viewer.protocol.state import MOST, encode, framed, pack, unframed
 
 
 def cloud(n=1000, size=(4.0, 2.0, 0.5)):

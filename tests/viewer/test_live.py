@@ -11,7 +11,7 @@ from neve.io.frames import frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
 from neve.scene.load import load, scene_from, to_toml
 from neve.simulation import Simulation
-from neve.viewer import commands
+from neve.viewer.protocol import commands
 from neve.viewer.show import prepare
 
 EYE = {"position": [1.5, -2.5, 1.0], "target": [0.2, 0.0, 0.35], "width": 160, "height": 90}

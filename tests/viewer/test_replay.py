@@ -10,7 +10,7 @@ import pytest
 
 from neve.io.frames import read_frame
 from neve.io.run_folder import RunFolder
-from neve.viewer.replay import FINENESS, HIDDEN, choose_keys, fold, pack, predicted, replay_of
+from neve.viewer.exports.replay import FINENESS, HIDDEN, choose_keys, fold, pack, predicted, replay_of
 
 HEAD, DATA = rb'id="head">(.*?)</script>', rb'id="data">(.*?)</script>'
 

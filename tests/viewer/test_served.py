@@ -48,7 +48,7 @@ def test_page_and_its_files_are_served(server):
                 assert (await get(port, name))[0] == 200
         assert not re.search(
             r"https?://",
-            "".join(p.read_text() for p in PAGE.iterdir()).replace("http://www.w3.org/2000/svg", ""),
+            "".join(p.read_text() for p in PAGE.rglob("*.*")).replace("http://www.w3.org/2000/svg", ""),
         )
 
     converse(server, talk)

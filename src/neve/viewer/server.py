@@ -17,12 +17,13 @@ from http import HTTPStatus
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from neve.viewer import commands, safety
-from neve.viewer.describe import describe
-from neve.viewer.encode import encode, finite
-from neve.viewer.exports import Exports
+from neve.viewer import safety
+from neve.viewer.exports.exports import Exports
 from neve.viewer.modes import MODES, Scale
-from neve.viewer.player import Player
+from neve.viewer.players.player import Player
+from neve.viewer.protocol import commands
+from neve.viewer.protocol.describe import describe
+from neve.viewer.protocol.state import encode, finite
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import Server as Socket
@@ -62,7 +63,7 @@ class Server:
         self._begun = False
         self._encoded: dict[str, tuple[int, asyncio.Future[bytes]]] = {}
         self._scale = Scale()
-        self._files = {path.name: path for path in PAGE.iterdir() if path.is_file()}
+        self._files = {p.relative_to(PAGE).as_posix(): p for p in PAGE.rglob("*") if p.is_file()}
 
     @contextlib.asynccontextmanager
     async def serve(self, port: int) -> AsyncIterator[Socket]:

@@ -53,7 +53,7 @@ def view(
 def write_replay(run: str, path: str) -> None:
     """Write the page that plays the run folder `run` by itself. Errors: RunError, SceneError."""
     from neve.io.atomic import write_bytes
-    from neve.viewer.replay import replay_of
+    from neve.viewer.exports.replay import replay_of
 
     write_bytes(Path(path), replay_of(run))
 
@@ -68,11 +68,11 @@ def prepare(
     """Make the server of a scene or a run, not yet started. Errors: ViewError, SceneError, RunError."""
     from neve.io.run_folder import RunFolder
     from neve.scene.load import load, presets
-    from neve.viewer.exports import Exports
-    from neve.viewer.live import Live
-    from neve.viewer.player import Player
-    from neve.viewer.recorded import Recorded
-    from neve.viewer.recorder import Recorder
+    from neve.viewer.exports.exports import Exports
+    from neve.viewer.players.live import Live
+    from neve.viewer.players.player import Player
+    from neve.viewer.players.recorded import Recorded
+    from neve.viewer.players.recorder import Recorder
     from neve.viewer.server import Server
 
     run = RunFolder(what)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.viewer.modes import MODES, Scale
-from neve.viewer.snapshot import Snapshot
+from neve.viewer.players.snapshot import Snapshot
 
 MOST = 65535
 

@@ -22,11 +22,11 @@ from neve.render.preview import Preview
 from neve.scene.errors import SceneError
 from neve.scene.load import to_toml
 from neve.scene.scene import Camera, Scene
-from neve.viewer import commands
-from neve.viewer.player import Player
-from neve.viewer.recorded import Recorded
-from neve.viewer.recorder import Recorder, free_name
-from neve.viewer.replay import replay_page
+from neve.viewer.exports.replay import replay_page
+from neve.viewer.players.player import Player
+from neve.viewer.players.recorded import Recorded
+from neve.viewer.players.recorder import Recorder, free_name
+from neve.viewer.protocol import commands
 
 PREFIX = "/files/"
 

@@ -24,11 +24,14 @@ from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
 from neve.scene.load import load
-from neve.viewer.describe import drawn
-from neve.viewer.encode import finite
+from neve.viewer.protocol.describe import drawn
+from neve.viewer.protocol.state import finite
 
-PAGE = Path(__file__).parent / "page"
-SCRIPTS = ("math", "glsl", "gl", "light", "stage", "camera", "bits", "bar", "replay")
+PAGE = Path(__file__).parents[1] / "page"
+SCRIPTS = (
+    *("draw/math", "draw/glsl", "draw/gl", "draw/light", "draw/stage", "draw/camera"),
+    *("controls/dom", "controls/bar", "replay"),
+)
 MOST = 120_000
 """Particles in a replay; of more, every k-th is taken and drawn larger."""
 FINENESS = 6

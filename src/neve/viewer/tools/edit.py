@@ -10,8 +10,8 @@ from neve.scene.allowed import part, shapes, table_of_list
 from neve.scene.errors import SceneError
 from neve.scene.files import OWN, own_files
 from neve.scene.scene import Scene, Source
-from neve.viewer.commands import Add, Move
-from neve.viewer.panel import below, checked, entry_lists, lists
+from neve.viewer.protocol.commands import Add, Move
+from neve.viewer.protocol.panel import below, checked, entry_lists, lists
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:

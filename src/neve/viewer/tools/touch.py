@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
 from neve.scene.errors import SceneError
 from neve.simulation import Simulation
-from neve.viewer import edit
-from neve.viewer.commands import Move, Touch
+from neve.viewer.protocol.commands import Move, Touch
+from neve.viewer.tools import edit
 
 Array = NDArray[Any]
 

@@ -11,8 +11,8 @@ from typing import Any
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError
 from neve.scene.scene import Scene
-from neve.viewer.commands import Command
-from neve.viewer.snapshot import Snapshot
+from neve.viewer.players.snapshot import Snapshot
+from neve.viewer.protocol.commands import Command
 
 WAIT = 0.25
 """Longest sleep of a player that has nothing to do [s]."""

@@ -15,11 +15,11 @@ from neve.io.frames import Frame, frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
 from neve.scene.errors import SceneError
 from neve.scene.load import load
-from neve.viewer import commands, panel
-from neve.viewer.commands import Command
 from neve.viewer.modes import Columns, available, measure
-from neve.viewer.player import Player
-from neve.viewer.snapshot import Snapshot
+from neve.viewer.players.player import Player
+from neve.viewer.players.snapshot import Snapshot
+from neve.viewer.protocol import commands, panel
+from neve.viewer.protocol.commands import Command
 
 KEPT = 512 * 2**20
 """Bytes of frames that stay in memory, so that playing in a circle does not read them again."""

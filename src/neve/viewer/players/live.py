@@ -15,12 +15,13 @@ from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.load import load, presets
 from neve.scene.scene import Scene, SnowSphere
 from neve.simulation import Simulation
-from neve.viewer import commands, edit, panel
-from neve.viewer.commands import Command
-from neve.viewer.player import WAIT, Player
-from neve.viewer.recorder import Recorder
-from neve.viewer.snapshot import of_simulation
-from neve.viewer.touch import Hand, Mover
+from neve.viewer.players.player import WAIT, Player
+from neve.viewer.players.recorder import Recorder
+from neve.viewer.players.snapshot import of_simulation
+from neve.viewer.protocol import commands, panel
+from neve.viewer.protocol.commands import Command
+from neve.viewer.tools import edit
+from neve.viewer.tools.touch import Hand, Mover
 
 PAUSE = 1 / 30
 """Seconds of work between two moments that the pages may see, where steps are short enough."""

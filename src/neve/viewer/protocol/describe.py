@@ -16,9 +16,9 @@ from neve.scene.files import own_files
 from neve.scene.load import preset_about, presets
 from neve.scene.scene import Light, Scene
 from neve.viewer.modes import MODES, available
-from neve.viewer.panel import lists, panel
-from neve.viewer.player import Player
-from neve.viewer.recorded import COLUMNS, Recorded
+from neve.viewer.players.player import Player
+from neve.viewer.players.recorded import COLUMNS, Recorded
+from neve.viewer.protocol.panel import lists, panel
 
 
 def describe(player: Player) -> dict[str, Any]:

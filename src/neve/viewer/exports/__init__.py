@@ -1,0 +1,1 @@
+"""Files that a page asks for: pictures, films, replays, scenes."""

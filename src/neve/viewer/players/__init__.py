@@ -1,0 +1,1 @@
+"""Players: the thread that has a run, live or recorded, and its latest snapshot."""
