@@ -30,7 +30,7 @@ class Cycling(Player):
     live = True
 
     def __init__(self, particles: int) -> None:
-        from neve.scene.load import load
+        from neve.scene.reading.load import load
 
         super().__init__("cycling", load("throw_ball"))
         rng = np.random.default_rng(0)

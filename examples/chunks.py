@@ -18,7 +18,7 @@ from PIL import Image
 
 from neve.fragments import LEAST, Limits, find, summary
 from neve.render.preview import Preview
-from neve.scene.load import load
+from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
 COARSE = 0.08  # numerics.dx of the coarsest runs [m]

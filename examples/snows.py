@@ -13,9 +13,9 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from neve.render.preview import Preview
-from neve.scene.load import scene_from
-from neve.scene.scene import Scene
-from neve.scene.snows import SNOWS
+from neve.scene.reading.load import scene_from
+from neve.scene.schema.scene import Scene
+from neve.scene.schema.snows import SNOWS
 from neve.simulation import Simulation
 
 MOMENTS = (0.17, 0.6)  # soon after the impact, and at rest or nearly so [s]

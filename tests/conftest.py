@@ -1,4 +1,4 @@
-"""Shared by all tests. Standing here also puts tests/ on the path, so that `reference` can be imported."""
+"""Shared by all tests."""
 
 import os
 import tempfile

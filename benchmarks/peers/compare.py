@@ -22,8 +22,8 @@ import numpy as np
 import taichi as ti
 
 import neve
-from neve.bench import BLOCKS, DT, cpu, landing_block
-from neve.scene.scene import Scene, Snow
+from neve.bench.run import BLOCKS, DT, cpu, landing_block
+from neve.scene.schema.scene import Scene, Snow
 
 sys.path.append(str(Path(__file__).parent))
 from taichi_snow import J_P_BOUNDS, Case, TaichiSnow

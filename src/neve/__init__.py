@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 from neve.isa import extend as _extend
 
 if TYPE_CHECKING:
-    from neve.scene.load import load as load
-    from neve.scene.load import presets as presets
-    from neve.scene.scene import Scene as Scene
+    from neve.scene.reading.load import load as load
+    from neve.scene.reading.load import presets as presets
+    from neve.scene.schema.scene import Scene as Scene
     from neve.simulation import Simulation as Simulation
 
 # A thread that waits for the others spins for some 50 microseconds, then sleeps: on a busy machine the
@@ -27,9 +27,9 @@ os.environ.setdefault("GOMP_SPINCOUNT", "20000")
 _NO_BUILD = _extend(__path__)
 
 _HOME = {
-    "Scene": "neve.scene.scene",
-    "load": "neve.scene.load",
-    "presets": "neve.scene.load",
+    "Scene": "neve.scene.schema.scene",
+    "load": "neve.scene.reading.load",
+    "presets": "neve.scene.reading.load",
     "Simulation": "neve.simulation",
 }
 

@@ -11,7 +11,7 @@ from neve.build import make_model, material_table, snow_of
 from neve.geometry.pose import rotation_vector
 from neve.model import Model
 from neve.scene.errors import SceneError
-from neve.scene.scene import Scene, Source
+from neve.scene.schema.scene import Scene, Source
 from neve.state import from_arrays, to_arrays
 
 if TYPE_CHECKING:

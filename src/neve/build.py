@@ -11,7 +11,7 @@ from neve.colliders.solid import Solid, solid_of
 from neve.model import Model
 from neve.sampling import Samples, fill
 from neve.sampling.carving import carved
-from neve.scene.scene import Numerics, Scene, Snow
+from neve.scene.schema.scene import Numerics, Scene, Snow
 
 if TYPE_CHECKING:
     from neve._core import State

@@ -13,8 +13,8 @@ from neve.colliders.motion import pose
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
 from neve.rigid.coupled_bodies import CoupledBodies
-from neve.scene.scene import Collider, Numerics, Snow, World
-from neve.scene.snow import used
+from neve.scene.schema.scene import Collider, Numerics, Snow, World
+from neve.scene.schema.snow import used
 
 PRECISIONS = {"float32": _core.f32, "float64": _core.f64}
 

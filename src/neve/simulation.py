@@ -25,9 +25,9 @@ from neve.mpm.caution import careful_step
 from neve.mpm.solver import STAGES, measure_volumes, sort
 from neve.mpm.time_step import fitted, largest
 from neve.rigid.coupled_bodies import LostBody
-from neve.scene.advice import advice
+from neve.scene.checks.advice import advice
 from neve.scene.errors import SceneWarning
-from neve.scene.scene import Scene, Source
+from neve.scene.schema.scene import Scene, Source
 from neve.state import from_arrays, to_arrays
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class Simulation:
     """Simulate the snow of a scene.
 
     threads: how many to use; all by default. The result does not depend on it, to the bit.
-    Warns with SceneWarning of what `neve.scene.advice` finds.
+    Warns with SceneWarning of what `neve.scene.checks.advice` finds.
     """
 
     def __init__(self, scene: Scene, threads: int | None = None) -> None:

@@ -19,15 +19,14 @@ from pathlib import Path
 
 import click
 import pytest
+from documented import command_blocks, fenced
 
 import neve
-from neve.bench import CASES as BENCHMARKS
+from neve.bench.run import CASES as BENCHMARKS
 from neve.cli import cli
 from neve.validate.registry import CASES as VALIDATIONS
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
-from documented import command_blocks, fenced  # noqa: E402
 
 PAGES = [p for p in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("benchmarks/*.md"))]
 BINARIES = Path(sys.executable).parent

@@ -11,7 +11,7 @@ from neve import _render
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose, rotation_matrix
 from neve.render.preview import Preview
-from neve.scene.scene import Camera, Light, Numerics, Scene, SnowSphere
+from neve.scene.schema.scene import Camera, Light, Numerics, Scene, SnowSphere
 
 SIZE = (320, 180)
 SMALL = (160, 90)

@@ -7,7 +7,7 @@ from neve import _render
 from neve.build import solids
 from neve.colliders.motion import pose
 from neve.render.preview import Preview
-from neve.scene.scene import Box, Camera, Cylinder, Light, Numerics, Plane, Scene, SnowSphere, Sphere
+from neve.scene.schema.scene import Box, Camera, Cylinder, Light, Numerics, Plane, Scene, SnowSphere, Sphere
 
 SIZE = (320, 180)
 CAMERA = Camera(position=(0.0, -6.0, 1.5), target=(0.0, 0.0, 0.5), fov=35)

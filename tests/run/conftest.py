@@ -8,7 +8,7 @@ import fake_neve
 import pytest
 
 from neve.run import pictures
-from neve.scene.load import load
+from neve.scene.reading.load import load
 
 SCENE = """
 about = "Test snow"

@@ -12,7 +12,7 @@ import pytest
 
 from neve.build import build
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.load import scene_from
+from neve.scene.reading.load import scene_from
 
 SNOW = {"shape": "box", "center": [0.0, 0.0, 0.5], "size": [1.0, 1.0, 1.0]}
 FINE = {"dx": 0.05}

@@ -10,8 +10,8 @@ import pytest
 from neve.build import build
 from neve.sampling import fill
 from neve.sampling.regions import region
-from neve.scene.load import scene_from
-from neve.scene.scene import (
+from neve.scene.reading.load import scene_from
+from neve.scene.schema.scene import (
     Numerics,
     Profile,
     SnowBox,

@@ -13,7 +13,7 @@ from neve.sampling import fill
 from neve.sampling.filling import measured_volume, mesh_space
 from neve.sampling.regions import region
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.scene import Numerics, Profile, SnowBox, SnowMesh, SnowSphere
+from neve.scene.schema.scene import Numerics, Profile, SnowBox, SnowMesh, SnowSphere
 
 SAMPLINGS: list[Any] = ["jittered", "poisson", "regular"]
 FINE = Numerics(dx=0.05)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from neve.noise import DEVIATION, clods, fractal
+from neve.sampling.noise import DEVIATION, clods, fractal
 
 N = 60_000
 

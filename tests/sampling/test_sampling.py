@@ -12,7 +12,7 @@ import pytest
 from neve.sampling import fill
 from neve.sampling.points import TILE, poisson, poisson_tile, regular, touching_tiles
 from neve.scene.errors import SceneError
-from neve.scene.scene import (
+from neve.scene.schema.scene import (
     Numerics,
     SnowBox,
     SnowCylinder,

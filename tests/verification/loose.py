@@ -4,7 +4,7 @@ import numpy as np
 
 from neve.colliders.solid import solid_of
 from neve.rigid.bodies import RigidBodies
-from neve.scene.load import scene_from
+from neve.scene.reading.load import scene_from
 
 G = 9.81
 

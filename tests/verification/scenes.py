@@ -7,7 +7,7 @@ from reference import contact, splines, step
 from reference.snow import Snow
 
 import neve
-from neve.scene.scene import Scene
+from neve.scene.schema.scene import Scene
 
 ELASTIC = {"plasticity": "none"}  # snow that does not yield
 NAMES = ("x", "v", "C", "modes", "F_E", "J_P", "m", "V0", "material", "stiffness", "strength", "id")

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from neve.scene.load import scene_from, to_toml
+from neve.scene.reading.load import scene_from, to_toml
 from neve.viewer.protocol.state import unframed
 
 SMALL = {

@@ -5,9 +5,9 @@ import json
 import pytest
 
 from neve.scene.errors import SceneError
-from neve.scene.load import load, presets
-from neve.scene.scene import Scene, Variation
-from neve.scene.snow import used
+from neve.scene.reading.load import load, presets
+from neve.scene.schema.scene import Scene, Variation
+from neve.scene.schema.snow import used
 from neve.viewer import safety
 from neve.viewer.protocol import commands, panel
 from neve.viewer.tools import edit

@@ -9,7 +9,7 @@ from viewer.conftest import SMALL, converse
 
 from neve.io.frames import frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
-from neve.scene.load import load, scene_from, to_toml
+from neve.scene.reading.load import load, scene_from, to_toml
 from neve.simulation import Simulation
 from neve.viewer.protocol import commands
 from neve.viewer.show import prepare

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.geometry.pose import Pose, rotation_matrix, rotation_to_normal, rotation_vector
-from neve.scene.scene import Collider, Keyframe, Plane, Sphere
+from neve.scene.schema.scene import Collider, Keyframe, Plane, Sphere
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from neve.geometry.sdf import SolidMesh, solid_mesh
 from neve.geometry.terrain import height_field
-from neve.scene.fields import Finish
-from neve.scene.scene import (
+from neve.scene.schema.fields import Finish
+from neve.scene.schema.scene import (
     Box,
     Collider,
     Cylinder,

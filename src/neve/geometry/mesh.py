@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from neve.geometry.triangles import Triangles, tidied
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.files import where
-from neve.scene.meshes import MeshFile
+from neve.scene.reading.files import where
+from neve.scene.schema.meshes import MeshFile
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from neve.geometry import cache
 from neve.geometry.mesh import read_mesh, warn_if_small
 from neve.geometry.triangles import Triangles
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.meshes import MeshFile
+from neve.scene.schema.meshes import MeshFile
 
 if TYPE_CHECKING:
     from neve._core import SdfGrid

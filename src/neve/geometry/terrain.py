@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from neve import _core
 from neve.scene.errors import SceneError
-from neve.scene.files import where
-from neve.scene.scene import Terrain
+from neve.scene.reading.files import where
+from neve.scene.schema.scene import Terrain
 
 if TYPE_CHECKING:
     from neve._core import HeightField

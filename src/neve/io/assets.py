@@ -15,10 +15,10 @@ from urllib.parse import unquote
 
 from neve.io.atomic import sweep, write_bytes
 from neve.io.errors import cannot_read, cannot_write
-from neve.scene.bodies import ROBOTS
-from neve.scene.files import NamedFile, named_files
-from neve.scene.load import to_toml
-from neve.scene.scene import Scene
+from neve.scene.reading.files import NamedFile, named_files
+from neve.scene.reading.load import to_toml
+from neve.scene.schema.bodies import ROBOTS
+from neve.scene.schema.scene import Scene
 
 FOLDER = "assets"
 DIGITS = 12

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from neve.colliders.solid import Solid
     from neve.geometry.pose import Pose
     from neve.geometry.sdf import SolidMesh
-    from neve.scene.scene import Scene
+    from neve.scene.schema.scene import Scene
 
 # Paint of a collider without a colour of its own: grey-blue steel.
 STEEL = (0.20, 0.23, 0.27)

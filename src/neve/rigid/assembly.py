@@ -18,9 +18,9 @@ from neve.rigid.hulls import add_mesh, add_terrain, lift_of
 from neve.rigid.inertia import bulk_of
 from neve.rigid.robot_solids import Place
 from neve.rigid.robots import Loaded, add_robot, place_joints
-from neve.scene.bodies import DENSITY, Motor, RigidBody
 from neve.scene.errors import SceneError
-from neve.scene.scene import Collider, Rigid, Scene
+from neve.scene.schema.bodies import DENSITY, Motor, RigidBody
+from neve.scene.schema.scene import Collider, Rigid, Scene
 
 Array = NDArray[np.float64]
 

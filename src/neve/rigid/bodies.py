@@ -18,7 +18,7 @@ from neve.rigid.coupled_bodies import LostBody
 from neve.rigid.engine import engine, quaternion
 from neve.rigid.overlap import require_apart
 from neve.rigid.robot_solids import parts_of
-from neve.scene.scene import Scene
+from neve.scene.schema.scene import Scene
 
 Array = NDArray[np.float64]
 

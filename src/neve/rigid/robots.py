@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from neve.geometry.pose import rotation_matrix
 from neve.rigid.engine import engine, quaternion, reason
-from neve.scene.bodies import Motor, Robot
-from neve.scene.complaint import nearest
 from neve.scene.errors import SceneError
+from neve.scene.reading.validation_errors import nearest
+from neve.scene.schema.bodies import Motor, Robot
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from neve.schedule import EveryFrame, Schedule
 
 if TYPE_CHECKING:
     from neve.run.outputs import Moment
-    from neve.scene.scene import Scene
+    from neve.scene.schema.scene import Scene
 
 
 class FragmentOutput:
@@ -69,7 +69,7 @@ def count_run(path: Path | str, limits: Limits | None = None, out: Path | None =
 
     Errors: RunError if the folder holds no run, no frames or no checkpoint, or the disk refuses.
     """
-    from neve.scene.load import load
+    from neve.scene.reading.load import load
 
     folder = RunFolder(path)
     if not folder.is_run():

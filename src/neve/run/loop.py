@@ -19,15 +19,15 @@ from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import version
-from neve.progress import Progress, Warnings, follow, told_by
 from neve.run.bodies import BodyOutput
 from neve.run.fragments import FragmentOutput
 from neve.run.interrupt import Interrupt
 from neve.run.outputs import CheckpointOutput, Clock, FrameOutput, LogOutput, Moment, Output
 from neve.run.pictures import FilmOutput, Painter, PictureOutput
+from neve.run.progress import Progress, Warnings, follow, told_by
 
 if TYPE_CHECKING:
-    from neve.scene.scene import Scene
+    from neve.scene.schema.scene import Scene
     from neve.simulation import Simulation
 
 # What may differ between the scene of a run and the scene it is gone on with: nothing that moves snow.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from neve.io.run_folder import RunFolder
     from neve.render.preview import Preview
     from neve.run.outputs import Moment
-    from neve.scene.scene import Scene
+    from neve.scene.schema.scene import Scene
 
 SIZE = (1280, 720)
 """Width and height of film and picture [pixels]."""

@@ -11,7 +11,7 @@ from neve.sampling.factors import factors
 from neve.sampling.points import jittered, poisson, regular
 from neve.sampling.regions import region
 from neve.scene.errors import SceneError
-from neve.scene.scene import Numerics, SnowSource
+from neve.scene.schema.scene import Numerics, SnowSource
 
 __all__ = ["MOST", "Samples", "fill"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.noise import clods, fractal
+from neve.sampling.noise import clods, fractal
 from neve.sampling.regions import Region
-from neve.scene.scene import SnowSource
-from neve.scene.sources import Variation
+from neve.scene.schema.scene import SnowSource
+from neve.scene.schema.sources import Variation
 
 Array = NDArray[np.float64]
 

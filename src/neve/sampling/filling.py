@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from neve.geometry.inside import windings
 from neve.geometry.sdf import SolidMesh, solid_mesh
 from neve.scene.errors import SceneError
-from neve.scene.scene import Numerics, SnowMesh
+from neve.scene.schema.scene import Numerics, SnowMesh
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.scene.errors import SceneError
-from neve.scene.scene import SnowText
+from neve.scene.schema.scene import SnowText
 
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont

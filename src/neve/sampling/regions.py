@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from neve.geometry.pose import rotation_matrix
 from neve.sampling.filling import MeshSpace, mesh_space
 from neve.sampling.lettering import Letters, letters
-from neve.scene.scene import (
+from neve.scene.schema.scene import (
     Numerics,
     SnowBox,
     SnowCylinder,

@@ -10,7 +10,7 @@ import numpy as np
 
 from neve.diagnostics import Balance, Diagnostics
 from neve.mpm.blowup import Blowup
-from neve.scene.scene import Scene
+from neve.scene.schema.scene import Scene
 from neve.simulation import Simulation
 from neve.stress.draw import draw
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from neve.scene.load import scene_from
-from neve.scene.scene import Scene
-from neve.scene.snow import MOST_HARDENING, MOST_YIELD
+from neve.scene.reading.load import scene_from
+from neve.scene.schema.scene import Scene
+from neve.scene.schema.snow import MOST_HARDENING, MOST_YIELD
 
 Random = np.random.Generator
 

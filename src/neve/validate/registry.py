@@ -5,22 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from neve.validate import (
-    bar,
-    cam_clay,
-    collapse,
-    crater,
-    cut,
-    discs,
-    oedometer,
-    real_snow,
-    refinement,
-    repose,
-    settlement,
-    slide,
-    wheel,
-)
+from neve.validate.elastic import bar, discs, refinement, settlement
+from neve.validate.grains import collapse, cut, repose, slide
 from neve.validate.result import Result
+from neve.validate.rigid import crater, wheel
+from neve.validate.snow import cam_clay, oedometer, real_snow
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from typing import Any
 from neve.io.atomic import write_text
 from neve.io.errors import RunError
 from neve.io.version import version
-from neve.validate.page import page
-from neve.validate.plots import require_matplotlib
 from neve.validate.registry import CASES
+from neve.validate.report.page import page
+from neve.validate.report.plots import require_matplotlib
 from neve.validate.result import Result
 
 REPORT = "validation.html"

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.scene.errors import SceneWarning
-from neve.scene.load import scene_from
-from neve.scene.scene import Numerics
+from neve.scene.reading.load import scene_from
+from neve.scene.schema.scene import Numerics
 from neve.simulation import Simulation
 
 Array = NDArray[np.float64]

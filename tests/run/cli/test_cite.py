@@ -4,9 +4,9 @@ import re
 
 import pytest
 
-from neve.cite import METHODS, WORKS, bibtex, methods
-from neve.scene.load import load
-from neve.scene.scene import Numerics, Snow
+from neve.cli.cite import METHODS, WORKS, bibtex, methods
+from neve.scene.reading.load import load
+from neve.scene.schema.scene import Numerics, Snow
 
 
 def test_every_choice_of_a_scene_has_its_works():

@@ -11,10 +11,9 @@ import click
 import pytest
 
 import neve
-from neve import console
-from neve.cli import main
-from neve.scene.load import presets
-from neve.scene.snows import SNOWS
+from neve.cli import console, main
+from neve.scene.reading.load import presets
+from neve.scene.schema.snows import SNOWS
 
 ROOT = Path(neve.__file__).parents[1]
 
@@ -317,7 +316,7 @@ def test_info_of_the_cache(call, tmp_path, monkeypatch):
 def test_bench_passes_its_words_on(call, monkeypatch):
     """The cases and --json reach the benchmarks."""
     seen = []
-    monkeypatch.setattr("neve.bench.run", lambda *words: seen.append(words))
+    monkeypatch.setattr("neve.bench.run.run", lambda *words: seen.append(words))
     assert call("bench", "step_20k", "--json")[0] == 0
     assert seen == [(["step_20k"], True)]
 

@@ -5,7 +5,7 @@ import logging
 
 import pytest
 
-from neve.progress import Bar, Lines, Pace, Silence, Warnings, duration, follow, told_by
+from neve.run.progress import Bar, Lines, Pace, Silence, Warnings, duration, follow, told_by
 from neve.schedule import EveryFrame, EverySeconds, Never
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from neve.cli import main
 from neve.validate import run as running
-from neve.validate.page import page
 from neve.validate.registry import CASES, Case
+from neve.validate.report.page import page
 from neve.validate.result import Check, Curve, Plot, Result, at_least, at_most, band, near
 
 
@@ -38,7 +38,7 @@ def call(capsys, tmp_path, monkeypatch):
         "good": Case("good", "A good case", "1", result),
         "bad": Case("bad", "A bad case", "2", lambda: result(1.03)),
     }
-    for module in ("run", "page"):
+    for module in ("run", "report.page"):
         monkeypatch.setattr(f"neve.validate.{module}.CASES", few)
 
     def line(*arguments):

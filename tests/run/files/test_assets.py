@@ -16,7 +16,7 @@ from neve.io.assets import assets_of, companions, same_content
 from neve.io.errors import RunError
 from neve.run import run, run_scene
 from neve.sampling.lettering import FONT
-from neve.scene.load import load
+from neve.scene.reading.load import load
 
 SCENE = """
 [run]
@@ -194,7 +194,7 @@ def test_files_that_a_file_names_come_along(tmp_path, fake):
 
 def test_own_files_keep_their_names(home, fake, tmp_path, monkeypatch):
     """What comes with Neve is called neve:NAME in the run as well, and is not copied."""
-    from neve.scene import files
+    from neve.scene.reading import files
 
     monkeypatch.setattr(files, "ASSETS", tmp_path)
     (tmp_path / "meshes").mkdir()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from neve.run import pictures, run_scene
-from neve.scene.load import load
+from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
 PAGE = (Path(__file__).parents[3] / "docs/bodies.md").read_text(encoding="utf-8")

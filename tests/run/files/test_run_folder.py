@@ -174,7 +174,7 @@ def test_checkpoint_that_is_gone_or_foreign(finished, scene):
 
 def test_scene_edited_in_the_folder_is_noticed(finished, fake, scene_file):
     """The checkpoint knows the scene it belongs to, so an edited scene.toml is not resumed."""
-    from neve.scene.load import load
+    from neve.scene.reading.load import load
 
     path = finished / "scene.toml"
     path.write_text(path.read_text().replace("xi = 10.0", "xi = 11.0"))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from neve.run import run_scene
-from neve.scene.scene import Scene
+from neve.scene.schema.scene import Scene
 from neve.simulation import Simulation
 
 

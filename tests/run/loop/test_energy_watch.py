@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from neve.diagnostics import Balance
-from neve.progress import Silence, told_by
 from neve.run.outputs import EnergyWatch
+from neve.run.progress import Silence, told_by
 
 
 def moment(kinetic=100.0, affine=0.0, elastic=10.0, potential=50.0, work=0.0):

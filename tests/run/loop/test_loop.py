@@ -18,7 +18,7 @@ from neve.io.log import COLUMNS
 from neve.io.version import version
 from neve.run import loop, run, run_scene
 from neve.run.pictures import Painter, telling_frame
-from neve.scene.load import load
+from neve.scene.reading.load import load
 
 FAKE = Path(fake_neve.__file__)
 

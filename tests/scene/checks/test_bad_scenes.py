@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from neve.scene.errors import SceneError
-from neve.scene.load import load, preset_about, scene_from
-from neve.scene.snow import Snow
+from neve.scene.reading.load import load, preset_about, scene_from
+from neve.scene.schema.snow import Snow
 
 BOX = '[[sources]]\nshape = "box"\nsize = [1, 1, 1]\n'
 PLANE = '[[colliders]]\nshape = "plane"\n'

@@ -9,11 +9,11 @@ import pytest
 
 from neve.sampling import fill
 from neve.scene.errors import SceneError
-from neve.scene.fields import rounded_down, rounded_up
-from neve.scene.load import scene_from, to_toml
-from neve.scene.scene import Profile, Scene, SnowBox, SnowLayer, Variation
-from neve.scene.snow import ELASTIC_LAWS, USES, Overrides, Snow, problem, used
-from neve.scene.snows import SNOWS, Kind
+from neve.scene.reading.load import scene_from, to_toml
+from neve.scene.schema.fields import rounded_down, rounded_up
+from neve.scene.schema.scene import Profile, Scene, SnowBox, SnowLayer, Variation
+from neve.scene.schema.snow import ELASTIC_LAWS, USES, Overrides, Snow, problem, used
+from neve.scene.schema.snows import SNOWS, Kind
 
 WORDS = ("kind", "law", "plasticity")
 CHANGES: list[dict[str, Any]] = [

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from neve.scene.advice import advice
-from neve.scene.load import load, presets, scene_from, to_toml
-from neve.scene.unused import unused
+from neve.scene.checks.advice import advice
+from neve.scene.checks.unused import unused
+from neve.scene.reading.load import load, presets, scene_from, to_toml
 
 BOX = {"shape": "box"}
 

@@ -6,18 +6,18 @@ from pathlib import Path
 
 import pytest
 from pydantic import BaseModel, ValidationError
+from scene_pages import PATH, SECTIONS, SNOWS_PATH, document, with_table
 
-from neve.scene.allowed import source
-from neve.scene.document import PATH, SECTIONS, SNOWS_PATH, document, with_table
-from neve.scene.scene import Scene
-from neve.scene.snow import Overrides, Snow
-from neve.scene.snows import SNOWS
+from neve.scene.schema.allowed import source
+from neve.scene.schema.scene import Scene
+from neve.scene.schema.snow import Overrides, Snow
+from neve.scene.schema.snows import SNOWS
 
 MODELS = [Scene, Overrides, *(model for _, _, model in SECTIONS)]
 
 
 def test_document_is_up_to_date() -> None:
-    """docs/scene_format.md is the generated text; `python -m neve.scene.document` writes it."""
+    """docs/scene_format.md is the generated text; `python tools/scene_pages.py` writes it."""
     assert (Path(__file__).parents[3] / PATH).read_text(encoding="utf-8") == document()
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from neve.scene.load import load, preset_about, presets, scene_from, to_toml
-from neve.scene.scene import Plane, Scene, SnowBox, SnowText, Variation
+from neve.scene.reading.load import load, preset_about, presets, scene_from, to_toml
+from neve.scene.schema.scene import Plane, Scene, SnowBox, SnowText, Variation
 
 BOX = '[[sources]]\nshape = "box"\n'
 

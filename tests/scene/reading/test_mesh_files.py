@@ -17,8 +17,8 @@ from neve.geometry.mesh import read_mesh
 from neve.geometry.sdf import SolidMesh, grid_bytes, of_triangles, solid_mesh, thinnest
 from neve.geometry.triangles import Triangles, tidied
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.load import load, scene_from
-from neve.scene.scene import Mesh
+from neve.scene.reading.load import load, scene_from
+from neve.scene.schema.scene import Mesh
 
 NAME = "colliders.0"
 

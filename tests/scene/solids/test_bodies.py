@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from neve.scene.errors import SceneError
-from neve.scene.load import scene_from, to_toml
+from neve.scene.reading.load import scene_from, to_toml
 
 SNOW = [{"shape": "box"}]
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.scene.load import load
+from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
 QUICK_STEP = [

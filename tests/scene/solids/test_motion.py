@@ -7,7 +7,7 @@ import pytest
 
 from neve.colliders.motion import pose
 from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
-from neve.scene.scene import Box, Collider, Cylinder, Keyframe, Plane, Sphere
+from neve.scene.schema.scene import Box, Collider, Cylinder, Keyframe, Plane, Sphere
 
 RNG = np.random.default_rng(0)
 KEYS = (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from neve.scene.errors import SceneWarning
-from neve.scene.load import load
+from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
 

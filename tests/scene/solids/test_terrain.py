@@ -11,8 +11,8 @@ from PIL import Image, TiffImagePlugin
 
 from neve.geometry.terrain import GEO_KEYS, NO_DATA, PIXEL_SCALE, height_field
 from neve.scene.errors import SceneError
-from neve.scene.load import scene_from
-from neve.scene.scene import Terrain
+from neve.scene.reading.load import scene_from
+from neve.scene.schema.scene import Terrain
 
 NAME = "colliders.0"
 HEIGHTS = np.array([[0.0, 10.0, 20.0, 30.0], [40.0, 50.0, 60.0, 70.0], [80.0, 90.0, 100.0, 110.0]])

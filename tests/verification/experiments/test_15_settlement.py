@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neve.validate import settlement
+from neve.validate.elastic import settlement
 
 
 def test_column(spline):

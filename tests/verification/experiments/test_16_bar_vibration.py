@@ -2,7 +2,7 @@
 
 import pytest
 
-from neve.validate.bar import pic_decay, vibrate
+from neve.validate.elastic.bar import pic_decay, vibrate
 from neve.validate.scenes import transfers
 
 WAYS = transfers()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neve.validate import discs
+from neve.validate.elastic import discs
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from neve.validate.collapse import answer, collapse
+from neve.validate.grains.collapse import answer, collapse
 
 
 @pytest.mark.parametrize(("aspect", "cells"), [(1.0, 16), (2.0, 10)])

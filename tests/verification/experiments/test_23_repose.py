@@ -2,8 +2,8 @@
 
 import pytest
 
-from neve.validate.granular import plane_strain, sliding
-from neve.validate.repose import DRAG, STEEP, repose
+from neve.validate.grains.plane_strain import plane_strain, sliding
+from neve.validate.grains.repose import DRAG, STEEP, repose
 
 
 def test_angles_of_the_cone():

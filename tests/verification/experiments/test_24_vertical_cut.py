@@ -2,7 +2,7 @@
 
 import pytest
 
-from neve.validate.cut import FALLS, STANDS, critical_height, cut
+from neve.validate.grains.cut import FALLS, STANDS, critical_height, cut
 
 
 def test_critical_height():

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from neve.scene.snow import Snow
-from neve.validate.cam_clay import KINDS, confined, overstress
-from neve.validate.oedometer import compress
+from neve.scene.schema.snow import Snow
+from neve.validate.snow.cam_clay import KINDS, confined, overstress
+from neve.validate.snow.oedometer import compress
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from neve.validate.refinement import errors, order
+from neve.validate.elastic.refinement import errors, order
 from neve.validate.scenes import transfers
 
 WAYS = transfers()

@@ -6,7 +6,7 @@ from reference.snow import Snow
 from verification.material import respond
 
 from neve import _core
-from neve.scene.snow import MOST_HARDENING
+from neve.scene.schema.snow import MOST_HARDENING
 
 THETA, STEP = 1e-2, 1e-6
 

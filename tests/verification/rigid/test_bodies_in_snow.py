@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neve.mpm.blowup import Blowup
-from neve.scene.load import scene_from
+from neve.scene.reading.load import scene_from
 from neve.simulation import Simulation
 
 G = 9.81

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neve.validate.crater import Fall, exponents, fall, growth, over_energy
+from neve.validate.rigid.crater import Fall, exponents, fall, growth, over_energy
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neve.validate.wheel import RADIUS, WIDTHS, Fit, Press, drive, fit, press
+from neve.validate.rigid.wheel import RADIUS, WIDTHS, Fit, Press, drive, fit, press
 
 
 def test_wheel():

@@ -3,7 +3,7 @@
 import numpy as np
 
 from neve.fragments import find, summary
-from neve.scene.load import load
+from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
 COARSE = ["numerics.dx=0.11"]  # five cells in the radius of a ball: 8,500 particles, 1,400 steps

@@ -5,7 +5,7 @@ import pytest
 
 from neve import fragments
 from neve.sampling import fill
-from neve.scene.scene import Numerics, SnowSphere
+from neve.scene.schema.scene import Numerics, SnowSphere
 
 DX = 0.05
 SPACING = DX / 2  # eight particles a cell

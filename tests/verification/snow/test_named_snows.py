@@ -7,8 +7,8 @@ import pytest
 
 import neve
 from neve.fragments import find
-from neve.scene.load import scene_from
-from neve.scene.snows import SNOWS
+from neve.scene.reading.load import scene_from
+from neve.scene.schema.snows import SNOWS
 
 DX = 0.06
 BALL = {"shape": "sphere", "center": [-0.45, 0, 0.55], "radius": 0.25, "velocity": [3, 0, -5]}

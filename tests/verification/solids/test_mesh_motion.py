@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from neve.build import make_model
-from neve.scene.load import scene_from
+from neve.scene.reading.load import scene_from
 from neve.simulation import Simulation
 
 TURN = [

@@ -9,7 +9,7 @@ from verification.stages import Lab
 
 from neve import _core
 from neve.geometry.pose import rotation_matrix
-from neve.scene.load import scene_from
+from neve.scene.reading.load import scene_from
 
 DX = 0.05
 THIN = 0.3 * DX

@@ -9,7 +9,7 @@ from verification.scenes import ball, box, columns, march, scene, simulate
 
 import neve
 from neve.scene.errors import SceneError
-from neve.scene.scene import Numerics, Plane, Scene, SnowBox, SnowSphere, Sphere
+from neve.scene.schema.scene import Numerics, Plane, Scene, SnowBox, SnowSphere, Sphere
 from neve.simulation import Simulation
 
 FLOOR = ({"shape": "plane", "point": (0, 0, -0.15)},)

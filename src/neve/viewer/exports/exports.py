@@ -20,8 +20,8 @@ from neve.io.run_folder import RunFolder
 from neve.render.film import Film, FilmError
 from neve.render.preview import Preview
 from neve.scene.errors import SceneError
-from neve.scene.load import to_toml
-from neve.scene.scene import Camera, Scene
+from neve.scene.reading.load import to_toml
+from neve.scene.schema.scene import Camera, Scene
 from neve.viewer.exports.replay import replay_page
 from neve.viewer.players.player import Player
 from neve.viewer.players.recorded import Recorded
@@ -121,7 +121,7 @@ class Exports:
     def _film(self, eye: commands.Eye) -> Path:
         run = self._run()
         from neve.build import solids as solids_of
-        from neve.scene.load import load
+        from neve.scene.reading.load import load
 
         scene = seen_from(load(run.path), eye)
         solids = solids_of(scene)

@@ -23,7 +23,7 @@ from neve.build import solids
 from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
-from neve.scene.load import load
+from neve.scene.reading.load import load
 from neve.viewer.protocol.describe import drawn
 from neve.viewer.protocol.state import finite
 

@@ -12,8 +12,8 @@ from pydantic import ValidationError
 
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.load import load, presets
-from neve.scene.scene import Scene, SnowSphere
+from neve.scene.reading.load import load, presets
+from neve.scene.schema.scene import Scene, SnowSphere
 from neve.simulation import Simulation
 from neve.viewer.players.player import WAIT, Player
 from neve.viewer.players.recorder import Recorder

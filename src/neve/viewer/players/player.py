@@ -10,7 +10,7 @@ from typing import Any
 
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError
-from neve.scene.scene import Scene
+from neve.scene.schema.scene import Scene
 from neve.viewer.players.snapshot import Snapshot
 from neve.viewer.protocol.commands import Command
 

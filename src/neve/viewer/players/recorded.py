@@ -14,7 +14,7 @@ from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
 from neve.scene.errors import SceneError
-from neve.scene.load import load
+from neve.scene.reading.load import load
 from neve.viewer.modes import Columns, available, measure
 from neve.viewer.players.player import Player
 from neve.viewer.players.snapshot import Snapshot

@@ -17,7 +17,7 @@ from neve.io.version import version
 from neve.scene.errors import SceneError
 
 if TYPE_CHECKING:
-    from neve.scene.scene import Scene
+    from neve.scene.schema.scene import Scene
     from neve.simulation import Simulation
 
 

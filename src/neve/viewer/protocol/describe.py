@@ -11,10 +11,10 @@ import numpy as np
 from neve.build import material_table
 from neve.colliders.solid import Solid
 from neve.render.preview import SKY, STEEL, SUN
-from neve.scene.allowed import shapes
-from neve.scene.files import own_files
-from neve.scene.load import preset_about, presets
-from neve.scene.scene import Light, Scene
+from neve.scene.reading.files import own_files
+from neve.scene.reading.load import preset_about, presets
+from neve.scene.schema.allowed import shapes
+from neve.scene.schema.scene import Light, Scene
 from neve.viewer.modes import MODES, available
 from neve.viewer.players.player import Player
 from neve.viewer.players.recorded import COLUMNS, Recorded

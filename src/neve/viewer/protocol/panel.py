@@ -11,13 +11,13 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from neve.alter import FIXED
-from neve.scene.allowed import allowed, part, shapes, source, table_of_list, unit
 from neve.scene.errors import SceneError
-from neve.scene.files import KEYS as FILE_KEYS
-from neve.scene.files import OWN, own_files
-from neve.scene.load import scene_from
-from neve.scene.scene import Scene
-from neve.scene.snow import used
+from neve.scene.reading.files import KEYS as FILE_KEYS
+from neve.scene.reading.files import OWN, own_files
+from neve.scene.reading.load import scene_from
+from neve.scene.schema.allowed import allowed, part, shapes, source, table_of_list, unit
+from neve.scene.schema.scene import Scene
+from neve.scene.schema.snow import used
 
 SECTIONS = ("snow", "world", "numerics", "light", "run")
 """Tables of a scene that the panel shows as a whole; lists of shapes follow, entry by entry."""

@@ -6,10 +6,10 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from neve.scene.allowed import part, shapes, table_of_list
 from neve.scene.errors import SceneError
-from neve.scene.files import OWN, own_files
-from neve.scene.scene import Scene, Source
+from neve.scene.reading.files import OWN, own_files
+from neve.scene.schema.allowed import part, shapes, table_of_list
+from neve.scene.schema.scene import Scene, Source
 from neve.viewer.protocol.commands import Add, Move
 from neve.viewer.protocol.panel import below, checked, entry_lists, lists
 

@@ -1,0 +1,346 @@
+"""The command line: list, run, view, drive, fragments, bench, validate, stress, info, cite.
+
+Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
+(one sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that
+needs it, so that `neve --help` is instant.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from neve.cli.console import Commands, thread_count, usage, user_error, whole_number
+
+
+@click.group(
+    cls=Commands,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.option("--version", is_flag=True, help="Show the version and exit.")
+@click.pass_context
+def cli(ctx: click.Context, version: bool) -> None:
+    """Neve, a snow laboratory: simulate snow and film it."""
+    if version:
+        from neve.io.version import version as installed
+
+        click.echo(f"neve {installed()}")
+        ctx.exit()
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+@cli.command("list")
+@click.option("--snow", is_flag=True, help="List the named snows instead.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def list_scenes(snow: bool, as_json: bool) -> None:
+    """List the scenes that come with Neve, or its named snows."""
+    if snow:
+        from neve.scene.schema.zoo import as_data, as_text
+
+        click.echo(json.dumps(as_data(), indent=2) if as_json else as_text())
+        return
+    from neve.scene.reading.load import preset_about, presets
+
+    about = {name: preset_about(name) for name in presets()}
+    if as_json:
+        click.echo(json.dumps([{"name": name, "about": text} for name, text in about.items()], indent=2))
+        return
+    width = max((len(name) for name in about), default=0)
+    for name, text in about.items():
+        click.echo(f"{name:{width}}  {text}")
+
+
+@cli.command()
+@click.argument("scene")
+@click.option("--out", metavar="DIR", help="Run folder; runs/NAME by default.")
+@click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
+@click.option("--frames", metavar="N", callback=whole_number, help="Stop after frame N.")
+@click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; all by default.")
+@click.option("--resume", is_flag=True, help="Go on in the run from its checkpoint.")
+@click.option("--force", is_flag=True, help="Replace the run that lies in the folder.")
+@click.option("--quiet", is_flag=True, help="Hide the progress; warnings and errors are still told.")
+def run(
+    scene: str,
+    out: str | None,
+    changes: tuple[str, ...],
+    frames: int | None,
+    threads: int | None,
+    resume: bool,
+    force: bool,
+    quiet: bool,
+) -> None:
+    """Simulate SCENE and film it.
+
+    SCENE is the name of a scene that comes with Neve (`neve list`), a TOML file, or a run folder, whose scene
+    is run again or, with --resume, gone on with.
+    """
+    folder = _run_folder(scene, out, resume)
+    from neve.io.run_folder import RunFolder
+    from neve.scene.reading.load import load
+
+    if not resume:  # a folder that refuses is told before a scene is read; a resume reads the folder's scene
+        RunFolder(folder).check(resume, force)
+    wish = load(scene, changes)
+    from neve.run import run_scene
+    from neve.scene.checks.advice import advice
+
+    told = advice(wish)
+    for sentence in told:
+        _complain(f"warning: {sentence}.")
+    with warnings.catch_warnings():
+        _tell_others(told)
+        run_scene(wish, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
+
+
+def _tell_others(told: list[str]) -> None:
+    """Tell warnings about the scene in the style of the command line, but those `told` before, once each."""
+    from neve.scene.errors import SceneWarning
+
+    usual, seen = warnings.showwarning, set(told)
+
+    def tell(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if not issubclass(category, SceneWarning):
+            usual(message, category, *where, **more)
+        elif str(message) not in seen:
+            seen.add(str(message))
+            _complain(f"warning: {message}.")
+
+    warnings.simplefilter("always", SceneWarning)
+    warnings.showwarning = tell
+
+
+def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
+    """Return the folder to run in: `out`, the run itself when it is resumed, or runs/NAME."""
+    from neve.scene.reading.load import presets
+
+    place = Path(scene)
+    is_folder = scene not in presets() and _is_folder(place)
+    if resume and is_folder:
+        if out is not None and Path(out).resolve() != place.resolve():
+            raise click.UsageError(f"--resume goes on in {scene} itself: leave out --out {out}")
+        return place
+    if out is not None:
+        return Path(out)
+    if scene in presets():
+        return Path("runs") / scene
+    whole = Path(os.path.realpath(place))
+    return Path("runs") / (whole.name if is_folder else whole.stem)
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except OSError:  # whoever reads the scene says what is wrong
+        return False
+
+
+@cli.command()
+@click.argument("scene", metavar="SCENE|RUN")
+@click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
+@click.option("--out", metavar="DIR", help="Where pages save; the run itself, or runs/NAME-live.")
+@click.option(
+    "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
+)
+@click.option("--port", type=click.IntRange(0, 65535), help="Port; the first free one from 8420 by default.")
+@click.option(
+    "--threads", metavar="N", callback=thread_count, help="Threads of the simulation; all but one by default."
+)
+@click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
+@click.option("--replay", metavar="FILE", help="Show nothing; write a page that plays the RUN by itself.")
+def view(
+    scene: str,
+    changes: tuple[str, ...],
+    out: str | None,
+    host: str,
+    port: int | None,
+    threads: int | None,
+    browse: bool,
+    replay: str | None,
+) -> None:
+    """Play with SCENE live in the browser, or play the finished RUN there.
+
+    On a machine elsewhere: ssh -L 8420:127.0.0.1:8420 MACHINE, and open the address here.
+    """
+    from neve.viewer import view as show
+    from neve.viewer import write_replay
+
+    if replay is not None:
+        write_replay(scene, replay)
+    else:
+        show(scene, changes, out, host, port, threads, browse, click.echo)
+
+
+@cli.command()
+@click.option(
+    "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
+)
+@click.option("--port", type=click.IntRange(0, 65535), help="Port; the first free one from 8440 by default.")
+@click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
+def drive(host: str, port: int | None, browse: bool) -> None:
+    """Drive a car on game snow in the browser: fast, pretty and not physical."""
+    from neve.drive import drive as serve
+
+    serve(host, port, browse, click.echo)
+
+
+@cli.command()
+@click.argument("run", metavar="RUN")
+@click.option("--out", metavar="FILE", help="Table to write; RUN/fragments.csv by default.")
+@click.option("--link", type=float, metavar="L", help="Link length in particle spacings.")
+@click.option("--torn", type=float, metavar="J", help="J_P above which snow is torn open and holds nothing.")
+@click.option("--least", metavar="N", callback=whole_number, help="Fewer particles than N are powder.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def fragments(
+    run: str, out: str | None, link: float | None, torn: float | None, least: int | None, as_json: bool
+) -> None:
+    """Count the pieces that the snow of the run folder RUN has broken into, in every frame.
+
+    Prints what the last frame holds, and writes all frames to fragments.csv.
+    """
+    from neve.fragments import Limits, summary
+    from neve.run.fragments import count_run
+
+    given = {
+        name: value for name, value in (("link", link), ("torn", torn), ("least", least)) if value is not None
+    }
+    for name, value in given.items():
+        if not value > 0:
+            raise click.UsageError(f"--{name}: {value} is not greater than 0")
+    limits = Limits(**given) if given else None  # type: ignore[arg-type]
+    found = count_run(run, limits, None if out is None else Path(out))
+    told = summary(found)
+    if as_json:
+        click.echo(json.dumps(told, indent=2))
+        return
+    click.echo(
+        f"the last frame has {found.count} fragments over {told['decades']:.1f} decades of mass; the largest"
+        f" holds {told['largest']:.1%} of the snow, the largest five {told['five']:.1%}, powder"
+        f" {told['powder']:.1%}"
+    )
+
+
+@cli.command()
+@click.argument("cases", metavar="[CASE]...", nargs=-1)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def bench(cases: tuple[str, ...], as_json: bool) -> None:
+    """Measure the speed of the step on this machine."""
+    from neve.bench.run import run as measure
+
+    measure(list(cases), as_json)
+
+
+@cli.command()
+@click.argument("cases", metavar="[CASE]...", nargs=-1)
+@click.option("--out", metavar="FILE", help="The report; validation.html by default.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print JSON; then the report is written only with --out."
+)
+@click.option(
+    "--threads",
+    metavar="N",
+    callback=thread_count,
+    help="Cases to run at once; all processors by default.",
+)
+def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: int | None) -> int:
+    """Run experiments whose answers are known and write a report. Exit code 1 when one fails."""
+    from neve.validate.run import validate as run_cases
+
+    return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
+
+
+@cli.command()
+@click.option(
+    "--scenes", metavar="N", default="200", callback=whole_number, help="How many scenes; 200 by default."
+)
+@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of the campaign; 0 by default.")
+@click.option("--only", type=click.IntRange(0), help="Run only the scene of this number.")
+@click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; one by default.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def stress(scenes: int, seed: int, only: int | None, threads: int | None, as_json: bool) -> None:
+    """Try to break the step with random scenes: any law, parameters over their ranges, impacts, presses.
+
+    Exit code 1 if a scene does not hold.
+    """
+    from neve.stress import run as campaign
+
+    if not campaign(seed, scenes, only, threads or 1, as_json):
+        raise SystemExit(1)
+
+
+@cli.command()
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def info(as_json: bool) -> None:
+    """Show the version, what the core was built for, and the folder of the cache."""
+    import platform
+
+    import neve
+    from neve import _core
+    from neve.geometry import cache
+    from neve.io.version import version
+    from neve.isa import advice, carried, processor
+
+    built, levels, builds = _core.build_info(), processor(), list(carried(neve.__path__))
+    facts: dict[str, Any] = {
+        "version": version(),
+        **built,
+        "isa_carried": builds,
+        "isa_of_processor": levels,
+        "isa_advice": advice(built["isa"], builds, levels),
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "cache": None if cache.folder() is None else str(cache.folder()),
+        "cache_bytes": cache.size(),
+    }
+    if as_json:
+        click.echo(json.dumps(facts, indent=2))
+        return
+    facts["cache"] = facts["cache"] or "off"
+    facts["isa_carried"] = ", ".join(facts["isa_carried"]) or "one build alone"
+    facts["isa_of_processor"] = ", ".join(facts["isa_of_processor"]) or "not x86-64"
+    facts["isa_advice"] = facts["isa_advice"] or "none: the build uses what the processor has"
+    facts["cache_size"] = f"{facts.pop('cache_bytes') / 2**20:.1f} MB"
+    for name, value in facts.items():
+        click.echo(f"{name}: {value}")
+
+
+@cli.command()
+@click.argument("scene")
+def cite(scene: str) -> None:
+    """Print BibTeX entries of the methods that SCENE uses."""
+    from neve.cli.cite import bibtex
+    from neve.scene.reading.load import load
+
+    click.echo(bibtex(load(scene)), nl=False)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with its code."""
+    try:
+        code = cli.main(args=arguments, prog_name="neve", standalone_mode=False)
+    except (click.Abort, KeyboardInterrupt) as stop:
+        cause = stop.__cause__ if isinstance(stop, click.Abort) else stop
+        _complain(str(cause) if cause is not None and str(cause) else "stopped")
+        sys.exit(130)
+    except click.ClickException as error:
+        _complain(usage(error))
+        sys.exit(2)
+    except (ImportError, MemoryError, OSError, RuntimeError, ValueError) as error:
+        sentence = user_error(error)
+        if sentence is None:
+            raise
+        _complain(sentence)
+        sys.exit(2)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _complain(sentence: str) -> None:
+    click.echo(f"neve: {' '.join(sentence.split())}", err=True)

@@ -1,0 +1,1 @@
+"""Look for what a scene may hold but is unlikely to be meant."""

@@ -1,0 +1,178 @@
+"""Find what is legal in a scene but unlikely to be meant: too few cells, a long step, idle keys."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from neve.scene.checks.unused import unused
+from neve.scene.schema.bodies import Rigid, RigidBox, RigidCylinder, RigidSphere
+from neve.scene.schema.colliders import Box, Collider, Cylinder, Sphere
+from neve.scene.schema.fields import norm, rounded_down, rounded_up
+from neve.scene.schema.scene import Scene
+from neve.scene.schema.snow import Snow
+from neve.scene.schema.sources import (
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowMesh,
+    SnowSource,
+    SnowSphere,
+    SnowText,
+)
+
+SOURCE_CELLS = 3
+"""Cells across the thinnest part of a source, below which its inside is all surface."""
+COLLIDER_CELLS = 2
+"""Cells across a body, below which snow on both sides shares nodes."""
+FEATURE_CELLS = 2
+"""Cells across a feature of noise, below which the grid smooths it away."""
+SEAM_CELLS = 1
+"""Cells across a seam between clods, below which snow is torn wider than it is weak."""
+
+
+def advice(scene: Scene) -> list[str]:
+    """Return a sentence for each doubtful value of `scene`, with a better value; nothing if all is well."""
+    found = []
+    for i, source in enumerate(scene.sources):
+        name, whole = f"sources.{i}", scene.completed(source)
+        found += [
+            *_thin_source(scene, source, name),
+            *_fine_noise(scene, whole, name),
+            *_thin_seam(scene, whole, name),
+        ]
+    found += _long_step(scene)
+    for i, collider in enumerate(scene.colliders):
+        found += _thin_body(scene, collider, f"colliders.{i}")
+    for i, body in enumerate(scene.bodies):
+        found += _thin_body(scene, body, f"bodies.{i}")
+    return [*found, *unused(scene)]
+
+
+def fastest(scene: Scene, source: SnowSource) -> float:
+    """Return the largest c + |v| in `source` at the start [m/s].
+
+    c = sqrt((lam + 2 mu) / rho0), times the largest sqrt(stiffness / density) of its factors; |v| is at most
+    |velocity| + |spin| times the distance of the farthest point from the centre.
+    """
+    snow, whole = scene.snow_of(source), scene.completed(source)
+    factor = 1.0
+    if noise := whole.variation:
+        factor *= math.exp(abs(noise.stiffness - noise.density))  # one field, so that both are large together
+    if (profile := whole.profile) and profile.at:
+        ones = (1.0,) * len(profile.at)
+        pairs = zip(profile.stiffness or ones, profile.density or ones, strict=True)
+        factor *= max(stiffness / density for stiffness, density in pairs)
+    speed = norm(source.velocity) + norm(source.spin) * _reach(source)
+    return math.sqrt(factor * _p_wave_modulus(snow) / snow.rho0) + speed
+
+
+def _p_wave_modulus(snow: Snow) -> float:
+    """Return lam + 2 mu [Pa], the same for all laws at rest."""
+    return snow.E0 * (1 - snow.nu) / ((1 + snow.nu) * (1 - 2 * snow.nu))
+
+
+def _thin_source(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+    dx, (key, length) = scene.numerics.dx, _thinnest(source)
+    if length < SOURCE_CELLS * dx * (1 - 1e-9):
+        yield (
+            f"{name}.{key} makes this snow {length:g} m thick, only {length / dx:.2g} cells of numerics.dx = "
+            f"{dx:g}: use numerics.dx = {rounded_down(length / SOURCE_CELLS)} or smaller"
+        )
+
+
+def _fine_noise(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+    dx, noise = scene.numerics.dx, source.variation
+    if not noise or not noise.acts:
+        return
+    if noise.feature_size < FEATURE_CELLS * dx * (1 - 1e-9):
+        yield (
+            f"{name}.variation.feature_size = {noise.feature_size:g} is less than two cells of numerics.dx = "
+            f"{dx:g}, too fine to act: use at least {rounded_up(FEATURE_CELLS * dx)}, or numerics.dx = "
+            f"{rounded_down(noise.feature_size / FEATURE_CELLS)} or smaller"
+        )
+
+
+def _thin_seam(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+    dx, noise = scene.numerics.dx, source.variation
+    if not noise or noise.pattern != "clods" or not noise.acts:
+        return
+    if noise.seam < SEAM_CELLS * dx * (1 - 1e-9):
+        yield (
+            f"{name}.variation.seam = {noise.seam:g} is below a cell of numerics.dx = {dx:g}, so that the "
+            f"grid decides where clods part: use at least {rounded_up(SEAM_CELLS * dx)}, or numerics.dx = "
+            f"{rounded_down(noise.seam / SEAM_CELLS)} or smaller"
+        )
+
+
+def _long_step(scene: Scene) -> Iterator[str]:
+    """Compare a fixed dt with dx / (c + |v|) of the source where that is least."""
+    numerics = scene.numerics
+    if numerics.dt == "auto":
+        return
+    speeds = [fastest(scene, source) for source in scene.sources]
+    limit = numerics.dx / max(speeds)
+    if numerics.dt > limit:
+        yield (
+            f"numerics.dt = {numerics.dt:g} is beyond {rounded_down(limit)} s, when a wave crosses a cell of "
+            f'sources.{speeds.index(max(speeds))}: use {rounded_down(numerics.cfl * limit)} or "auto"'
+        )
+
+
+def _thin_body(scene: Scene, body: Collider | Rigid, name: str) -> Iterator[str]:
+    dx = scene.numerics.dx
+    if isinstance(body, Box | RigidBox):
+        key, length = "size", min(body.size)
+    elif isinstance(body, Sphere | Cylinder | RigidSphere | RigidCylinder):
+        key, length = "radius", 2 * body.radius
+    else:
+        return
+    if isinstance(body, Cylinder | RigidCylinder) and body.height < length:
+        key, length = "height", body.height
+    if length < COLLIDER_CELLS * dx * (1 - 1e-9):
+        yield (
+            f"{name}.{key} makes this body {length:g} m thin, only {length / dx:.2g} cells of numerics.dx = "
+            f"{dx:g}: nothing passes through it, but snow on one side drags on snow on the other; make it at "
+            f"least {rounded_up(COLLIDER_CELLS * dx)} m thick, or use numerics.dx = "
+            f"{rounded_down(length / COLLIDER_CELLS)} or smaller"
+        )
+
+
+def _thinnest(source: SnowSource) -> tuple[str, float]:
+    """Return the key and the length of the thinnest way through `source` [m]; of letters, their depth.
+
+    What a mesh file holds is told when it is read.
+    """
+    if isinstance(source, SnowMesh):
+        return "file", math.inf
+    if isinstance(source, SnowBox):
+        return "size", min(source.size)
+    if isinstance(source, SnowSphere):
+        return "radius", 2 * source.radius
+    if isinstance(source, SnowCylinder):
+        across = 2 * source.radius
+        return ("radius", across) if across < source.height else ("height", source.height)
+    if isinstance(source, SnowLayer):
+        return min(("depth", source.depth), ("size", min(source.size)), key=lambda pair: pair[1])
+    assert isinstance(source, SnowText)
+    return "depth", source.depth
+
+
+def _reach(source: SnowSource) -> float:
+    """Return how far the farthest point of `source` may lie from its centre [m]; of letters, about.
+
+    Of a mesh, which is not read here, it is 0.
+    """
+    if isinstance(source, SnowMesh):
+        return 0.0
+    if isinstance(source, SnowBox):
+        return 0.5 * norm(source.size)
+    if isinstance(source, SnowSphere):
+        return source.radius
+    if isinstance(source, SnowCylinder):
+        return math.hypot(source.radius, 0.5 * source.height)
+    if isinstance(source, SnowLayer):
+        return 0.5 * norm((*source.size, source.depth))
+    assert isinstance(source, SnowText)
+    lines = source.text.splitlines()
+    return 0.5 * source.height * math.hypot(max(map(len, lines)), 1.5 * len(lines))

@@ -1,0 +1,104 @@
+"""Find keys that have been set and do nothing, because another key chooses what does not use them.
+
+`[snow]` refuses such keys: which of its constants act is a matter of the law. Here they are legal, so that a
+complete file may have its transfer changed; but whoever sets one should know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pydantic import BaseModel
+
+from neve.scene.reading.validation_errors import shown
+from neve.scene.schema.scene import Numerics, Scene
+from neve.scene.schema.sources import Profile, SnowSource, Variation
+
+FACTORS = ("stiffness", "strength", "density")
+"""What a variation or a profile may change."""
+
+
+def unused(scene: Scene) -> Iterator[str]:
+    """Yield a sentence for each key that is not at its default and has no effect, with what would use it."""
+    yield from _of_transfer(scene.numerics)
+    for i, source in enumerate(scene.sources):
+        if source.variation:
+            yield from _of_variation(source.variation, f"sources.{i}.variation")
+        if source.profile:
+            yield from _of_profile(source.profile, f"sources.{i}.profile")
+        yield from _of_strength(scene, source, f"sources.{i}")
+    for kind, bodies in (("colliders", scene.colliders), ("bodies", scene.bodies), ("robots", scene.robots)):
+        for i, body in enumerate(bodies):
+            if body.mode == "sticky":
+                modes = f'{kind}.{i}.mode = "separate" or "slip"'
+                yield from _set_in_vain(body, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
+    for i, loose in enumerate(scene.bodies):
+        name = f"bodies.{i}"
+        if loose.joint == "free":
+            joints = f'{name}.joint = "hinge" or "slide"'
+            yield from _set_in_vain(loose, name, "axis", 'joint = "free"', joints)
+        if not loose.contacts:
+            yield from _set_in_vain(loose, name, "friction", "contacts = false", f"{name}.contacts = true")
+
+
+def _of_transfer(numerics: Numerics) -> Iterator[str]:
+    why = f'transfer = "{numerics.transfer}"'
+    if numerics.transfer != "polypic":
+        yield from _set_in_vain(numerics, "numerics", "polypic_modes", why, 'numerics.transfer = "polypic"')
+    if numerics.transfer not in ("flip", "asflip"):
+        flip = 'numerics.transfer = "flip" or "asflip"'
+        for key in ("flip_alpha", "flip_damping"):
+            yield from _set_in_vain(numerics, "numerics", key, why, flip)
+    elif numerics.flip_damping != "off":
+        why = f"flip_damping = {numerics.flip_damping:g}, which takes its place"
+        yield from _set_in_vain(numerics, "numerics", "flip_alpha", why, 'numerics.flip_damping = "off"')
+
+
+def _of_variation(noise: Variation, name: str) -> Iterator[str]:
+    if not any(getattr(noise, key) for key in FACTORS):
+        yield from _idle(noise, name, "amplitude")
+    elif noise.pattern != "clods":
+        why = f'pattern = "{noise.pattern}"'
+        yield from _set_in_vain(noise, name, "seam", why, f'{name}.pattern = "clods"')
+
+
+def _of_profile(profile: Profile, name: str) -> Iterator[str]:
+    if not any(getattr(profile, key) for key in FACTORS):
+        yield from _idle(profile, name, "factors")
+
+
+def _of_strength(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+    """Yield the sentences about factors on thresholds that the snow of `source` does not have."""
+    snow = scene.snow_of(source)
+    if snow.plasticity == "none":
+        why, what_counts = 'plasticity = "none"', 'plasticity = "snow"'
+    elif snow.law == "drucker_prager" and snow.cohesion == 0:
+        why, what_counts = "cohesion = 0", "a cohesion"
+    else:
+        return
+    for part in ("variation", "profile"):
+        if table := getattr(source, part):
+            yield from _set_in_vain(table, f"{name}.{part}", "strength", why, what_counts)
+
+
+def _idle(part: Variation | Profile, name: str, what: str) -> Iterator[str]:
+    """Yield the sentence about a table that changes nothing, unless it is empty: that is how to say so."""
+    changed = [key for key, field in type(part).model_fields.items() if getattr(part, key) != field.default]
+    if changed:
+        keys = " and ".join(", ".join(changed).rsplit(", ", 1))
+        have = "has" if len(changed) == 1 else "have"
+        yield (
+            f"{name} holds no {what}, so that its {keys} {have} no effect: set its stiffness, strength or "
+            "density, or leave it out"
+        )
+
+
+def _set_in_vain(part: BaseModel, name: str, key: str, why: str, what_counts: str) -> Iterator[str]:
+    """Yield the sentence about `key` of the table `name`, unless it stands at its default."""
+    value, default = getattr(part, key), type(part).model_fields[key].default
+    if value != default:
+        given, usual = (shown(list(v) if isinstance(v, tuple) else v) for v in (value, default))
+        yield (
+            f"{name}.{key} = {given} has no effect with {why}: set {what_counts}, or leave {key} at its "
+            f"default, {usual}"
+        )

@@ -1,0 +1,175 @@
+"""Read scenes from TOML files and presets, and write them back."""
+
+from __future__ import annotations
+
+import copy
+import os
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import ValidationError
+
+from neve.scene.errors import SceneError
+from neve.scene.reading import files
+from neve.scene.reading.overrides import override
+from neve.scene.reading.validation_errors import complaints, nearest
+from neve.scene.schema.scene import Scene
+
+PRESETS = Path(__file__).parents[1] / "presets"
+
+
+def presets() -> list[str]:
+    """Return the names of the scenes that come with Neve, in alphabetical order."""
+    return sorted(path.stem for path in PRESETS.glob("*.toml"))
+
+
+def preset_about(name: str) -> str:
+    """Return the line that says what happens in the preset `name`.
+
+    Errors: SceneError if there is no such preset.
+    """
+    if name not in presets():
+        raise SceneError(_no_such_scene(name))
+    return str(_read(PRESETS / f"{name}.toml", f"preset {name}").get("about", ""))
+
+
+def load(name_or_path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:
+    """Return the scene of a preset's name, a TOML file, or a folder that holds scene.toml.
+
+    `overrides` are texts such as "snow.xi=12" or "sources.0.radius=0.3", applied in order.
+    A file that the scene names is looked for beside the scene file, or, if an override names it, from the
+    current folder.
+
+    Errors: SceneError, one sentence.
+    """
+    text = os.fspath(name_or_path)
+    if text in presets():
+        where, path = f"preset {text}", PRESETS / f"{text}.toml"
+    else:
+        where, path = text, _file(text)
+        if path.name != Path(text).name:
+            where = os.path.join(text, path.name)
+    return scene_from(_read(path, where), overrides, where, path.parent)
+
+
+def scene_from(
+    data: Mapping[str, Any],
+    overrides: Sequence[str] = (),
+    where: str = "scene",
+    folder: str | os.PathLike[str] = ".",
+) -> Scene:
+    """Return the scene that the tables `data` describe; `where` names them in errors, `folder` holds the
+    files that they name.
+
+    Errors: SceneError, one sentence.
+    """
+    tables = copy.deepcopy(dict(data))
+    files.resolve(tables, Path(folder))
+    changed = [(override(tables, text), text) for text in overrides]
+    files.resolve(tables, Path.cwd())
+    try:
+        scene = Scene.model_validate(tables)
+    except ValidationError as error:
+        found = complaints(error, tables)
+        more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+        sentence = f"{found[0].sentence}{_whole_table(found[0].path, tables, changed)}{more}"
+        raise SceneError(f"{_origin(found[0].path, changed, where)}: {sentence}") from None
+    for file in files.named_files(scene):
+        if problem := files.missing(file):
+            raise SceneError(f"{_origin(file.key, changed, where)}: {problem}")
+    return scene
+
+
+def to_toml(scene: Scene, names: Mapping[tuple[str, ...], str] | None = None) -> str:
+    """Return `scene` as a complete TOML file, every default spelled out; loading it gives an equal scene.
+
+    `names` are other words at some keys, such as ("sources", "0", "font"), for files that have been copied.
+    """
+    tables = scene.model_dump(mode="json", exclude_none=True)
+    for (name, index, key), word in (names or {}).items():
+        tables[name][int(index)][key] = word
+    for name in type(scene).model_fields:
+        if isinstance(tables.get(name), list):
+            tables[name] = [
+                {"shape": entry["shape"]} | entry if "shape" in entry else entry for entry in tables[name]
+            ]
+    return tomli_w.dumps(tables)
+
+
+def _file(text: str) -> Path:
+    try:
+        return _scene_file(text)
+    except SceneError:
+        raise
+    except (OSError, RuntimeError, ValueError) as error:  # no such user, a name too long, a closed folder
+        reason = (getattr(error, "strerror", None) or str(error)).rstrip(".")
+        raise SceneError(
+            f"{text}: this cannot be looked for as a file: {reason[:1].lower()}{reason[1:]};"
+            f" name a .toml file or a preset: {_names()}"
+        ) from None
+
+
+def _scene_file(text: str) -> Path:
+    path = Path(text).expanduser()
+    if path.is_dir():
+        if (path / "scene.toml").is_file():
+            return path / "scene.toml"
+        raise SceneError(f"{text} is a folder without scene.toml; name a .toml file or a preset: {_names()}")
+    if path.is_file():
+        return path
+    if path.suffix or os.sep in text or "/" in text:
+        beside = [p.name for p in path.parent.glob("*.toml")] if path.parent.is_dir() else []
+        match = get_close_matches(path.name, beside, n=1)
+        hint = f" (did you mean {path.parent / match[0]}?)" if match else ""
+        raise SceneError(f"{text}: there is no such file{hint}; name a .toml file or a preset: {_names()}")
+    raise SceneError(_no_such_scene(text))
+
+
+def _no_such_scene(name: str) -> str:
+    near = nearest(name, presets())
+    hint = f" (did you mean {near}?)" if near else ""
+    return f'no preset or file is called "{name}"{hint}; the presets are {_names()}'
+
+
+def _names() -> str:
+    return ", ".join(presets())
+
+
+def _read(path: Path, where: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except tomllib.TOMLDecodeError as error:
+        match = re.fullmatch(r"(.*) \(at (.*)\)", str(error), re.DOTALL)
+        what, place = match.groups() if match else (str(error), "some line")
+        raise SceneError(f"{where}, {place}: this is not valid TOML: {what[:1].lower()}{what[1:]}") from None
+    except RecursionError:
+        raise SceneError(f"{where}: this is not a scene: brackets are nested too deeply") from None
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{where}: byte {error.start} is not UTF-8 text; save the file as UTF-8") from None
+    except OSError as error:
+        raise SceneError(f"{where}: the file cannot be read: {error.strerror}") from None
+
+
+def _whole_table(
+    path: tuple[str, ...], tables: Mapping[str, Any], changed: list[tuple[tuple[str, ...], str]]
+) -> str:
+    """Tell how to leave out a key of a file's [snow] that does not go with an override's kind or law."""
+    asked = {key[1] for key, _ in changed if len(key) == 2 and key[0] == "snow" and key[1] in ("kind", "law")}
+    if not asked or len(path) != 2 or path[0] != "snow" or path in [key for key, _ in changed]:
+        return ""
+    words = ", ".join(f'{key}="{tables["snow"][key]}"' for key in sorted(asked))
+    return f"; or replace the whole table with --set 'snow={{{words}}}'"
+
+
+def _origin(path: tuple[str, ...], changed: list[tuple[tuple[str, ...], str]], where: str) -> str:
+    """Return who is to blame for a problem at `path`: the last override that touched it, or the file."""
+    for key, text in reversed(changed):
+        shared = min(len(key), len(path))
+        if key[:shared] == path[:shared]:
+            return f"--set {text}"
+    return where

@@ -1,0 +1,185 @@
+"""Turn what pydantic finds wrong into one sentence: key, value, what is allowed, nearest spelling."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from neve.scene.schema.allowed import allowed, choices, part, shapes, words
+from neve.scene.schema.scene import Scene
+
+ALSO_CALLED = {
+    "friction": "mu_c",
+    "mu": "mu_c",
+    "density": "rho0",
+    "rho": "rho0",
+    "E": "E0",
+    "youngs_modulus": "E0",
+    "poisson_ratio": "nu",
+    "hardening": "xi",
+    "alpha": "flip_alpha",
+    "g": "gravity",
+    "ppc": "particles_per_cell",
+    "position": "center",
+    "centre": "center",
+    "omega": "spin",
+    "angular_velocity": "spin",
+    "type": "shape",
+    "elevation": "sun_elevation",
+    "azimuth": "sun_azimuth",
+    "lookat": "target",
+    "stiffness_noise": "variation",
+    "amplitude": "stiffness",
+    "depths": "at",
+    "phi": "friction_angle",
+    "c": "cohesion",
+    "path": "file",
+    "mesh": "file",
+    "filename": "file",
+    "units": "unit",
+    "up_axis": "up",
+    "resolution": "detail",
+    "voxel_size": "detail",
+}
+"""What people coming from elsewhere call a key -> the key."""
+
+
+@dataclass(frozen=True)
+class Complaint:
+    """Hold one problem: the `path` of the key in the scene, and the rest of the sentence."""
+
+    path: tuple[str, ...]
+    sentence: str
+
+
+def complaints(error: ValidationError, data: dict[str, Any]) -> list[Complaint]:
+    """Return the problems in `error`, found in `data`, at most one for each key."""
+    found: dict[tuple[str, ...], Complaint] = {}
+    for detail in error.errors(include_url=False):
+        complaint = _complaint(dict(detail), data)
+        found.setdefault(complaint.path, complaint)
+    return list(found.values())
+
+
+def nearest(word: str, known: Sequence[str]) -> str | None:
+    """Return the member of `known` that is spelled most like `word`, if any is near."""
+    if ALSO_CALLED.get(word) in known:
+        return ALSO_CALLED[word]
+    lower = {name.lower(): name for name in reversed(known)}
+    match = get_close_matches(word.lower(), list(lower), n=1, cutoff=0.55)
+    return lower[match[0]] if match else None
+
+
+def shown(value: Any) -> str:
+    """Write `value` as in a scene file, cut to one short line."""
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list) and any(isinstance(item, dict) for item in value):
+        return "a list of tables"
+    text = json.dumps(value, ensure_ascii=False, default=str).replace("NaN", "nan").replace("Infinity", "inf")
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _complaint(detail: dict[str, Any], data: dict[str, Any]) -> Complaint:
+    path, owner, field = _walk(detail["loc"])
+    kind = detail["type"]
+    if kind == "extra_forbidden":
+        return Complaint(path, _unknown_key(path, owner))
+    if kind == "scene":
+        path = (*path, *detail["ctx"]["key"].split("."))
+        message = detail["ctx"]["message"]
+        value = _value(path, data)
+        told = "" if value is None else f" = {shown(value)} is not allowed: it"
+        return Complaint(path, f"{'.'.join(path)}{told} {message}")
+    known = list(shapes(field.annotation)) if field else []
+    if kind == "union_tag_not_found":
+        return Complaint(path, f"{'.'.join(path)} has no shape; add shape = {words(known)}")
+    if kind == "union_tag_invalid":
+        return _bad_word((*path, "shape"), data, words(known), known)
+    if known:
+        right = f"a table with shape = {words(known)}"
+        if len(path) == 1:
+            right = f"a list of tables, each headed [[{path[0]}]] and with a shape"
+        return _bad_word(path, data, right, [])
+    if field is None:
+        return Complaint(path, f"{'.'.join(path)} is not allowed: {detail['msg']}")
+    return _bad_word(path, data, allowed(field), list(choices(field)))
+
+
+def _bad_word(path: tuple[str, ...], data: dict[str, Any], right: str, known: list[str]) -> Complaint:
+    value = _value(path, data)
+    near = nearest(value, known) if isinstance(value, str) else None
+    hint = f' (did you mean "{near}"?)' if near else ""
+    return Complaint(path, f"{'.'.join(path)} = {shown(value)} is not allowed{hint}: use {right}")
+
+
+def _unknown_key(path: tuple[str, ...], owner: type[BaseModel]) -> str:
+    key = path[-1]
+    keys = sorted(owner.model_fields, key=lambda name: name != "shape")
+    kind = f" of a {owner.model_fields['shape'].default}" if "shape" in keys else ""
+    near = nearest(key, keys)
+    if near is None:
+        near = next((f"{s}.{key}" for s, f in Scene.model_fields.items() if key in _keys(f.annotation)), None)
+        near = near or next(
+            (f"{s}.{n}" for s, f in Scene.model_fields.items() if (n := _elsewhere(key, f))), None
+        )
+    hint = f" (did you mean {near}?)" if near else ""
+    return f"{'.'.join(path)} is not a known key{kind}{hint}: the keys here are {', '.join(keys)}"
+
+
+def _elsewhere(key: str, field: FieldInfo) -> str | None:
+    name = ALSO_CALLED.get(key)
+    return name if name in _keys(field.annotation) else None
+
+
+def _keys(annotation: Any) -> list[str]:
+    inner = part(annotation)
+    return list(inner.model_fields) if inner else []
+
+
+def _walk(loc: Sequence[int | str]) -> tuple[tuple[str, ...], type[BaseModel], FieldInfo | None]:
+    """Follow pydantic's location to a field and stop there: a component of a vector counts as the vector."""
+    owner: type[BaseModel] = Scene
+    field: FieldInfo | None = None
+    path: tuple[str, ...] = ()
+    rest = list(loc)
+    while rest:
+        key = str(rest.pop(0))
+        path = (*path, key)
+        field = owner.model_fields.get(key)
+        if field is None:
+            return path, owner, None
+        inner = part(field.annotation)
+        if inner:
+            owner = inner
+            continue
+        shaped, table = shapes(field.annotation), _table_list(field.annotation)
+        if not rest or not (shaped or table):
+            break
+        path = (*path, str(rest.pop(0)))
+        if shaped and not rest:
+            break
+        owner = table or shaped[str(rest.pop(0))]
+    return path, owner, field
+
+
+def _table_list(annotation: Any) -> type[BaseModel] | None:
+    items = get_args(annotation)
+    return part(items[0]) if items and items[-1] is Ellipsis else None
+
+
+def _value(path: tuple[str, ...], data: Any) -> Any:
+    for key in path:
+        if isinstance(data, dict):
+            data = data.get(key)
+        elif isinstance(data, (list, tuple)) and key.isdigit() and int(key) < len(data):
+            data = data[int(key)]
+        else:
+            return None
+    return data

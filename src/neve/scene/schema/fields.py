@@ -1,0 +1,123 @@
+"""Define the kinds of values that a scene is made of, and what every field must say about itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Protocol
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
+from pydantic_core import PydanticCustomError
+
+Real = Annotated[float, Strict()]
+Whole = Annotated[int, Strict()]
+Switch = Annotated[bool, Strict()]
+Fraction = Annotated[float, Strict(), Field(ge=0, le=1)]
+Step = Annotated[float, Strict(), Field(gt=0, le=1)]
+
+Factor = Annotated[float, Strict(), Field(gt=0, le=100)]
+Distance = Annotated[float, Strict(), Field(ge=0, le=1e6)]
+
+
+def _no_switch(value: object) -> object:
+    """Refuse true and false where a number is one of a few: Python takes them for 1 and 0."""
+    if isinstance(value, bool):
+        raise ValueError("true and false are no numbers")
+    return value
+
+
+Modes = Annotated[Literal[1, 4, 8, 27], BeforeValidator(_no_switch)]
+Damping = Annotated[float, Strict(), Field(ge=0, le=1e6)]
+
+Length = Annotated[float, Strict(), Field(gt=0, le=1e6)]
+Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6)]
+Rate = Annotated[float, Strict(), Field(ge=-1e4, le=1e4)]
+
+Point2 = tuple[Coordinate, Coordinate]
+Point3 = tuple[Coordinate, Coordinate, Coordinate]
+Rate3 = tuple[Rate, Rate, Rate]
+Angle3 = tuple[Coordinate, Coordinate, Coordinate]
+Size2 = tuple[Length, Length]
+Size3 = tuple[Length, Length, Length]
+Color = tuple[Fraction, Fraction, Fraction]
+Finish = Literal["paint", "metal", "rubber", "wood", "stone"]
+
+CHOICE = "our choice"
+"""The source of a value that Neve's authors chose."""
+CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
+MODES = (
+    '"separate": snow may leave the surface, and slides with friction; "slip": snow stays on the surface and '
+    'slides with friction; "sticky": snow moves with the surface.'
+)
+ZERO = (0.0, 0.0, 0.0)
+
+
+class Part(BaseModel):
+    """Hold a part of a scene: frozen, no unknown keys, no infinite numbers."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True)
+
+
+def entry(default: Any, meaning: str, unit: str = "", source: str = CHOICE, **limits: Any) -> Any:
+    """Make a field that knows its default, meaning, unit, source and legal range.
+
+    `unit` is "1" for a pure number and "" for a word. `limits` are pydantic's: gt, ge, lt, le, min_length.
+    """
+    return Field(default, description=meaning, json_schema_extra={"unit": unit, "source": source}, **limits)
+
+
+def file_entry(meaning: str, suffixes: tuple[str, ...], folder: str = "") -> Any:
+    """Make a field that names a file: none at first, `suffixes` are what it may end in.
+
+    `folder` of Neve's own assets has files that are called "neve:NAME" (see `neve.scene.reading.files`).
+    """
+    known: dict[str, Any] = {"unit": "", "source": CHOICE, "suffixes": list(suffixes), "folder": folder}
+    return Field("", description=meaning, json_schema_extra=known)
+
+
+def wrong(key: str, message: str) -> PydanticCustomError:
+    """Make the error of a check across fields; `message` completes the sentence that `key` starts."""
+    return PydanticCustomError("scene", "{message}", {"key": key, "message": message})
+
+
+class Timed(Protocol):
+    """Something that holds at one moment."""
+
+    @property
+    def t(self) -> float:
+        """The moment [s]."""
+
+
+def check_times(keyframes: Sequence[Timed]) -> None:
+    """Refuse keyframes that do not come one after another.
+
+    Errors: PydanticCustomError.
+    """
+    for i, (a, b) in enumerate(pairwise(keyframes)):
+        if b.t <= a.t:
+            raise wrong(
+                f"keyframes.{i + 1}.t", f"must be later than the keyframe before it, greater than {a.t:g} [s]"
+            )
+
+
+def norm(vector: tuple[float, ...]) -> float:
+    """Return the Euclidean length of `vector`."""
+    return math.hypot(*vector)
+
+
+def rounded_down(value: float) -> str:
+    """Write a positive `value` with three digits, none too large; "0" for others."""
+    return _rounded(value, math.floor, 1 + 1e-12)
+
+
+def rounded_up(value: float) -> str:
+    """Write a positive `value` with three digits, none too small; "0" for others."""
+    return _rounded(value, math.ceil, 1 - 1e-12)
+
+
+def _rounded(value: float, cut: Callable[[float], int], slack: float) -> str:
+    if value <= 0:
+        return "0"
+    digits = math.floor(math.log10(value)) - 2
+    return f"{cut(value / 10.0**digits * slack) * 10.0**digits:.3g}"

@@ -1,0 +1,277 @@
+"""Describe a whole scene: what the user asked for, plain checked data in SI units, z up, no arrays."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from pydantic import model_validator
+
+from neve.scene.schema.bodies import (
+    Control,
+    Motor,
+    Rigid,
+    RigidBody,
+    RigidBox,
+    RigidCylinder,
+    RigidMesh,
+    RigidSphere,
+    Robot,
+    Target,
+)
+from neve.scene.schema.colliders import Body, Box, Collider, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
+from neve.scene.schema.fields import (
+    Color,
+    Damping,
+    Modes,
+    Part,
+    Point3,
+    Rate3,
+    Real,
+    Step,
+    Switch,
+    Whole,
+    entry,
+    norm,
+    rounded_down,
+    wrong,
+)
+from neve.scene.schema.meshes import MeshFile
+from neve.scene.schema.snow import SSCTS, Overrides, Snow, most_strength, problem
+from neve.scene.schema.snows import SNOWS
+from neve.scene.schema.sources import (
+    Profile,
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowMesh,
+    SnowSource,
+    SnowSphere,
+    SnowText,
+    Source,
+    Variation,
+)
+
+__all__ = [
+    "Body", "Box", "Camera", "Collider", "Control", "Cylinder", "Keyframe", "Light", "Mesh", "MeshFile",
+    "Motor", "Numerics", "Overrides", "Part", "Plane", "Profile", "Rigid", "RigidBody", "RigidBox",
+    "RigidCylinder", "RigidMesh", "RigidSphere", "Robot", "Run", "Scene", "Snow", "SnowBox",
+    "SnowCylinder", "SnowLayer", "SnowMesh", "SnowSource", "SnowSphere", "SnowText", "Source", "Sphere",
+    "Target", "Terrain", "Variation", "World",
+]  # fmt: skip
+
+
+class World(Part):
+    """Describe what surrounds the snow."""
+
+    gravity: Rate3 = entry(
+        (0.0, 0.0, -9.81), "Acceleration of everything.", "m/s2", "standard gravity, rounded"
+    )
+
+
+class Numerics(Part):
+    """Choose how the equations are solved."""
+
+    dx: Real = entry(
+        0.05, "Distance between grid nodes; halve it for eight times the particles.", "m", gt=0, le=1000
+    )
+    spline: Literal["quadratic", "cubic"] = entry(
+        "quadratic",
+        "B-spline between particles and grid: 27 or 64 nodes a particle.",
+        "",
+        "cubic: Stomakhin et al. 2013 (as quoted in public codes); quadratic: our choice",
+    )
+    transfer: Literal["pic", "flip", "apic", "polypic", "asflip"] = entry(
+        "apic",
+        'How velocities go to the grid and back: "apic" and "polypic" keep angular momentum, "polypic" finer '
+        'motions too; "flip" blends FLIP and PIC; "asflip" adds APIC to that and lets snow come apart, '
+        'but its energy has no bound; "pic" damps all but translations.',
+        "",
+        "flip: Stomakhin et al. 2013, apic: Jiang et al. 2015, asflip: Fei et al. 2021 (as quoted in public "
+        "codes); polypic: Fu et al. 2017 names the idea, the details are ours; pic: Harlow 1964",
+    )
+    polypic_modes: Modes = entry(
+        8,
+        "Velocity modes of a particle with polypic: 1 is pic, 4 is apic, 8 are the multilinear ones, 27 the "
+        "quadratic ones.",
+        "1",
+        "Fu et al. 2017 name the choices; 8: ours",
+    )
+    flip_alpha: Real = entry(
+        0.95, "Share of FLIP in the blend of one step; used by flip and asflip.", "1", SSCTS, ge=0, le=1
+    )
+    flip_damping: Literal["off"] | Damping = entry(
+        "off",
+        "Rate at which motion that the grid cannot see fades, in place of flip_alpha: alpha = "
+        "exp(-flip_damping dt), so that a change of the time step does not change the look.",
+        "1/s",
+    )
+    dt: Literal["auto"] | Step = entry(
+        "auto", 'Time step, or "auto" to take the largest that is stable.', "s"
+    )
+    cfl: Real = entry(
+        0.4,
+        "Share of a cell that a wave or a particle may cross in one automatic step; above 0.6 snow can gain "
+        "energy.",
+        "1",
+        gt=0,
+        le=0.6,
+    )
+    strain_max: Real = entry(
+        0.25,
+        "Largest change of the deformation, dt |grad v|, in one automatic step.",
+        "1",
+        gt=0,
+        le=1,
+    )
+    dt_max: Real = entry(1e-2, "Largest automatic time step.", "s", gt=0, le=1)
+    precision: Literal["float32", "float64"] = entry("float32", "Number format of particles and grid.", "")
+    particles_per_cell: Whole = entry(
+        8,
+        "Particles in a cell that is full of snow.",
+        "1",
+        "8 is two along each axis; our choice",
+        ge=1,
+        le=512,
+    )
+    sampling: Literal["jittered", "poisson", "regular"] = entry(
+        "jittered",
+        'How particles are placed: "jittered" moves each point of a lattice at random; "poisson" places '
+        'them at random with a least distance between any two; "regular" leaves the lattice as it is, for '
+        "comparison with exact solutions.",
+        "",
+        "poisson: Bridson 2007 names the goal; the algorithm is ours",
+    )
+    seed: Whole = entry(0, "Seed of everything random.", "1", ge=0, lt=2**32)
+    initial_volume: Literal["sampled", "grid"] = entry(
+        "sampled",
+        'Volume of a particle: "sampled" shares out the volume of the shape; "grid" measures the density on '
+        "the grid in the first step, where the skin of the snow looks lighter than it is; the steps are then "
+        "a quarter to a third shorter.",
+        "",
+        "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes); sampled: our choice, measured",
+    )
+
+    @property
+    def spacing(self) -> float:
+        """Return the mean distance of particles in snow at rest [m]."""
+        return float(self.dx / self.particles_per_cell ** (1.0 / 3.0))
+
+
+class Camera(Part):
+    """Place the camera of the film."""
+
+    position: Point3 = entry((4.0, -6.0, 2.0), "Where the camera stands.", "m")
+    target: Point3 = entry((0.0, 0.0, 0.5), "What is in the middle of the picture.", "m")
+    fov: Real = entry(35.0, "Vertical angle of view.", "degrees", gt=1, lt=170)
+    up: Point3 = entry((0.0, 0.0, 1.0), "Upward in the picture; not zero, not along the view.", "1")
+
+    @model_validator(mode="after")
+    def _check(self) -> Camera:
+        view = tuple(b - a for a, b in zip(self.position, self.target, strict=True))
+        x, y, z = view
+        a, b, c = self.up
+        if norm(view) < 1e-9:
+            raise wrong("target", "must differ from camera.position")
+        if norm((y * c - z * b, z * a - x * c, x * b - y * a)) <= 1e-6 * norm(view) * norm(self.up):
+            raise wrong(
+                "up", "must not be zero or point along the view from camera.position to camera.target"
+            )
+        return self
+
+
+class Light(Part):
+    """Set the sun and the sky of the film."""
+
+    sun_elevation: Real = entry(30.0, "Height of the sun above the horizon.", "degrees", gt=0, le=90)
+    sun_azimuth: Real = entry(
+        200.0, "Direction in which the sun stands: 0 is +x, 90 is +y.", "degrees", ge=-360, le=360
+    )
+    sun_strength: Real = entry(1.0, "Brightness of the sun; 1 is a clear day.", "1", ge=0, le=100)
+    sky_strength: Real = entry(1.0, "Brightness of the sky; 1 is a clear day.", "1", ge=0, le=100)
+    sun_color: Color = entry((1.0, 0.94, 0.85), "Red, green and blue of the sun.", "1")
+    sky_color: Color = entry((0.62, 0.76, 1.0), "Red, green and blue of the sky.", "1")
+
+
+class Run(Part):
+    """Say how long to simulate and what to keep."""
+
+    duration: Real = entry(3.0, "Simulated time.", "s", gt=0, le=86400)
+    fps: Whole = entry(30, "Frames per simulated second.", "1/s", ge=1, le=10000)
+    film: Switch = entry(True, "Whether to make a film.", "")
+    fragments: Switch = entry(
+        False, "Whether to count the pieces of broken snow in every frame, in fragments.csv.", ""
+    )
+
+
+class Scene(Part):
+    """Hold everything a user asked for.
+
+    Errors: pydantic.ValidationError; `neve.scene.reading.load.load` turns it into one sentence.
+    """
+
+    about: str = entry("", "What happens, in one line.", "")
+    world: World = entry(World(), "Surroundings.", "")
+    numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
+    snow: Snow = entry(Snow(), "Snow of all sources.", "")
+    sources: tuple[Source, ...] = entry((), "Where snow is at the start: one or more.", "")
+    colliders: tuple[Collider, ...] = entry((), "Bodies that snow meets.", "")
+    bodies: tuple[Rigid, ...] = entry((), "Bodies that snow moves.", "")
+    robots: tuple[Robot, ...] = entry((), "Robots and vehicles from files, which snow moves too.", "")
+    camera: Camera = entry(Camera(), "Camera of the film.", "")
+    light: Light = entry(Light(), "Light of the film.", "")
+    run: Run = entry(Run(), "Length of the run.", "")
+
+    @model_validator(mode="after")
+    def _parents(self) -> Scene:
+        for i, body in enumerate(self.bodies):
+            if body.parent is not None and body.parent >= i:
+                earlier = f"from 0 to {i - 1}" if i else "and the first body has none"
+                raise wrong(f"bodies.{i}.parent", f"must be the number of an earlier body, {earlier}")
+        return self
+
+    @model_validator(mode="after")
+    def _check(self) -> Scene:
+        if not self.sources:
+            raise wrong(
+                "sources", 'needs at least one entry: [[sources]] with shape = "box" or another shape'
+            )
+        for i, source in enumerate(self.sources):
+            found = problem(self.snow_of(source), source.snow.given())
+            if found:
+                raise wrong(f"sources.{i}.snow.{found[0]}", found[1])
+            found = _too_strong(self.completed(source), most_strength(self.snow_of(source)))
+            if found:
+                key, sentence = found
+                whose = (
+                    ""
+                    if getattr(source, key.partition(".")[0])
+                    else f", with the {key.partition('.')[0]} of its kind"
+                )
+                raise wrong(f"sources.{i}.{key}", f"{sentence}{whose}")
+        return self
+
+    def snow_of(self, source: SnowSource) -> Snow:
+        """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""
+        return self.snow.but(source.snow)
+
+    def completed(self, source: SnowSource) -> SnowSource:
+        """Return `source` with the variation and profile of its snow's kind, where it has none of its own."""
+        kind = SNOWS[self.snow_of(source).kind]
+        found: dict[str, Part] = {}
+        if source.variation is None and kind.variation:
+            found["variation"] = Variation.model_validate(kind.variation)
+        if source.profile is None and kind.profile:
+            found["profile"] = Profile.model_validate(kind.profile)
+        return source.model_copy(update=found) if found else source
+
+
+def _too_strong(source: SnowSource, most: float) -> tuple[str, str] | None:
+    """Tell when a source multiplies its snow's thresholds by more than `most`: key and end of a sentence."""
+    if source.strongest <= most * (1 + 1e-9):
+        return None
+    profile = max(source.profile.strength if source.profile else (), default=1.0)
+    why = "so that the strongest snow keeps to the rules of [snow] (see xi and p0)"
+    if profile > most * (1 + 1e-9):
+        return "profile.strength", f"must hold no factor above {rounded_down(most)}, {why}"
+    return "variation.strength", f"must be at most {rounded_down(math.log(most / profile))}, {why}"

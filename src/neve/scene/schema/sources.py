@@ -1,0 +1,208 @@
+"""Describe where snow is at the start: boxes, balls, cylinders, ground layers, letters and meshes."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from neve.scene.schema.fields import (
+    Angle3,
+    Coordinate,
+    Distance,
+    Factor,
+    Length,
+    Part,
+    Point2,
+    Point3,
+    Rate3,
+    Real,
+    Size2,
+    Size3,
+    Whole,
+    entry,
+    file_entry,
+    wrong,
+)
+from neve.scene.schema.meshes import MeshFile
+from neve.scene.schema.snow import Overrides
+
+ROTATION = "Rotation vector (axis times angle) from the source's own axes to the world's."
+
+
+class Variation(Part):
+    """Vary snow from place to place by factors exp(amplitude * noise), all of one field of noise."""
+
+    pattern: Literal["fractal", "clods"] = entry(
+        "fractal",
+        '"fractal": smooth stiff and soft spots, noise from -1 to 1; "clods": lumps of random size pressed '
+        "together, 0 inside and down to -1 in the weak seams between them, along which snow then breaks.",
+        "",
+        "clods: cells of Worley 1996; the seams are ours",
+    )
+    stiffness: Real = entry(
+        0.0,
+        "Amplitude of Young's modulus: its factor lies between about exp(-amplitude) and exp(amplitude), "
+        "with median 1 (clods: down to exp(-amplitude) in the seams). 0 is none.",
+        "1",
+        ge=0,
+        le=4,
+    )
+    strength: Real = entry(
+        0.0,
+        "Amplitude of what snow bears before it flows (theta_c and theta_s, cohesion, p0), with median 1.",
+        "1",
+        ge=0,
+        le=4,
+    )
+    density: Real = entry(
+        0.0,
+        "Amplitude of density; the mean factor is 1, so that the source keeps its mass.",
+        "1",
+        ge=0,
+        le=2,
+    )
+    feature_size: Length = entry(
+        0.2, "Size of the largest stiff and soft spots or of a clod; a good value is 3 to 8 numerics.dx.", "m"
+    )
+    seam: Length = entry(
+        0.04, "Width of the seams between clods; a good value is numerics.dx; used by clods only.", "m"
+    )
+    octaves: Whole = entry(
+        3, "Layers of noise, each half as large and half as strong as the one before.", "1", ge=1, le=8
+    )
+    seed: Whole = entry(0, "Seed of this noise, combined with numerics.seed.", "1", ge=0, lt=2**32)
+
+    @property
+    def acts(self) -> bool:
+        """Whether anything varies."""
+        return bool(self.stiffness or self.strength or self.density)
+
+
+class Profile(Part):
+    """Vary snow with depth or height: factors at given places, straight lines between, constant beyond."""
+
+    by: Literal["depth", "height"] = entry(
+        "depth",
+        '"depth": distance below the source\'s own surface (of a layer: below its top); "height": height '
+        "above the source's lowest point.",
+        "",
+    )
+    at: tuple[Distance, ...] = entry((), "Depths or heights, each greater than the one before.", "m")
+    stiffness: tuple[Factor, ...] = entry(
+        (), "Factors on Young's modulus, one for each of `at`; left out, 1.", "1"
+    )
+    strength: tuple[Factor, ...] = entry(
+        (),
+        "Factors on what snow bears before it flows (theta_c and theta_s, cohesion, p0); left out, 1.",
+        "1",
+    )
+    density: tuple[Factor, ...] = entry((), "Factors on density; left out, 1.", "1")
+
+    @model_validator(mode="after")
+    def _check(self) -> Profile:
+        for a, b in pairwise(self.at):
+            if b <= a:
+                raise wrong("at", f"must increase, and {b:g} comes after {a:g}")
+        for name in ("stiffness", "strength", "density"):
+            values = getattr(self, name)
+            if values and len(values) != len(self.at):
+                raise wrong(name, f"must have as many entries as at, {len(self.at)}")
+        return self
+
+
+class SnowSource(Part):
+    """Hold what all snow sources share."""
+
+    velocity: Rate3 = entry((0.0, 0.0, 0.0), "Velocity at the start.", "m/s")
+    spin: Rate3 = entry((0.0, 0.0, 0.0), "Angular velocity at the start, about the source's centre.", "rad/s")
+    snow: Overrides = entry(Overrides(), "Snow properties of this source alone: any key of [snow].", "")
+    variation: Variation | None = entry(
+        None, "Differences from place to place; left out, those of the snow's kind, or none.", ""
+    )
+    profile: Profile | None = entry(
+        None, "Differences with depth or height; left out, those of the snow's kind, or none.", ""
+    )
+
+    @property
+    def strongest(self) -> float:
+        """Return the largest factor on the thresholds of plastic flow that this source may have [1]."""
+        noise = self.variation
+        amplitude = noise.strength if noise and noise.pattern == "fractal" else 0.0
+        return math.exp(amplitude) * max(self.profile.strength if self.profile else (), default=1.0)
+
+
+class SnowBox(SnowSource):
+    """Fill a box with snow."""
+
+    shape: Literal["box"] = entry("box", "A box.")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the box.", "m")
+    size: Size3 = entry((1.0, 1.0, 1.0), "Edge lengths along the box's own x, y and z.", "m")
+    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
+
+
+class SnowSphere(SnowSource):
+    """Fill a ball with snow."""
+
+    shape: Literal["sphere"] = entry("sphere", "A ball.")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the ball.", "m")
+    radius: Length = entry(0.5, "Radius of the ball.", "m")
+
+
+class SnowCylinder(SnowSource):
+    """Fill an upright or tilted cylinder with snow."""
+
+    shape: Literal["cylinder"] = entry("cylinder", "A cylinder around its own z axis.")
+    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the cylinder, halfway up.", "m")
+    radius: Length = entry(0.5, "Radius of the cylinder.", "m")
+    height: Length = entry(1.0, "Height of the cylinder along its own z.", "m")
+    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
+
+
+class SnowLayer(SnowSource):
+    """Spread a flat layer of snow."""
+
+    shape: Literal["layer"] = entry("layer", "A flat layer with upright sides.")
+    center: Point2 = entry((0.0, 0.0), "Centre of the layer seen from above.", "m")
+    size: Size2 = entry((2.0, 2.0), "Extent along x and y.", "m")
+    depth: Length = entry(0.2, "Thickness of the layer.", "m")
+    base: Coordinate = entry(0.0, "Height of the layer's underside.", "m")
+
+
+class SnowText(SnowSource):
+    """Set letters of snow: they stand upright in the source's own x-z plane and are `depth` thick along y."""
+
+    shape: Literal["text"] = entry("text", "Letters.")
+    text: str = entry("NEVE", "What is written; a line break starts a new line.", "", min_length=1)
+    font: str = file_entry(
+        'A .ttf or .otf file, relative to the scene file; "" is the font that comes with Neve.',
+        (".ttf", ".otf"),
+    )
+    height: Length = entry(
+        1.0, "Height of a capital letter (of the tallest glyph if the font has no capitals).", "m"
+    )
+    depth: Length = entry(0.4, "Thickness of the letters along their own y.", "m")
+    center: Point3 = entry((0.0, 0.0, 1.0), "Centre of the box around all letters.", "m")
+    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
+
+    @model_validator(mode="after")
+    def _check(self) -> SnowText:
+        if not self.text.strip():
+            raise wrong("text", "must hold at least one letter that is not a space")
+        return self
+
+
+class SnowMesh(MeshFile, SnowSource):
+    """Fill a closed mesh with snow; with a `thickness`, the space around the faces of any mesh."""
+
+    shape: Literal["mesh"] = entry("mesh", "A triangle mesh from a file.")
+    center: Point3 = entry((0.0, 0.0, 0.0), "Where the origin of the file goes; spin is about it.", "m")
+    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
+
+
+Source = Annotated[
+    SnowBox | SnowSphere | SnowCylinder | SnowLayer | SnowText | SnowMesh, Field(discriminator="shape")
+]
+"""Any snow source; its `shape` says which."""

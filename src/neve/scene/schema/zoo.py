@@ -1,0 +1,78 @@
+"""Tell what the named snows are: for the command line, for programs, for the documentation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from neve.scene.schema.snow import Snow, used
+from neve.scene.schema.snows import SNOWS, Tag
+
+MEANING: dict[Tag, str] = {
+    "quoted": "read in public code that quotes the paper, which itself was not at hand",
+    "derived": "ours, following a tendency that the paper states",
+    "chosen": "ours, by eye and by small runs",
+}
+"""What a tag says about the constants."""
+
+
+def as_data() -> list[dict[str, Any]]:
+    """Return all snows: name, about, law, the constants it uses [SI], variation, profile, source, tag."""
+    found = []
+    for name, kind in SNOWS.items():
+        snow = Snow.model_validate({"kind": name})
+        found.append(
+            {
+                "name": name,
+                "about": kind.about,
+                "law": snow.law,
+                "constants": {key: getattr(snow, key) for key in used(snow.law, snow.plasticity)},
+                "variation": dict(kind.variation) or None,
+                "profile": dict(kind.profile) or None,
+                "source": kind.source,
+                "tag": kind.tag,
+            }
+        )
+    return found
+
+
+def as_text() -> str:
+    """Return three lines for each snow, and the meaning of the tags."""
+    snows = as_data()
+    width = max(len(snow["name"]) for snow in snows) + 2
+    lines = []
+    for snow in snows:
+        lines += [
+            f"{snow['name']:{width}}{snow['about']}",
+            f"{'':{width}}{snow['law']}: {_constants(snow)}",
+            f"{'':{width}}{snow['tag']}: {snow['source']}",
+        ]
+    return "\n".join([*lines, "", *(f"{tag:{width}}{text}" for tag, text in MEANING.items())])
+
+
+def as_table() -> str:
+    """Return the snows as a table in Markdown."""
+    lines = ["| `kind` | what it is | law | constants | source | tag |", "|---|---|---|---|---|---|"]
+    for snow in as_data():
+        name, law = f"`{snow['name']}`", f"`{snow['law']}`"
+        cells = [name, snow["about"], law, _constants(snow), snow["source"], snow["tag"]]
+        lines.append(f"| {' | '.join(cells)} |")
+    told = [f"* *{tag}*: {text}." for tag, text in MEANING.items()]
+    return "\n".join([*lines, "", *told]) + "\n"
+
+
+def _constants(snow: dict[str, Any]) -> str:
+    """Write the constants, but the usual bounds of J_P, and what differs inside a source."""
+    usual = Snow()
+    text = [
+        f"{name} {value:.5g}"
+        for name, value in snow["constants"].items()
+        if not name.startswith("J_P") or value != getattr(usual, name)
+    ]
+    for key in ("variation", "profile"):
+        if table := snow[key]:
+            text.append(f"{key} ({', '.join(f'{name} {_value(value)}' for name, value in table.items())})")
+    return ", ".join(text)
+
+
+def _value(value: Any) -> str:
+    return "/".join(f"{v:g}" for v in value) if isinstance(value, list) else f"{value:g}"

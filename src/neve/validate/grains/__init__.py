@@ -1,0 +1,1 @@
+"""Loose and cohesive grains: columns, slopes, cuts and sliding blocks."""

@@ -1,0 +1,1 @@
+"""Tell results as one HTML page with plots."""

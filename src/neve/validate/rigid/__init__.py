@@ -1,0 +1,1 @@
+"""Rigid bodies on snow: a ball that falls, a wheel that drives."""

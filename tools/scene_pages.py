@@ -1,0 +1,210 @@
+"""Write docs/scene_format.md and the table of docs/snows.md: `python tools/scene_pages.py`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from neve.scene.reading.load import PRESETS
+from neve.scene.reading.validation_errors import shown
+from neve.scene.schema.allowed import allowed, choices, part, source, unit
+from neve.scene.schema.bodies import (
+    Control,
+    Motor,
+    RigidBody,
+    RigidBox,
+    RigidCylinder,
+    RigidMesh,
+    RigidSphere,
+    Robot,
+    Target,
+)
+from neve.scene.schema.colliders import Body, Box, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
+from neve.scene.schema.meshes import MeshFile
+from neve.scene.schema.scene import Camera, Light, Numerics, Run, Scene, World
+from neve.scene.schema.snow import Snow
+from neve.scene.schema.sources import (
+    Profile,
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowMesh,
+    SnowSource,
+    SnowSphere,
+    SnowText,
+    Variation,
+)
+from neve.scene.schema.zoo import as_table
+
+PATH = Path("docs") / "scene_format.md"  # from the root of the checkout
+SNOWS_PATH = Path("docs") / "snows.md"
+BEGIN, END = (
+    "<!-- table of snows: begin; written by `python tools/scene_pages.py` -->",
+    "<!-- table of snows: end -->",
+)
+
+INTRODUCTION = """\
+# The scene format
+
+<!-- Written by `python tools/scene_pages.py` from src/neve/scene; change it there. -->
+
+A scene is a TOML file. Units are SI (metres, seconds, kilograms; angles in degrees, spins in radians per
+second), and z points up. Every key may be left out, except `shape`, and a scene needs at least one source.
+An unknown key, a value outside its range or a misspelled word is an error that says what is allowed.
+
+The same words lead to a value everywhere: in a file, `[numerics]` and `dx = 0.02`; on the command line,
+`--set numerics.dx=0.02`; in Python, `scene.numerics.dx`. Entries of lists are numbered from 0:
+`--set sources.0.radius=0.3`, `--set world.gravity.2=-1.62`.
+
+`snow.kind` picks a named snow ([the zoo](snows.md)); the other keys of `[snow]` override what it brings. Each
+law has constants of its own; setting one that the law does not use is an error. A source's own `snow` changes
+single values of the scene's, unless it names a `kind`, or a law with other constants, and starts from that.
+`--set 'snow={{kind="wet"}}'` replaces the whole table of a file.
+
+A rotation is a vector: its direction is the axis, its length the angle. `[0, 0, 90]` is a quarter turn about
+z, anticlockwise seen from above.
+
+This is the preset `throw_ball`, complete:
+
+```toml
+{example}```
+"""
+
+SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
+    ("[world]", "Surroundings.", World),
+    ("[numerics]", "Grid, time step and particles.", Numerics),
+    ("[snow]", "The snow of every source that does not say otherwise in `snow`.", Snow),
+    (
+        "[[sources]]",
+        "Where snow is at the start. All sources have these keys, and those of their shape.",
+        SnowSource,
+    ),
+    ('[[sources]] with shape = "box"', "A box.", SnowBox),
+    ('[[sources]] with shape = "sphere"', "A ball.", SnowSphere),
+    ('[[sources]] with shape = "cylinder"', "A cylinder around its own z axis.", SnowCylinder),
+    ('[[sources]] with shape = "layer"', "A flat layer with upright sides.", SnowLayer),
+    (
+        '[[sources]] with shape = "text"',
+        "Letters that stand upright in the source's own x-z plane, to be read looking along +y.",
+        SnowText,
+    ),
+    (
+        '[[sources]] with shape = "mesh"',
+        "A closed mesh full of snow. Its other keys are those of mesh files, below.",
+        SnowMesh,
+    ),
+    (
+        "[sources.variation]",
+        "Snow that differs from place to place: one field of noise, which moves with the snow.",
+        Variation,
+    ),
+    ("[sources.profile]", "Snow that differs with depth or height: a crust, a soft core, layers.", Profile),
+    ("[[colliders]]", "Bodies that snow meets. All have these keys, and those of their shape.", Body),
+    ('[[colliders]] with shape = "plane"', "A half-space.", Plane),
+    ('[[colliders]] with shape = "box"', "A box or a plate, such as the blade of a plow.", Box),
+    ('[[colliders]] with shape = "sphere"', "A ball.", Sphere),
+    ('[[colliders]] with shape = "cylinder"', "A cylinder around its own z axis.", Cylinder),
+    (
+        '[[colliders]] with shape = "mesh"',
+        "A body from a mesh file. Its other keys are those of mesh files, below.",
+        Mesh,
+    ),
+    ('[[colliders]] with shape = "terrain"', "Ground from a height map.", Terrain),
+    (
+        'shape = "mesh"',
+        "Keys of everything with this shape ([meshes](meshes.md)). A path is relative to the scene file.",
+        MeshFile,
+    ),
+    ("[[colliders.keyframes]]", "A scripted motion.", Keyframe),
+    (
+        "[[bodies]]",
+        "Bodies that snow moves. All have these keys, and those of their shape.",
+        RigidBody,
+    ),
+    ('[[bodies]] with shape = "box"', "A box or a plate.", RigidBox),
+    ('[[bodies]] with shape = "sphere"', "A ball.", RigidSphere),
+    ('[[bodies]] with shape = "cylinder"', "A cylinder around its own z axis.", RigidCylinder),
+    (
+        '[[bodies]] with shape = "mesh"',
+        "A body from a closed mesh. Its other keys are those of mesh files.",
+        RigidMesh,
+    ),
+    ("[bodies.motor]", "What drives the joint of a body.", Motor),
+    ("[[bodies.motor.keyframes]]", "What a motor aims at, and when.", Target),
+    ("[[robots]]", "Robots and vehicles from files, which snow moves too.", Robot),
+    ("[[robots.controls]]", "What the actuators of a robot are told, and when.", Control),
+    ("[camera]", "Camera of the film.", Camera),
+    ("[light]", "Light of the film.", Light),
+    ("[run]", "Length of the run.", Run),
+)
+"""Heading, sentence and model of every section, in the order of the document."""
+
+
+def document() -> str:
+    """Return the documentation of the scene format, as Markdown."""
+    example = (PRESETS / "throw_ball.toml").read_text(encoding="utf-8")
+    parts = [INTRODUCTION.format(example=example)]
+    parts += [f"## Top\n\n{_table([('about', Scene.model_fields['about'])])}"]
+    for heading, sentence, model in SECTIONS:
+        rows = [(name, field) for name, field in model.model_fields.items() if not _shared(name, model)]
+        parts.append(f"## `{heading}`\n\n{sentence}\n\n{_table(rows)}")
+    return "\n".join(parts)
+
+
+def _shared(name: str, model: type[BaseModel]) -> bool:
+    """Return whether the key is told in the section of all shapes, or in the heading."""
+    if name == "shape":
+        return True
+    bases: tuple[type[BaseModel], ...] = (SnowSource, Body, RigidBody, MeshFile)
+    return any(issubclass(model, b) and model is not b and name in b.model_fields for b in bases)
+
+
+def _table(rows: list[tuple[str, FieldInfo]]) -> str:
+    lines = ["| key | default | unit | allowed | meaning | source |", "|---|---|---|---|---|---|"]
+    for name, field in rows:
+        cells = [
+            f"`{name}`",
+            _default(field),
+            unit(field),
+            _range(field),
+            field.description or "",
+            source(field),
+        ]
+        lines.append(f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _range(field: FieldInfo) -> str:
+    if part(field.annotation):
+        return "a table"
+    text = allowed(field)
+    label = unit(field)
+    text = text.removesuffix(f" [{label}]")
+    for word in choices(field):
+        text = text.replace(f'"{word}"', f'`"{word}"`')
+    return text
+
+
+def _default(field: FieldInfo) -> str:
+    value: Any = field.default
+    if value is None:
+        return "left out"
+    if part(field.annotation):
+        return "its defaults"
+    return f"`{shown(list(value) if isinstance(value, tuple) else value)}`"
+
+
+def with_table(page: str) -> str:
+    """Return the page of the snows with the table between its two marks replaced by the present one."""
+    before, rest = page.split(BEGIN)
+    _, after = rest.split(END)
+    return f"{before}{BEGIN}\n{as_table()}{END}{after}"
+
+
+if __name__ == "__main__":
+    PATH.write_text(document(), encoding="utf-8")
+    SNOWS_PATH.write_text(with_table(SNOWS_PATH.read_text(encoding="utf-8")), encoding="utf-8")
+    print(f"wrote {PATH} and the table of {SNOWS_PATH}")
