@@ -13,7 +13,7 @@ from neve.io.table import Table
 from neve.schedule import EveryFrame, Schedule
 
 if TYPE_CHECKING:
-    from neve.run.outputs import Moment
+    from neve.run.outputs import FrameContext
 
 COLUMNS = (
     "frame",  # number of the frame; 0 is the initial state
@@ -37,25 +37,25 @@ class BodyOutput:
         self.schedule: Schedule = EveryFrame()
         self._table = Table(folder.bodies, COLUMNS, keep_through=done)
 
-    def write(self, moment: Moment) -> None:
+    def write(self, context: FrameContext) -> None:
         """Add the rows of this frame."""
-        with moment.clock.stage("write"):
-            self._table.append(*rows(moment))
+        with context.timer.stage("write"):
+            self._table.append(*rows(context))
 
-    def close(self, moment: Moment) -> None:
+    def close(self, context: FrameContext) -> None:
         """Do nothing: each row is complete."""
 
 
-def rows(moment: Moment) -> Iterator[dict[str, object]]:
+def rows(context: FrameContext) -> Iterator[dict[str, object]]:
     """Yield the row of each solid of the simulation now; there is no mean force in the first frame."""
-    sim = moment.sim
+    sim = context.sim
     bodies = sim.bodies()
     duration = 1.0 / sim.scene.run.fps
-    pushed = sim.stats.exchanged[:, :6] / duration if moment.frame > 0 else np.full((len(bodies), 6), np.nan)
+    pushed = sim.stats.exchanged[:, :6] / duration if context.frame > 0 else np.full((len(bodies), 6), np.nan)
     for (solid, pose), push in zip(bodies, pushed, strict=True):
         values = [float(value) for value in (*_numbers(pose), *push)]
         yield {
-            "frame": moment.frame,
+            "frame": context.frame,
             "time": float(sim.time),
             "body": solid.name,
             **dict(zip(COLUMNS[3:], values, strict=True)),

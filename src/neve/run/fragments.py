@@ -18,7 +18,7 @@ from neve.io.table import Table, read_table, table_text
 from neve.schedule import EveryFrame, Schedule
 
 if TYPE_CHECKING:
-    from neve.run.outputs import Moment
+    from neve.run.outputs import FrameContext
     from neve.scene.schema.scene import Scene
 
 
@@ -37,23 +37,23 @@ class FragmentOutput:
         self._lost = list(range(kept, 0 if done is None else done + 1))
         self._table = Table(folder.fragments, COLUMNS, keep_through=kept - 1 if kept else None)
 
-    def write(self, moment: Moment) -> None:
+    def write(self, context: FrameContext) -> None:
         """Add the rows of this frame."""
-        with moment.clock.stage("write"):
-            self._add_lost(moment)
-            self._add(moment, moment.frame, moment.content)
+        with context.timer.stage("write"):
+            self._add_lost(context)
+            self._add(context, context.frame, context.content)
 
-    def close(self, moment: Moment) -> None:
+    def close(self, context: FrameContext) -> None:
         """Count what is still missing: a resumed run may be at its end already."""
-        self._add_lost(moment)
+        self._add_lost(context)
 
-    def _add_lost(self, moment: Moment) -> None:
+    def _add_lost(self, context: FrameContext) -> None:
         while self._lost:
             frame = self._lost.pop(0)
-            self._add(moment, frame, read_frame(self._folder.frames, frame))
+            self._add(context, frame, read_frame(self._folder.frames, frame))
 
-    def _add(self, moment: Moment, frame: int, content: Frame) -> None:
-        state = moment.sim.state
+    def _add(self, context: FrameContext, frame: int, content: Frame) -> None:
+        state = context.sim.state
         found = of_frame(content, state.id, state.m, state.V0, self._spacing)
         self._table.append(*rows(found, frame, content.time))
 

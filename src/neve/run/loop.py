@@ -1,6 +1,6 @@
 """The run loop: frame by frame into a run folder.
 
-The loop never changes: it advances the simulation by one frame and hands the moment to each output whose
+The loop never changes: it advances the simulation by one frame and hands the frame to each output whose
 schedule says so. Frames, log, checkpoint and film are outputs; more can be given as `observers`.
 """
 
@@ -22,9 +22,10 @@ from neve.io.version import version
 from neve.run.bodies import BodyOutput
 from neve.run.fragments import FragmentOutput
 from neve.run.interrupt import Interrupt
-from neve.run.outputs import CheckpointOutput, Clock, FrameOutput, LogOutput, Moment, Output
+from neve.run.outputs import CheckpointOutput, FrameContext, FrameOutput, LogOutput, Output
 from neve.run.pictures import FilmOutput, Painter, PictureOutput
 from neve.run.progress import Progress, Warnings, follow, told_by
+from neve.stage_timer import StageTimer
 
 if TYPE_CHECKING:
     from neve.scene.schema.scene import Scene
@@ -163,27 +164,27 @@ def _loop(
 
     A checkpoint says that its frame is complete: it is written last of a frame and closed first of all.
     """
-    clock = Clock()
+    timer = StageTimer()
     frame = 0 if done is None else done
-    moment = Moment(sim, frame, last, clock)
+    context = FrameContext(sim, frame, last, timer)
     if done is None:
-        _show(moment, outputs)
+        _show(context, outputs)
     progress.update(frame, sim.state.count, sim.steps)
     while frame < last and not interrupt.requested:
         sim.advance(1.0 / sim.scene.run.fps)
         frame += 1
-        moment = Moment(sim, frame, last, clock)
-        _show(moment, outputs)
+        context = FrameContext(sim, frame, last, timer)
+        _show(context, outputs)
         progress.update(frame, sim.state.count, sim.steps)
     for output in reversed(outputs):
-        output.close(moment)
+        output.close(context)
     return frame
 
 
-def _show(moment: Moment, outputs: Sequence[Output]) -> None:
+def _show(context: FrameContext, outputs: Sequence[Output]) -> None:
     for output in outputs:
-        if output.schedule.due(moment.frame):
-            output.write(moment)
+        if output.schedule.due(context.frame):
+            output.write(context)
 
 
 def _check_same(folder: Path, before: str, now: str) -> None:

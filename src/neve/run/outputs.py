@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import logging
-import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Protocol
 
 from neve.diagnostics import Balance
@@ -19,37 +17,17 @@ if TYPE_CHECKING:
     from neve.diagnostics import Diagnostics
     from neve.io.run_folder import RunFolder
     from neve.simulation import Simulation
+    from neve.stage_timer import StageTimer
 
 
-class Clock:
-    """Add up the wall time [s] of the stages outside the step, from one row of the log to the next."""
-
-    def __init__(self) -> None:
-        self._seconds: dict[str, float] = {}
-
-    @contextlib.contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        """Count the time of the block for the stage `name`."""
-        start = time.perf_counter()
-        try:
-            yield
-        finally:
-            self._seconds[name] = self._seconds.get(name, 0.0) + time.perf_counter() - start
-
-    def take(self) -> dict[str, float]:
-        """Return the seconds of each stage and start again from zero."""
-        seconds, self._seconds = self._seconds, {}
-        return seconds
-
-
-class Moment:
+class FrameContext:
     """The end of a frame, as the outputs see it; they read and never change it."""
 
-    def __init__(self, sim: Simulation, frame: int, last: int, clock: Clock) -> None:
+    def __init__(self, sim: Simulation, frame: int, last: int, timer: StageTimer) -> None:
         self.sim = sim
         self.frame = frame
         self.last = last
-        self.clock = clock
+        self.timer = timer
 
     @property
     def finished(self) -> bool:
@@ -58,22 +36,22 @@ class Moment:
 
     @functools.cached_property
     def content(self) -> Frame:
-        """The particles and bodies of this moment as a frame file holds them."""
+        """The particles and bodies of this frame as a frame file holds them."""
         state = self.sim.state
         bodies = [(pose.position, pose.rotation) for _, pose in self.sim.bodies()]
         return make_frame(state.x, state.v, state.J_P, state.id, state.material, bodies, self.sim.time)
 
 
 class Output(Protocol):
-    """Anything that wants to see moments of a run: a schedule, and what to do when it is due."""
+    """Write something about a run: a schedule, and what to do when it is due."""
 
     schedule: Schedule
 
-    def write(self, moment: Moment) -> None:
-        """Take the moment in; called when the schedule says so."""
+    def write(self, context: FrameContext) -> None:
+        """Write what belongs to this frame; called when the schedule says so."""
         ...
 
-    def close(self, moment: Moment) -> None:
+    def close(self, context: FrameContext) -> None:
         """Round off after the last frame, or after the frame in which the user stopped the run."""
         ...
 
@@ -85,12 +63,12 @@ class FrameOutput:
         self.schedule: Schedule = EveryFrame()
         self._folder = folder
 
-    def write(self, moment: Moment) -> None:
+    def write(self, context: FrameContext) -> None:
         """Write the frame."""
-        with moment.clock.stage("write"):
-            write_frame(self._folder.frames, moment.frame, moment.content)
+        with context.timer.stage("write"):
+            write_frame(self._folder.frames, context.frame, context.content)
 
-    def close(self, moment: Moment) -> None:
+    def close(self, context: FrameContext) -> None:
         """Do nothing: each frame is complete."""
 
 
@@ -136,17 +114,17 @@ class LogOutput:
         self._log = Log(folder.log, keep_through=done)
         self._watch = EnergyWatch(self._log.last)
 
-    def write(self, moment: Moment) -> None:
+    def write(self, context: FrameContext) -> None:
         """Add the row of this frame."""
-        sim, stats, totals = moment.sim, moment.sim.stats, moment.sim.diagnostics()
-        moved = moment.frame > 0  # the initial state took no step
-        seconds = {**(stats.stage_seconds if moved else {}), **moment.clock.take()}
+        sim, stats, totals = context.sim, context.sim.stats, context.sim.diagnostics()
+        moved = context.frame > 0  # the initial state took no step
+        seconds = {**(stats.stage_seconds if moved else {}), **context.timer.take()}
         x, y, z = (float(component) for component in totals.momentum)
         u, v, w = (float(component) for component in totals.bodies_momentum)
-        excess = self._watch.excess(totals, moment.frame)
+        excess = self._watch.excess(totals, context.frame)
         self._log.append(
             {
-                "frame": moment.frame,
+                "frame": context.frame,
                 "time": float(sim.time),
                 "steps": int(sim.steps),
                 "dt_min": float(stats.dt_min) if moved else None,
@@ -174,7 +152,7 @@ class LogOutput:
             }
         )
 
-    def close(self, moment: Moment) -> None:
+    def close(self, context: FrameContext) -> None:
         """Do nothing: each row is complete."""
 
 
@@ -188,15 +166,15 @@ class CheckpointOutput:
         self._neve = neve
         self._written = done
 
-    def write(self, moment: Moment) -> None:
+    def write(self, context: FrameContext) -> None:
         """Write the state as of this frame."""
-        with moment.clock.stage("write"):
+        with context.timer.stage("write"):
             write_checkpoint(
-                self._folder.checkpoint, moment.frame, self._scene, self._neve, moment.sim.arrays()
+                self._folder.checkpoint, context.frame, self._scene, self._neve, context.sim.arrays()
             )
-        self._written = moment.frame
+        self._written = context.frame
 
-    def close(self, moment: Moment) -> None:
+    def close(self, context: FrameContext) -> None:
         """Write the state unless it is there already."""
-        if self._written != moment.frame:
-            self.write(moment)
+        if self._written != context.frame:
+            self.write(context)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from neve.colliders.solid import Solid
     from neve.io.run_folder import RunFolder
     from neve.render.preview import Preview
-    from neve.run.outputs import Moment
+    from neve.run.outputs import FrameContext
     from neve.scene.schema.scene import Scene
 
 SIZE = (1280, 720)
@@ -75,16 +75,16 @@ class FilmOutput:
         self._film = Film(folder.film, scene.run.fps, SIZE, start=0 if anew else earlier)
         self._lost = list(range(earlier)) if anew else self._film.missing
 
-    def write(self, moment: Moment) -> None:
+    def write(self, context: FrameContext) -> None:
         """Add the frame to the film."""
-        with moment.clock.stage("film"):
+        with context.timer.stage("film"):
             self._add_lost()
-            self._film.add(self._painter.draw(moment.content), index=moment.frame)
+            self._film.add(self._painter.draw(context.content), index=context.frame)
 
-    def close(self, moment: Moment) -> None:
+    def close(self, context: FrameContext) -> None:
         """Finish the film file; a stopped run leaves the film of what is done."""
         self._add_lost()
-        self._film.close(keep=not moment.finished)
+        self._film.close(keep=not context.finished)
 
     def __enter__(self) -> Self:
         return self
@@ -110,12 +110,12 @@ class PictureOutput:
         self._folder = folder
         self._painter = painter
 
-    def write(self, moment: Moment) -> None:
+    def write(self, context: FrameContext) -> None:
         """Do nothing: the telling frame is known only at the end."""
 
-    def close(self, moment: Moment) -> None:
+    def close(self, context: FrameContext) -> None:
         """Choose the frame by the log and draw it from its file."""
-        if not moment.finished:
+        if not context.finished:
             return
         from PIL import Image
 
