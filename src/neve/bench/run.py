@@ -12,7 +12,6 @@ import platform
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -24,6 +23,7 @@ from neve.mpm.solver import STAGES
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Camera, Numerics, Plane, Scene, SnowBox
 from neve.simulation import Simulation
+from neve.spelling import hint, nearest
 
 DX = 0.02
 """Grid spacing of all cases [m]."""
@@ -203,9 +203,8 @@ def run(cases: Sequence[str], as_json: bool = False) -> None:
     """
     for name in cases:
         if name not in CASES:
-            near = get_close_matches(name, CASES, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"the cases are {', '.join(CASES)}"
-            raise SceneError(f"there is no benchmark {name} ({hint})")
+            meant = hint(nearest(name, CASES), f"the cases are {', '.join(CASES)}")
+            raise SceneError(f"there is no benchmark {name}{meant}")
     machine = {
         "cpu": cpu(),
         "threads": _core.threads(),

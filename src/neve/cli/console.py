@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import sys
 
 import click
+
+from neve.spelling import hint, nearest
 
 # Errors whose text is a sentence for the user, by module, so that asking for them imports nothing.
 USER_ERRORS = (
@@ -29,9 +30,8 @@ class Commands(click.Group):
         """Find the command that the first argument names."""
         name = args[0]
         if not name.startswith("-") and self.get_command(ctx, name) is None:
-            near = difflib.get_close_matches(name, self.commands, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"the commands are {', '.join(self.commands)}"
-            raise click.UsageError(f"there is no command {name} ({hint})", ctx)
+            meant = hint(nearest(name, self.commands), f"the commands are {', '.join(self.commands)}")
+            raise click.UsageError(f"there is no command {name}{meant}", ctx)
         return super().resolve_command(ctx, args)
 
 
@@ -72,9 +72,8 @@ def usage(error: click.ClickException) -> str:
     if isinstance(error, click.NoSuchOption):
         parameters = error.ctx.command.params if error.ctx else []
         known = [name for parameter in parameters for name in parameter.opts if name.startswith("--")]
-        near = difflib.get_close_matches(error.option_name, known, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"the options are {', '.join(known)}"
-        return f"there is no option {error.option_name} ({hint})"
+        meant = hint(nearest(error.option_name, known), f"the options are {', '.join(known)}")
+        return f"there is no option {error.option_name}{meant}"
     if isinstance(error, click.MissingParameter) and error.param is not None:
         return f"{(error.param.name or '').upper()} is missing: see {_command(error)} --help"
     if isinstance(error, click.BadParameter) and error.param is not None:

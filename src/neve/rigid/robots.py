@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from neve.geometry.pose import rotation_matrix
 from neve.rigid.engine import engine, quaternion, reason
 from neve.scene.errors import SceneError
-from neve.scene.reading.validation_errors import nearest
 from neve.scene.schema.bodies import Motor, Robot
+from neve.spelling import hint, nearest
 
 Array = NDArray[np.float64]
 
@@ -204,9 +204,9 @@ def _check_controls(loaded: Loaded, alone: Any) -> None:
         where = f"{loaded.name}.controls.{i}"
         if control.actuator not in names:
             near = nearest(control.actuator, names)
-            hint = f' (did you mean "{near}"?)' if near else ""
+            meant = hint(near and f'"{near}"')
             have = f"this robot has {', '.join(names)}" if names else "this robot has none"
-            raise SceneError(f'{where}.actuator = "{control.actuator}" is not an actuator{hint}: {have}')
+            raise SceneError(f'{where}.actuator = "{control.actuator}" is not an actuator{meant}: {have}')
         low, high = _range(alone, names.index(control.actuator), control.actuator, loaded)
         if not low <= control.value <= high:
             raise SceneError(

@@ -6,7 +6,6 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from difflib import get_close_matches
 from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
@@ -15,6 +14,7 @@ from typing import Any
 from neve.io.atomic import write_text
 from neve.io.errors import RunError
 from neve.io.version import version
+from neve.spelling import hint, nearest
 from neve.validate.registry import CASES
 from neve.validate.report.page import page
 from neve.validate.report.plots import require_matplotlib
@@ -99,9 +99,8 @@ def plain(text: str) -> str:
 def _chosen(names: Sequence[str]) -> list[str]:
     for name in names:
         if name not in CASES:
-            near = get_close_matches(name, CASES, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"the cases are {', '.join(CASES)}"
-            raise RunError(f"there is no validation case {name} ({hint})")
+            meant = hint(nearest(name, CASES), f"the cases are {', '.join(CASES)}")
+            raise RunError(f"there is no validation case {name}{meant}")
     return [name for name in CASES if name in names or not names]
 
 

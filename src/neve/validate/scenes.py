@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from neve.scene.errors import SceneWarning
 from neve.scene.reading.load import scene_from
+from neve.scene.schema.elastic import lame
 from neve.scene.schema.scene import Numerics
 from neve.simulation import Simulation
 
@@ -112,5 +113,5 @@ def stress(sim: Simulation) -> Array:
 
 def moduli(E0: float, nu: float) -> tuple[float, float, float]:
     """Return mu, lam and the modulus of uniaxial strain M_c = lam + 2 mu [Pa]."""
-    mu, lam = E0 / (2 * (1 + nu)), E0 * nu / ((1 + nu) * (1 - 2 * nu))
+    mu, lam = lame(E0, nu)
     return mu, lam, lam + 2 * mu

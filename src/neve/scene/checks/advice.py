@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from neve.scene.checks.unused import unused
 from neve.scene.schema.bodies import Rigid, RigidBox, RigidCylinder, RigidSphere
 from neve.scene.schema.colliders import Box, Collider, Cylinder, Sphere
+from neve.scene.schema.elastic import p_wave_modulus
 from neve.scene.schema.fields import norm, rounded_down, rounded_up
 from neve.scene.schema.scene import Scene
-from neve.scene.schema.snow import Snow
 from neve.scene.schema.sources import (
     SnowBox,
     SnowCylinder,
@@ -64,12 +64,7 @@ def fastest(scene: Scene, source: SnowSource) -> float:
         pairs = zip(profile.stiffness or ones, profile.density or ones, strict=True)
         factor *= max(stiffness / density for stiffness, density in pairs)
     speed = norm(source.velocity) + norm(source.spin) * _reach(source)
-    return math.sqrt(factor * _p_wave_modulus(snow) / snow.rho0) + speed
-
-
-def _p_wave_modulus(snow: Snow) -> float:
-    """Return lam + 2 mu [Pa], the same for all laws at rest."""
-    return snow.E0 * (1 - snow.nu) / ((1 + snow.nu) * (1 - 2 * snow.nu))
+    return math.sqrt(factor * p_wave_modulus(snow.E0, snow.nu) / snow.rho0) + speed
 
 
 def _thin_source(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neve.scene.reading.validation_errors import nearest
 from neve.scene.schema.allowed import words
 from neve.scene.schema.fields import Part
 from neve.scene.schema.scene import Scene
+from neve.spelling import hint, nearest
 
 ASSETS = Path(__file__).parents[2] / "assets"
 OWN = "neve:"
@@ -83,9 +83,9 @@ def missing(file: NamedFile) -> str | None:
         if file.name.removeprefix(OWN) in known:
             return None
         near = nearest(file.name.removeprefix(OWN), known)
-        hint = f' (did you mean "{OWN}{near}"?)' if near else ""
+        meant = hint(near and f'"{OWN}{near}"')
         named = words([f"{OWN}{name}" for name in known]) if known else "none"
-        return f"{key} = {shown} does not come with Neve{hint}; these do: {named}"
+        return f"{key} = {shown} does not come with Neve{meant}; these do: {named}"
     if _is_file(file.name):
         return None
     return f"{key} = {shown} is not a file; name a {_endings(file.suffixes)} file"

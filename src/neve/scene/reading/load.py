@@ -7,7 +7,6 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +16,9 @@ from pydantic import ValidationError
 from neve.scene.errors import SceneError
 from neve.scene.reading import files
 from neve.scene.reading.overrides import override
-from neve.scene.reading.validation_errors import complaints, nearest
+from neve.scene.reading.validation_errors import complaints
 from neve.scene.schema.scene import Scene
+from neve.spelling import hint, nearest
 
 PRESETS = Path(__file__).parents[1] / "presets"
 
@@ -124,16 +124,15 @@ def _scene_file(text: str) -> Path:
         return path
     if path.suffix or os.sep in text or "/" in text:
         beside = [p.name for p in path.parent.glob("*.toml")] if path.parent.is_dir() else []
-        match = get_close_matches(path.name, beside, n=1)
-        hint = f" (did you mean {path.parent / match[0]}?)" if match else ""
-        raise SceneError(f"{text}: there is no such file{hint}; name a .toml file or a preset: {_names()}")
+        near = nearest(path.name, beside)
+        meant = hint(near and str(path.parent / near))
+        raise SceneError(f"{text}: there is no such file{meant}; name a .toml file or a preset: {_names()}")
     raise SceneError(_no_such_scene(text))
 
 
 def _no_such_scene(name: str) -> str:
     near = nearest(name, presets())
-    hint = f" (did you mean {near}?)" if near else ""
-    return f'no preset or file is called "{name}"{hint}; the presets are {_names()}'
+    return f'no preset or file is called "{name}"{hint(near)}; the presets are {_names()}'
 
 
 def _names() -> str:

@@ -6,6 +6,7 @@ import tomllib
 from typing import Any
 
 from neve.scene.errors import SceneError
+from neve.scene.reading.paths import is_index
 from neve.scene.reading.validation_errors import shown
 from neve.scene.schema.allowed import default_vector
 from neve.scene.schema.scene import Scene
@@ -69,6 +70,6 @@ def _index(key: str, place: list[Any], here: str, text: str) -> int:
         raise SceneError(
             f"--set {text}: {here} is a list, so {here}.{key} needs the number of an entry; {range_}"
         )
-    if int(key) >= len(place):
+    if not is_index(key, place):
         raise SceneError(f"--set {text}: {here} has no entry {key}; {range_}")
     return int(key)

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from neve.scene.schema.allowed import allowed, choices, part, shapes, words
+from neve.scene.reading.paths import follow
+from neve.scene.schema.allowed import allowed, choices, part, shapes, table_of_list, words
 from neve.scene.schema.scene import Scene
+from neve.spelling import hint, nearest
 
 ALSO_CALLED = {
     "friction": "mu_c",
@@ -67,13 +68,9 @@ def complaints(error: ValidationError, data: dict[str, Any]) -> list[Complaint]:
     return list(found.values())
 
 
-def nearest(word: str, known: Sequence[str]) -> str | None:
-    """Return the member of `known` that is spelled most like `word`, if any is near."""
-    if ALSO_CALLED.get(word) in known:
-        return ALSO_CALLED[word]
-    lower = {name.lower(): name for name in reversed(known)}
-    match = get_close_matches(word.lower(), list(lower), n=1, cutoff=0.55)
-    return lower[match[0]] if match else None
+def nearest_key(word: str, known: Sequence[str]) -> str | None:
+    """Return the member of `known` that `word` probably means: another name of a key, or a misspelling."""
+    return nearest(word, known, ALSO_CALLED)
 
 
 def shown(value: Any) -> str:
@@ -114,23 +111,22 @@ def _complaint(detail: dict[str, Any], data: dict[str, Any]) -> Complaint:
 
 def _bad_word(path: tuple[str, ...], data: dict[str, Any], right: str, known: list[str]) -> Complaint:
     value = _value(path, data)
-    near = nearest(value, known) if isinstance(value, str) else None
-    hint = f' (did you mean "{near}"?)' if near else ""
-    return Complaint(path, f"{'.'.join(path)} = {shown(value)} is not allowed{hint}: use {right}")
+    near = nearest_key(value, known) if isinstance(value, str) else None
+    meant = hint(near and f'"{near}"')
+    return Complaint(path, f"{'.'.join(path)} = {shown(value)} is not allowed{meant}: use {right}")
 
 
 def _unknown_key(path: tuple[str, ...], owner: type[BaseModel]) -> str:
     key = path[-1]
     keys = sorted(owner.model_fields, key=lambda name: name != "shape")
     kind = f" of a {owner.model_fields['shape'].default}" if "shape" in keys else ""
-    near = nearest(key, keys)
+    near = nearest_key(key, keys)
     if near is None:
         near = next((f"{s}.{key}" for s, f in Scene.model_fields.items() if key in _keys(f.annotation)), None)
         near = near or next(
             (f"{s}.{n}" for s, f in Scene.model_fields.items() if (n := _elsewhere(key, f))), None
         )
-    hint = f" (did you mean {near}?)" if near else ""
-    return f"{'.'.join(path)} is not a known key{kind}{hint}: the keys here are {', '.join(keys)}"
+    return f"{'.'.join(path)} is not a known key{kind}{hint(near)}: the keys here are {', '.join(keys)}"
 
 
 def _elsewhere(key: str, field: FieldInfo) -> str | None:
@@ -159,7 +155,7 @@ def _walk(loc: Sequence[int | str]) -> tuple[tuple[str, ...], type[BaseModel], F
         if inner:
             owner = inner
             continue
-        shaped, table = shapes(field.annotation), _table_list(field.annotation)
+        shaped, table = shapes(field.annotation), table_of_list(field.annotation)
         if not rest or not (shaped or table):
             break
         path = (*path, str(rest.pop(0)))
@@ -169,17 +165,8 @@ def _walk(loc: Sequence[int | str]) -> tuple[tuple[str, ...], type[BaseModel], F
     return path, owner, field
 
 
-def _table_list(annotation: Any) -> type[BaseModel] | None:
-    items = get_args(annotation)
-    return part(items[0]) if items and items[-1] is Ellipsis else None
-
-
 def _value(path: tuple[str, ...], data: Any) -> Any:
-    for key in path:
-        if isinstance(data, dict):
-            data = data.get(key)
-        elif isinstance(data, (list, tuple)) and key.isdigit() and int(key) < len(data):
-            data = data[int(key)]
-        else:
-            return None
-    return data
+    try:
+        return follow(data, path)
+    except KeyError:
+        return None

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import types
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+
+from neve.scene.schema.kinds import Kind, kind_of
 
 COUNT = {2: "two", 3: "three"}
 LIMITS = (("gt", "greater than"), ("ge", "at least"), ("lt", "less than"), ("le", "at most"))
@@ -24,7 +27,7 @@ def source(field: FieldInfo) -> str:
     return str(extra["source"]) if isinstance(extra, dict) else ""
 
 
-def words(choices: tuple[str | int, ...] | list[str]) -> str:
+def words(choices: Sequence[str | int]) -> str:
     """Join `choices` as `"a", "b" or "c"`; numbers stand without quotes."""
     quoted = [str(choice) if isinstance(choice, int) else f'"{choice}"' for choice in choices]
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}"
@@ -32,7 +35,7 @@ def words(choices: tuple[str | int, ...] | list[str]) -> str:
 
 def allowed(field: FieldInfo) -> str:
     """Return what `field` may hold, such as `a number greater than 0 and at most 1 [s]`."""
-    text = _kind(field.annotation, field.metadata)
+    text = _text(kind_of(field.annotation, field.metadata))
     label = unit(field)
     return f"{text} [{label}]" if label not in ("", "1") else text
 
@@ -92,42 +95,27 @@ def default_vector(path: tuple[str, ...], data: dict[str, Any], owner: type[Base
     return None
 
 
-def _kind(annotation: Any, metadata: list[Any]) -> str:
-    origin = get_origin(annotation)
-    if origin is Annotated:
-        inner, *more = get_args(annotation)
-        flat = [m for extra in more for m in (extra.metadata if isinstance(extra, FieldInfo) else [extra])]
-        return _kind(inner, flat + metadata)
-    if origin is Literal:
-        return words(get_args(annotation))
-    if origin in (Union, types.UnionType):
-        kinds = [_kind(part, metadata) for part in get_args(annotation) if part is not type(None)]
-        return " or ".join(kinds)
-    if origin is tuple:
-        return _list(get_args(annotation))
-    if annotation is str:
-        shortest = max((getattr(m, "min_length", 0) for m in metadata), default=0)
-        return "text in quotes" + (", not empty" if shortest else "")
-    if annotation is bool:
-        return "true or false"
-    if annotation in (int, float):
-        name = "whole number" if annotation is int else "number"
-        return f"a {name}{_limits(metadata)}"
-    return "a table"
+def _text(kind: Kind) -> str:
+    if kind.name == "choice":
+        return words(kind.choices)
+    if kind.name == "union":
+        return " or ".join(map(_text, kind.members))
+    if kind.name in ("vector", "list"):
+        plural = _text(kind.members[0]).replace("a number", "numbers")
+        if kind.name == "vector":
+            return f"a list of {COUNT[kind.count]} {plural}"
+        return f"a list of {plural}" if "numbers" in plural else "a list of tables"
+    if kind.name == "text":
+        return "text in quotes" + (", not empty" if kind.min_length else "")
+    if kind.name in ("integer", "number"):
+        return f"a {'whole number' if kind.name == 'integer' else 'number'}{_limits(kind.limits)}"
+    return "true or false" if kind.name == "switch" else "a table"
 
 
-def _list(items: tuple[Any, ...]) -> str:
-    plural = _kind(items[0], []).replace("a number", "numbers")
-    if items[-1] is not Ellipsis:
-        return f"a list of {COUNT[len(items)]} {plural}"
-    return f"a list of {plural}" if "numbers" in plural else "a list of tables"
-
-
-def _limits(metadata: list[Any]) -> str:
-    found = {name: getattr(m, name) for m in metadata for name, _ in LIMITS if hasattr(m, name)}
-    if set(found) == {"ge", "le"}:
-        return f" from {_number(found['ge'])} to {_number(found['le'])}"
-    parts = [f"{words} {_number(found[name])}" for name, words in LIMITS if name in found]
+def _limits(limits: dict[str, float]) -> str:
+    if set(limits) == {"ge", "le"}:
+        return f" from {_number(limits['ge'])} to {_number(limits['le'])}"
+    parts = [f"{words} {_number(limits[name])}" for name, words in LIMITS if name in limits]
     return f" {' and '.join(parts)}" if parts else ""
 
 

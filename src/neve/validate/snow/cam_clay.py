@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
+from neve.scene.schema.elastic import bulk_modulus, lame
 from neve.scene.schema.snow import Snow
 from neve.validate.result import Check, Curve, Plot, Result, at_least, at_most, band, near
 from neve.validate.snow.oedometer import Compression, compress
@@ -18,9 +19,9 @@ LEAST = 0.8
 """The compression ends at this height over the first [1]."""
 
 
-def bulk(snow: Snow) -> tuple[float, float]:
+def shear_and_bulk(snow: Snow) -> tuple[float, float]:
     """Return mu and K [Pa]."""
-    return snow.E0 / (2 * (1 + snow.nu)), snow.E0 / (3 * (1 - 2 * snow.nu))
+    return lame(snow.E0, snow.nu)[0], bulk_modulus(snow.E0, snow.nu)
 
 
 def overstress(snow: Snow, p: Array, q: Array, p0: Array | float) -> Array:
@@ -35,7 +36,7 @@ def return_map(snow: Snow, count: int = 4000) -> tuple[Array, Array, Mask]:
     The trials are up to three half-axes away from the ellipse, rotated at random.
     """
     rng = np.random.default_rng(25)
-    mu, K = bulk(snow)
+    mu, K = shear_and_bulk(snow)
     p = snow.p0 * (rng.random(count) * (3 + 3 * snow.beta) - 1 - 2 * snow.beta)
     dev = rng.standard_normal((count, 3))
     dev -= dev.mean(1, keepdims=True)
@@ -58,7 +59,7 @@ def confined(snow: Snow, s: Array, steps: int = 40000) -> tuple[Array, Array, Ar
     The rate equations of associated plasticity, in steps of equal logarithmic strain: on the ellipse the flow
     L (dy/dp, dy/dq) keeps y = 0 while p0 = K sinh(-xi alpha) grows with the plastic compaction.
     """
-    mu, K = bulk(snow)
+    mu, K = shear_and_bulk(snow)
     M2, beta, xi = snow.M**2, snow.beta, snow.xi
     d = -np.log(float(s.min())) / steps
     p = q = 0.0

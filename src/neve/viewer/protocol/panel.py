@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import types
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -15,7 +14,9 @@ from neve.scene.errors import SceneError
 from neve.scene.reading.files import KEYS as FILE_KEYS
 from neve.scene.reading.files import OWN, own_files
 from neve.scene.reading.load import scene_from
+from neve.scene.reading.paths import follow
 from neve.scene.schema.allowed import allowed, part, shapes, source, table_of_list, unit
+from neve.scene.schema.kinds import Kind, kind_of
 from neve.scene.schema.scene import Scene
 from neve.scene.schema.snow import used
 
@@ -99,17 +100,15 @@ def below(tables: Any, keys: Sequence[str], path: str, make: bool = False) -> An
 
     Errors: SceneError, which says that `path` is not there.
     """
-    place = tables
-    for depth, key in enumerate(keys):
-        inside = isinstance(place, list) and key.isascii() and key.isdigit() and int(key) < len(place)
-        if inside:
-            place = place[int(key)]
-        elif isinstance(place, dict) and isinstance(place.get(key), (dict, list)):
-            place = place[key]
-        elif make and isinstance(place, dict) and key not in place and depth == len(keys) - 1:
-            place = place.setdefault(key, {})
-        else:
-            raise SceneError(f"{path} is not in this scene")
+    try:
+        above = follow(tables, keys[:-1])
+        if make and keys and isinstance(above, dict):
+            above.setdefault(keys[-1], {})
+        place = follow(tables, keys)
+    except KeyError:
+        place = None
+    if not isinstance(place, dict | list):
+        raise SceneError(f"{path} is not in this scene")
     return place
 
 
@@ -167,41 +166,28 @@ def _control(field: FieldInfo, value: Any) -> dict[str, Any] | None:
     if isinstance(extra, dict) and "suffixes" in extra:
         own = [f"{OWN}{name}" for name in own_files(str(extra["folder"]))] if extra["folder"] else []
         return {"control": "choice", "choices": list(dict.fromkeys([*own, value]))}
-    return _kind(field.annotation, list(field.metadata))
+    return _widget(kind_of(field.annotation, list(field.metadata)))
 
 
-def _kind(annotation: Any, metadata: list[Any]) -> dict[str, Any] | None:
-    origin = get_origin(annotation)
-    if origin is Annotated:
-        inner, *more = get_args(annotation)
-        flat = [m for extra in more for m in (extra.metadata if isinstance(extra, FieldInfo) else [extra])]
-        return _kind(inner, flat + metadata)
-    if origin is Literal:
-        return {"control": "choice", "choices": list(get_args(annotation))}
-    if origin in (Union, types.UnionType):
-        kinds = [_kind(item, metadata) for item in get_args(annotation) if item is not type(None)]
-        optional = type(None) in get_args(annotation)
-        if len(kinds) == 1 and kinds[0] is not None:
-            return {**kinds[0], "optional": optional}
-        if all(kind is not None for kind in kinds):  # "auto" or a number
-            return {"control": "text", "optional": optional}
-        return None
-    if origin is tuple:
-        items = get_args(annotation)
-        inner_kind = _kind(items[0], [])
-        if inner_kind is None or inner_kind["control"] != "number":
+def _widget(kind: Kind) -> dict[str, Any] | None:
+    if kind.name == "choice":
+        return {"control": "choice", "choices": list(kind.choices)}
+    if kind.name == "union":
+        widgets = [_widget(member) for member in kind.members]
+        if len(widgets) == 1 and widgets[0] is not None:
+            return {**widgets[0], "optional": kind.optional}
+        if None in widgets:
             return None
-        if items[-1] is Ellipsis:
-            return {**inner_kind, "control": "list"}
-        return {**inner_kind, "control": "vector", "count": len(items)}
-    if annotation is bool:
-        return {"control": "switch"}
-    if annotation is str:
-        return {"control": "text"}
-    if annotation in (int, float):
-        limits = {name: getattr(m, name) for m in metadata for name in LIMITS if hasattr(m, name)}
-        return {"control": "number", "whole": annotation is int, **limits}
-    return None
+        return {"control": "text", "optional": kind.optional}  # "auto" or a number
+    if kind.name in ("vector", "list"):
+        each = _widget(kind.members[0])
+        if each is None or each["control"] != "number":
+            return None
+        shape = {"control": "list"} if kind.name == "list" else {"control": "vector", "count": kind.count}
+        return each | shape
+    if kind.name in ("integer", "number"):
+        return {"control": "number", "whole": kind.name == "integer", **kind.limits}
+    return {"control": kind.name} if kind.name in ("switch", "text") else None
 
 
 def _plain(value: Any) -> Any:

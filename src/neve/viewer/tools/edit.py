@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import BaseModel
-
 from neve.scene.errors import SceneError
 from neve.scene.reading.files import OWN, own_files
+from neve.scene.reading.paths import follow
 from neve.scene.schema.allowed import part, shapes, table_of_list
 from neve.scene.schema.scene import Scene, Source
 from neve.viewer.protocol.commands import Add, Move
@@ -95,15 +94,10 @@ def enlarged(scene: Scene, path: str) -> Scene:
 
 def below_model(scene: Scene, keys: list[str], path: str) -> Any:
     """Return the part of the scene at `keys`, whose last may be a number. Errors: SceneError."""
-    place: Any = scene
-    for key in keys:
-        if isinstance(place, tuple) and key.isascii() and key.isdigit() and int(key) < len(place):
-            place = place[int(key)]
-        elif isinstance(place, BaseModel) and key in type(place).model_fields:
-            place = getattr(place, key)
-        else:
-            raise SceneError(f"{path} is not in this scene")
-    return place
+    try:
+        return follow(scene, keys)
+    except KeyError:
+        raise SceneError(f"{path} is not in this scene") from None
 
 
 def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any = (0.0, 0.0, 0.0)) -> Scene:
