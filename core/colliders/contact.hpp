@@ -1,4 +1,4 @@
-// What a solid does to a velocity that meets it (Stomakhin et al. 2013, section 8; METHODS 3.2).
+// What a solid does to a velocity that meets it (Stomakhin et al. 2013, section 8; docs/theory.md).
 #pragma once
 
 #include "math/mat3.hpp"

@@ -1,4 +1,4 @@
-// B-spline shape functions in units of cells: weights and their derivatives (Steffen et al. 2008; METHODS 0).
+// B-spline shape functions in units of cells: weights and their derivatives (Steffen et al. 2008; docs/theory.md).
 #pragma once
 
 #include "math/lanes.hpp"

@@ -12,6 +12,8 @@ from collections.abc import Collection, Iterable, MutableSequence
 from pathlib import Path
 
 VARIABLE = "NEVE_ISA"
+MAX_THREADS = 4 * (os.cpu_count() or 1)
+"""Threads that may be asked for: four for each processor."""
 
 
 class IsaError(ImportError):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -20,6 +19,7 @@ from neve.build import build, make_model
 from neve.colliders.solid import Solid
 from neve.diagnostics import Diagnostics, diagnose
 from neve.geometry.pose import Pose
+from neve.isa import MAX_THREADS
 from neve.mpm.blowup import Blowup, require_finite, require_progress
 from neve.mpm.caution import careful_step
 from neve.mpm.solver import STAGES, measure_volumes, sort
@@ -279,7 +279,6 @@ class Simulation:
 
 
 _default_threads = _core.threads()
-MAX_THREADS = 4 * (os.cpu_count() or 1)
 
 
 def checked_threads(threads: int | None) -> int | None:

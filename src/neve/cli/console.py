@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import sys
 
 import click
 
+from neve.isa import MAX_THREADS
 from neve.spelling import hint, nearest
 
 # Errors whose text is a sentence for the user, by module, so that asking for them imports nothing.
@@ -46,9 +46,10 @@ def whole_number(ctx: click.Context, param: click.Parameter, value: str | None) 
 
 def thread_count(ctx: click.Context, param: click.Parameter, value: str | None) -> int | None:
     """Read a number of threads that the system can start."""
-    number, most = whole_number(ctx, param, value), 4 * (os.cpu_count() or 1)
-    if number is not None and number > most:
-        raise click.BadParameter(f"{number} is more than {most}, four threads for each processor", ctx, param)
+    number = whole_number(ctx, param, value)
+    if number is not None and number > MAX_THREADS:
+        sentence = f"{number} is more than {MAX_THREADS}, four threads for each processor"
+        raise click.BadParameter(sentence, ctx, param)
     return number
 
 

@@ -7,9 +7,13 @@ import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from neve.io.errors import cannot_write
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 _TEMPORARY = re.compile(r"\..+\.\d+\.tmp")
 
@@ -53,6 +57,14 @@ def write_bytes(path: Path, data: bytes) -> None:
 def write_text(path: Path, text: str) -> None:
     """Put `text` in the file `path` as UTF-8, whole or not at all."""
     write_bytes(path, text.encode())
+
+
+def write_png(path: Path, image: NDArray[np.uint8]) -> None:
+    """Put `image` (height, width, 3), top row first, in the file `path` as PNG, whole or not at all."""
+    from PIL import Image
+
+    with replacing(path) as file:
+        Image.fromarray(image).save(file, format="png")
 
 
 def sweep(folder: Path) -> None:

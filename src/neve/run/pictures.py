@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import io
 import itertools
 from collections.abc import Mapping, Sequence
 from types import TracebackType
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.io.atomic import write_bytes
+from neve.io.atomic import write_png
 from neve.io.frames import Frame, read_frame
 from neve.io.log import read_log
 from neve.schedule import EveryFrame, Never, Schedule
@@ -117,13 +116,9 @@ class PictureOutput:
         """Choose the frame by the log and draw it from its file."""
         if not context.finished:
             return
-        from PIL import Image
-
         frame = telling_frame(read_log(self._folder.log))
         image = self._painter.draw(read_frame(self._folder.frames, frame))
-        buffer = io.BytesIO()
-        Image.fromarray(image).save(buffer, format="png")
-        write_bytes(self._folder.picture, buffer.getvalue())
+        write_png(self._folder.picture, image)
 
 
 def telling_frame(rows: Sequence[Mapping[str, Any]]) -> int:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import neve
 from neve.io import atomic
@@ -213,3 +214,12 @@ def test_log_of_another_version_is_one_sentence(tmp_path):
     with pytest.raises(RunError, match=r"no log of this version of Neve, .* does not take them over"):
         Log(path, keep_through=3)
     assert path.read_text() == "frame,time\n0,0\n"
+
+
+def test_png_holds_the_picture_to_the_bit(tmp_path):
+    """A PNG is lossless: what is read back is what was written, the top row first."""
+    image = np.random.default_rng(1).integers(0, 256, (5, 7, 3), dtype=np.uint8)
+    atomic.write_png(tmp_path / "a.png", image)
+    with Image.open(tmp_path / "a.png") as read:
+        assert (np.asarray(read) == image).all()
+    assert [p.name for p in tmp_path.iterdir()] == ["a.png"]

@@ -56,7 +56,7 @@ def test_kind_gives_its_constants(name: str) -> None:
 
 
 def test_reference_is_the_table_of_the_paper() -> None:
-    """Nothing given is `reference`, and the reference is the paper's table (METHODS 2.1)."""
+    """Nothing given is `reference`, and the reference is that of Stomakhin et al. 2013, table 2."""
     snow = Snow()
     assert snow == Snow(kind="reference", law="stomakhin2013", plasticity="snow")
     table = {"rho0": 400.0, "E0": 1.4e5, "nu": 0.2, "xi": 10.0, "theta_c": 2.5e-2, "theta_s": 7.5e-3}

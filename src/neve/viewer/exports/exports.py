@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -13,7 +12,7 @@ import numpy as np
 
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
-from neve.io.atomic import write_bytes, write_text
+from neve.io.atomic import write_bytes, write_png, write_text
 from neve.io.errors import RunError, cannot_write
 from neve.io.frames import frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
@@ -96,18 +95,14 @@ class Exports:
         self.on_word({"kind": "progress", "what": what, "done": done, "of": of})
 
     def _picture(self, eye: commands.Eye) -> Path:
-        from PIL import Image
-
         snapshot, solids = self._player.latest, self._player.solids()
         if snapshot is None:
             raise SceneError("there is nothing to see yet")
         bodies = posed(solids, [p for p, _ in snapshot.bodies], [R for _, R in snapshot.bodies])
         preview = Preview(seen_from(self._player.scene, eye), eye.width, eye.height)
         image = preview.draw(snapshot.x, bodies, snapshot.values.get("J_P"))
-        buffer = io.BytesIO()
-        Image.fromarray(image).save(buffer, format="png")
         path = free_name(self._folder, "picture", ".png")
-        write_bytes(path, buffer.getvalue())
+        write_png(path, image)
         return path
 
     def _run(self) -> RunFolder:
