@@ -28,7 +28,15 @@ from neve.validate.registry import CASES as VALIDATIONS
 
 ROOT = Path(__file__).parents[2]
 
-PAGES = [p for p in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("benchmarks/*.md"))]
+PAGES = [
+    p
+    for p in (
+        *ROOT.glob("*.md"),
+        *ROOT.glob("docs/*.md"),
+        *ROOT.glob("benchmarks/*.md"),
+        *ROOT.glob("examples/*.md"),
+    )
+]
 BINARIES = Path(sys.executable).parent
 SHORT = ["--set", "run.duration=0.1", "--set", "numerics.dx=0.12", "--quiet", "--threads", "1"]
 PARSE = """

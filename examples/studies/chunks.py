@@ -1,7 +1,7 @@
 """Break snow into chunks and measure them: the runs, the plot and the pictures of docs/chunks.md.
 
-    python examples/chunks.py run [CASE]... [--out DIR] [--threads N]    # one to ten minutes each
-    python examples/chunks.py show [--out DIR] [--images DIR]           # pictures, plot (matplotlib), table
+    python examples/studies/chunks.py run [CASE]... [--out DIR] [--threads N]  # one to ten minutes each
+    python examples/studies/chunks.py show [--out DIR] [--images DIR]  # pictures, plot (matplotlib), table
 
 A case is a preset, a snow and a resolution, such as collide_chunks, collide_fine, collide_fractal, wall_soft.
 """

@@ -1,6 +1,6 @@
 """Throw the same snowball in every kind of snow and put the pictures on one sheet: docs/images/snows.jpg.
 
-python examples/snows.py [--out FILE] [--kinds powder icy] [--dx 0.036] [--threads N]
+python examples/studies/snows.py [--out FILE] [--kinds powder icy] [--dx 0.036] [--threads N]
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Roll one wheel over the same snow by MPM and by the game method: the runs and the plot of docs/contrast.md.
 
-    python examples/contrast.py mpm [--out DIR] [--threads N]    # three runs of some five minutes
-    python examples/contrast.py game [--out DIR]                 # the page of neve drive, a Chromium
-    python examples/contrast.py show [--out DIR] [--image FILE]  # plot (matplotlib) and table
+    python examples/studies/contrast.py mpm [--out DIR] [--threads N]    # three runs of some five minutes
+    python examples/studies/contrast.py game [--out DIR]                 # the page of neve drive, a Chromium
+    python examples/studies/contrast.py show [--out DIR] [--image FILE]  # plot (matplotlib) and table
 
 The game's snow has three numbers that no snow has: the compaction is what MPM shows, the other two are fitted
 to the depths of the ruts by MPM.
