@@ -3,8 +3,9 @@
 #include <nanobind/stl/string.h>
 
 #include "bind/arrays.hpp"
-#include "colliders/height_field.hpp"
+#include "geometry/height_field.hpp"
 #include "geometry/sdf_build.hpp"
+#include "geometry/shapes.hpp"
 
 namespace neve::bind {
 
@@ -38,11 +39,12 @@ auto numbers(const Points& x, F&& f) {
 // phi (n,) and normals (n, 3) of a solid at points.
 template <class S>
 nb::tuple sample(const S& solid, const Points& x) {
+  const auto view = solid.view();
   double *phi, *normal;
   auto a = fresh<double>(phi, {x.shape(0)});
   auto b = fresh<double>(normal, {x.shape(0), 3});
   each_point(x, [&](std::size_t i) {
-    const Surface<double> s = solid.at(point(x, i));
+    const Surface<double> s = view.at(point(x, i));
     phi[i] = s.phi;
     for (int k = 0; k < 3; ++k) normal[3 * i + static_cast<std::size_t>(k)] = s.normal[k];
   });
@@ -243,16 +245,18 @@ void bind_height_field(nb::module_& m) {
            "(phi (n,) [m], normal (n, 3)) at points in the ground's frame.")
       .def_prop_ro(
           "heights",
-          [](const HeightField& s) {
+          [](const HeightField& field) {
+            const HeightView& s = field.view();
             float* out;
-            auto a = fresh<float>(out, {static_cast<std::size_t>(s.nx()), static_cast<std::size_t>(s.ny())});
-            for (std::int32_t i = 0; i < s.nx(); ++i) {
-              for (std::int32_t j = 0; j < s.ny(); ++j) *out++ = s.height(i, j);
+            auto a = fresh<float>(out, {static_cast<std::size_t>(s.nx), static_cast<std::size_t>(s.ny)});
+            for (std::int32_t i = 0; i < s.nx; ++i) {
+              for (std::int32_t j = 0; j < s.ny; ++j) *out++ = s.height(i, j);
             }
             return a;
           },
           nb::rv_policy::move)
-      .def_prop_ro("size", [](const HeightField& s) { return nb::make_tuple(s.size_x(), s.size_y()); })
+      .def_prop_ro("size",
+                   [](const HeightField& s) { return nb::make_tuple(s.view().size_x, s.view().size_y); })
       .def_prop_ro("low", &HeightField::low, "Least height [m].")
       .def_prop_ro("high", &HeightField::high, "Largest height [m].")
       .def_prop_ro("bytes", &HeightField::bytes);
@@ -261,6 +265,14 @@ void bind_height_field(nb::module_& m) {
 }  // namespace
 
 void bind_geometry(nb::module_& m) {
+  m.def(
+      "shapes",
+      [] {
+        nb::list names;
+        for (const char* name : shape_names) names.append(name);
+        return nb::tuple(names);
+      },
+      "Words of all shapes, those with a formula before those with samples.");
   bind_mesh(m);
   bind_sdf(m);
   bind_height_field(m);

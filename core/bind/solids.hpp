@@ -6,13 +6,16 @@
 
 #include "bind/arrays.hpp"
 #include "bind/snow.hpp"
+#include "geometry/height_field.hpp"
+#include "geometry/sdf_grid.hpp"
 #include "mpm/model.hpp"
 
 namespace neve::bind {
 
-inline Contact contact_of(const std::string& s) {
-  return word<Contact>(
-      s, {{"sticky", Contact::sticky}, {"slip", Contact::slip}, {"separate", Contact::separate}}, "mode");
+inline ContactMode contact_of(const std::string& s) {
+  return word<ContactMode>(
+      s, {{"sticky", ContactMode::sticky}, {"slip", ContactMode::slip}, {"separate", ContactMode::separate}},
+      "mode");
 }
 
 template <class T>
@@ -21,12 +24,24 @@ Vec3<T> vec(const In<double, nb::shape<3>>& a) {
 }
 
 inline Shape shape_of(const std::string& s) {
-  return word<Shape>(s,
-                     {{"plane", Shape::plane},
-                      {"box", Shape::box},
-                      {"sphere", Shape::sphere},
-                      {"cylinder", Shape::cylinder}},
-                     "shape");
+  for (std::size_t k = 0; k < std::size(shape_names); ++k) {
+    if (s == shape_names[k]) return static_cast<Shape>(k);
+  }
+  throw nb::value_error(("shape '" + s + "' is not known").c_str());
+}
+
+// An owner of samples and what the step sees of it.
+template <class Owner, class View>
+struct Shared {
+  std::shared_ptr<Owner> owner;
+  View view;
+};
+template <class View, class T, class Owner>
+const View* keep(Model<T>& model, std::shared_ptr<Owner> owner) {
+  const View view = owner->view();
+  auto shared = std::make_shared<const Shared<Owner, View>>(std::move(owner), view);
+  model.shapes.push_back(shared);
+  return &shared->view;
 }
 
 // `thickness`: how far apart opposite sides are, typically [m].
@@ -34,7 +49,7 @@ template <class T>
 Solid<T>& add_solid(Model<T>& model, Shape shape, const std::string& mode, double mu_c, double thickness) {
   Solid<T> s{};
   s.index = static_cast<int>(model.solids.size());
-  s.shape = shape;
+  s.kind = shape;
   s.mode = contact_of(mode);
   s.mu_c = T(mu_c);
   s.rotation = identity<T>();
@@ -57,7 +72,7 @@ nb::tuple surface_at(const Model<T>& model, std::size_t index, const In<double, 
       for (std::size_t k = 0; k < 3; ++k)
         at[static_cast<int>(k)][l] = T(x(p + static_cast<std::size_t>(l), k));
     }
-    const Surface<R> s = surface(solid, at);
+    const Surface<R> s = neve::surface(solid, at);
     for (int l = 0; l < count; ++l) {
       *phi++ = double(s.phi[l]);
       for (int k = 0; k < 3; ++k) *normal++ = double(s.normal[k][l]);
@@ -86,7 +101,7 @@ void bind_motion(nb::class_<Model<T>>& c) {
        },
        nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
       .def(
-          "yield_solid",
+          "make_dynamic",
           [](M& self, std::size_t i) {
             self.solids.at(i).body = static_cast<int>(self.bodies.solids.size());
             self.bodies.solids.push_back(static_cast<int>(i));
@@ -95,9 +110,9 @@ void bind_motion(nb::class_<Model<T>>& c) {
             const std::size_t n = 6 * self.bodies.solids.size();
             self.bodies.mobility.assign(n * n, 0.0);
           },
-          nb::arg("index"), "Let the snow move a solid: it is the next of the bodies.")
+          nb::arg("index"), "Make a solid a body, moved by forces: the next of the bodies.")
       .def(
-          "expect_bodies",
+          "set_body_dynamics",
           [](M& self, const In<double, nb::shape<-1, -1>>& mobility,
              const In<double, nb::shape<-1, 6>>& free) {
             const std::size_t n = self.bodies.solids.size();
@@ -107,7 +122,7 @@ void bind_motion(nb::class_<Model<T>>& c) {
             for (std::size_t i = 0; i < 6 * n; ++i) self.bodies.free[i / 6][i % 6] = free.data()[i];
           },
           nb::arg("mobility"), nb::arg("free"),
-          "Say how the bodies would move in the next step: change of their velocities by impulses and "
+          "Set how the bodies move in the next step: change of their velocities by impulses and "
           "moments about "
           "their centres, and acceleration without the snow.");
 }
@@ -122,21 +137,21 @@ void bind_solids(nb::class_<Model<T>>& c) {
           double mu_c) {
          const Vec3<T> h = vec<T>(half);
          const Shape s = shape_of(shape);
+         if (is_sampled(s)) throw nb::value_error(("shape '" + shape + "' has samples").c_str());
          add_solid(self, s, mode, mu_c, double(thickness_of(s, h))).half = h;
        },
        nb::arg("shape"), nb::arg("half"), nb::arg("mode"), nb::arg("mu_c"))
       .def(
           "add_mesh_solid",
           [](M& self, std::shared_ptr<SdfGrid> grid, const std::string& mode, double mu_c, double thickness) {
-            add_solid(self, Shape::mesh, mode, mu_c, thickness).mesh = grid.get();
-            self.shapes.push_back(std::move(grid));
+            add_solid(self, Shape::mesh, mode, mu_c, thickness).mesh = keep<SdfView>(self, std::move(grid));
           },
           nb::arg("grid"), nb::arg("mode"), nb::arg("mu_c"), nb::arg("thickness") = endless)
       .def(
           "add_terrain_solid",
           [](M& self, std::shared_ptr<HeightField> field, const std::string& mode, double mu_c) {
-            add_solid(self, Shape::terrain, mode, mu_c, endless).terrain = field.get();
-            self.shapes.push_back(std::move(field));
+            add_solid(self, Shape::terrain, mode, mu_c, endless).terrain =
+                keep<HeightView>(self, std::move(field));
           },
           nb::arg("field"), nb::arg("mode"), nb::arg("mu_c"))
       .def("surface", &surface_at<T>, nb::arg("index"), nb::arg("points"),

@@ -1,8 +1,8 @@
 // Build the signed distance grid of a mesh. The same bits for any number of threads: each value depends on its place.
 #pragma once
 
-#include "colliders/sdf_grid.hpp"
-#include "geometry/mesh.hpp"
+#include "geometry/sdf_grid.hpp"
+#include "geometry/triangle_mesh.hpp"
 #include "threads.hpp"
 
 namespace neve {
@@ -29,7 +29,7 @@ class SdfBuilder {
       count *= n + 1;
       if (!(count < 0x1p27))
         throw std::invalid_argument("spacing: too fine, the grid would have more than 2^27 bricks");
-      grid_.bricks[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(n);
+      grid_.bricks[k] = static_cast<std::int32_t>(n);
       grid_.box_low[k] = mesh.bounds().middle()[k] - 0.5 * n * brick;
     }
   }

@@ -9,7 +9,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "colliders/two_way.hpp"
+#include "coupling/block_contacts.hpp"
+#include "coupling/exchange.hpp"
 #include "mpm/state.hpp"
 
 namespace neve {
@@ -100,10 +101,10 @@ struct Grid {
   bool current = false;            // the homes still hold all their particles
   bool has_change = false;
   std::vector<BlockBounds<T>> bounds;  // of each block, by grid_update
-  std::vector<Ledger> node_ledgers,
-      particle_ledgers;                   // of each block and each home: one step's exchange with solids
-  std::vector<Exchange> exchanged;        // with each solid, over the steps since it was last taken
-  std::vector<Encounters<T>> encounters;  // of blocks whose nodes may meet a solid that the snow moves
+  std::vector<ExchangeSum> node_exchange,
+      particle_exchange;                   // of each block and each home: one step's exchange with solids
+  std::vector<Exchange> exchanged;         // with each solid, over the steps since it was last taken
+  std::vector<BlockContacts<T>> contacts;  // of blocks whose nodes may meet a solid that the snow moves
 
   T* node(std::int32_t block) { return momentum.data() + std::size_t(block) * block_values; }
   T* node_change(std::int32_t block) { return change.data() + std::size_t(block) * block_values; }

@@ -234,8 +234,8 @@ void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   if (grid.momentum.size() < values) grid.momentum.resize(values + values / 4);
   if (grid.has_change && grid.change.size() < values) grid.change.resize(values + values / 4);
   grid.bounds.resize(grid.blocks.size());
-  grid.node_ledgers.resize(grid.blocks.size());
-  grid.particle_ledgers.resize(grid.homes.size());
+  grid.node_exchange.resize(grid.blocks.size());
+  grid.particle_exchange.resize(grid.homes.size());
   grid.lightest = state.count ? *std::min_element(state.m.column(0), state.m.column(0) + state.count) : T(0);
   grid.count = state.count;
   grid.current = true;

@@ -2,6 +2,7 @@
 // (Stomakhin et al. 2013, section 4.1, steps 7 to 10), and the stress for the next step.
 #pragma once
 
+#include "coupling/swept_contact.hpp"
 #include "mpm/grid_update.hpp"
 #include "mpm/material.hpp"
 #include "mpm/time_step.hpp"
@@ -67,13 +68,13 @@ class HomeGather {
       : model_(model),
         state_(state),
         home_(grid.homes[h]),
-        ledger_(commit ? &grid.particle_ledgers[h] : nullptr),
+        exchange_(commit ? &grid.particle_exchange[h] : nullptr),
         dt_(T(dt)),
         alpha_(model.alpha(dt)),
         frame_(TileFrame<T>::template of<S>(model.dx, grid.homes[h].at)),
         from_(tile_),
         from_change_(change_) {
-    if (ledger_) ledger_->clear();
+    if (exchange_) exchange_->clear();
     tile_.load_from(grid, home_, &Grid<T>::node);
     if constexpr (X::has_change) change_.load_from(grid, home_, &Grid<T>::node_change);
     const auto dx = static_cast<T>(model.dx);
@@ -119,13 +120,16 @@ class HomeGather {
     const R m = load<R>(state_.m.column(0) + p, count);
     Vec3<R> path = v;
     if constexpr (X::has_path)
-      path = X::path(v, pic, determinant(F_trial), held(solids_, x, T(skin_cells * model_.dx)));
-    follow(solids_, x, v, path, dt_, T(model_.dx), m, ledger_);
+      path = X::path(v, pic, determinant(F_trial), held_by_any(solids_, x, T(skin_cells * model_.dx)));
+    move_past(solids_, x, v, path, dt_, T(model_.dx), m,
+              [&](const auto& solid, const auto& met, const auto&... exchanged) {
+                if (exchange_) record(exchange_->of(solid.index), met, m, exchanged...);
+              });
     const Vec3<R> way = path * dt_;
     x = x + way;
 
     check(p, count, x, v, grad_v, way, mapped);
-    if (!ledger_) return;
+    if (!exchange_) return;
     store_vector(state_.x, p, x, count);
     store_vector(state_.v, p, v, count);
     store_matrix(state_.F_E, p, mapped.F_E, count);
@@ -207,7 +211,7 @@ class HomeGather {
   const Model<T>& model_;
   State<T>& state_;
   const Home& home_;
-  Ledger* ledger_;  // none: a trial, which moves nothing
+  ExchangeSum* exchange_;  // none: a trial, which moves nothing
   T dt_;
   double alpha_;
   TileFrame<T> frame_;
@@ -233,8 +237,8 @@ Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, boo
   if (r.drifted) grid.current = false;
   if (!model.solids.empty()) {
     grid.exchanged.resize(model.solids.size());
-    for (const Ledger& ledger : grid.node_ledgers) ledger.add_to(grid.exchanged);
-    for (const Ledger& ledger : grid.particle_ledgers) ledger.add_to(grid.exchanged);
+    for (const ExchangeSum& sum : grid.node_exchange) sum.add_to(grid.exchanged);
+    for (const ExchangeSum& sum : grid.particle_exchange) sum.add_to(grid.exchanged);
   }
   return r;
 }

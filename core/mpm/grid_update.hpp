@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "coupling/body_solver.hpp"
 #include "mpm/model.hpp"
 #include "mpm/stencil.hpp"
 #include "mpm/time_step.hpp"
@@ -58,11 +59,16 @@ struct BlockUpdate {
 
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
   void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node, T* change,
-                     Ledger& ledger) const {
+                     ExchangeSum& exchange) const {
     Vec3<Lanes<T>> v;
     Lanes<T> mass;
     load_quads(node, v.x, v.y, v.z, mass);
-    store_nodes(node, change, v, collide(solids, positions(at, first), v, skin(), mass, ledger), mass);
+    const Vec3<Lanes<T>> after =
+        collide(solids, positions(at, first), v, skin(), mass,
+                [&](const auto& solid, const auto& inside, const auto&... exchanged) {
+                  record(exchange.of(solid.index), inside, mass, exchanged...);
+                });
+    store_nodes(node, change, v, after, mass);
   }
 
   Vec3<Lanes<T>> positions(BlockCoord at, int first) const {
@@ -88,27 +94,27 @@ struct BlockUpdate {
     store_quads(change, dv.x, dv.y, dv.z, unused);
   }
 
-  // All of a block but its encounters with solids that the snow moves; whether it may have some.
+  // All of a block but its contacts with bodies; whether it may have some.
   bool block(Grid<T>& grid, std::int32_t b) const {
     T* node = grid.node(b);
     T* change = change_of(grid, b);
     for (int r = 0; r < 16; ++r) row(node + 16 * r, change + 16 * r);
     if (!model.solids.empty()) {
-      Ledger& ledger = grid.node_ledgers[static_cast<std::size_t>(b)];
-      ledger.clear();
+      ExchangeSum& exchange = grid.node_exchange[static_cast<std::size_t>(b)];
+      exchange.clear();
       const auto near = solids_near_block(grid, b);
       for (const Solid<T>& solid : near) {
         if (solid.body >= 0) return true;
       }
       for (int n = 0; n < 64 && !near.empty(); n += lane_count<T>)
-        collide_nodes(near, coord(grid, b), n, node + 4 * n, change + 4 * n, ledger);
+        collide_nodes(near, coord(grid, b), n, node + 4 * n, change + 4 * n, exchange);
     }
     look_ahead(grid, b);
     return false;
   }
 
-  // The encounters of a block's nodes with solids.
-  void encounter(Grid<T>& grid, Encounters<T>& out) const {
+  // Collect the contacts of a block's nodes with solids.
+  void find_contacts(Grid<T>& grid, BlockContacts<T>& out) const {
     const auto near = solids_near_block(grid, out.block);
     for (int n = 0; n < 64; n += lane_count<T>) {
       Vec3<Lanes<T>> v;
@@ -118,16 +124,17 @@ struct BlockUpdate {
     }
   }
 
-  // Let them take place, once it is known how the bodies move.
-  void settle(Grid<T>& grid, const Encounters<T>& all, const std::vector<Twist>& U) const {
+  // Apply them, once it is known how the bodies move.
+  void apply(Grid<T>& grid, const BlockContacts<T>& all, const std::vector<Twist>& U) const {
     using R = Lanes<T>;
     T* node = grid.node(all.block);
     T* change = change_of(grid, all.block);
-    Ledger& ledger = grid.node_ledgers[static_cast<std::size_t>(all.block)];
+    ExchangeSum& exchange = grid.node_exchange[static_cast<std::size_t>(all.block)];
     for (const auto& nodes : all.nodes) {
-      const Vec3<R> v =
-          meet(all, nodes, U, [&](const auto& with, const auto& before, const auto& v_co, const auto& after) {
-            book(ledger.of(with.solid->index), with.inside, nodes.m, with.arm, v_co, before, after);
+      const Vec3<R> v = apply_contacts(
+          all, nodes, U, [&](const auto& contact, const auto& before, const auto& v_co, const auto& after) {
+            record(exchange.of(contact.solid->index), contact.inside, nodes.m, contact.arm, v_co, before,
+                   after);
           });
       store_nodes(node + 4 * nodes.first, change + 4 * nodes.first, nodes.v, v, nodes.m);
     }
@@ -186,17 +193,17 @@ struct BlockUpdate {
 
 // Let the snow of the waiting blocks and the bodies find their common velocities.
 template <class T>
-void meet_bodies(Model<T>& model, Grid<T>& grid, const BlockUpdate<T>& update, const std::vector<char>& waits,
-                 double dt) {
+void solve_bodies(Model<T>& model, Grid<T>& grid, const BlockUpdate<T>& update,
+                  const std::vector<char>& waits, double dt) {
   std::size_t count = 0;
   for (std::size_t b = 0; b < waits.size(); ++b) {
     if (!waits[b]) continue;
-    if (grid.encounters.size() == count) grid.encounters.emplace_back();
-    grid.encounters[count++].clear(static_cast<std::int32_t>(b));
+    if (grid.contacts.size() == count) grid.contacts.emplace_back();
+    grid.contacts[count++].clear(static_cast<std::int32_t>(b));
   }
-  each_index(count, [&](std::size_t k) { update.encounter(grid, grid.encounters[k]); });
-  const std::vector<Twist> U = Answer(model.bodies, dt).find(grid.encounters, count);
-  each_index(count, [&](std::size_t k) { update.settle(grid, grid.encounters[k], U); });
+  each_index(count, [&](std::size_t k) { update.find_contacts(grid, grid.contacts[k]); });
+  const std::vector<Twist> U = BodyVelocitySolver(model.bodies, dt).solve(grid.contacts, count);
+  each_index(count, [&](std::size_t k) { update.apply(grid, grid.contacts[k], U); });
   for (std::size_t i = 0; i < U.size(); ++i) {
     Solid<T>& solid = model.solids[static_cast<std::size_t>(model.bodies.solids[i])];
     solid.velocity = linear<T>(U[i]);
@@ -232,8 +239,8 @@ Ahead ahead_of(const Grid<T>& grid, const Home& home) {
 
 }  // namespace detail
 
-// Turn momenta into velocities at the end of the step, and look at what they would do to the particles. Solids that the
-// snow moves get the velocities that they will have then.
+// Turn momenta into velocities at the end of the step, and look at what they would do to the particles. Bodies
+// get the velocities that they will have then.
 template <class T>
 Ahead grid_update(Model<T>& model, Grid<T>& grid, double dt) {
   const detail::BlockUpdate<T> update(model, dt, grid.has_change);
@@ -244,7 +251,7 @@ Ahead grid_update(Model<T>& model, Grid<T>& grid, double dt) {
 #endif
   for (std::int64_t b = 0; b < blocks; ++b)
     waits[static_cast<std::size_t>(b)] = update.block(grid, static_cast<std::int32_t>(b));
-  if (!model.bodies.solids.empty()) detail::meet_bodies(model, grid, update, waits, dt);
+  if (!model.bodies.solids.empty()) detail::solve_bodies(model, grid, update, waits, dt);
   return merge_each<Ahead>(grid.homes.size(),
                            [&](std::size_t h) { return detail::ahead_of(grid, grid.homes[h]); });
 }

@@ -5,8 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "colliders/two_way.hpp"
 #include "constitutive/law.hpp"
+#include "coupling/coupled_bodies.hpp"
+#include "coupling/solid.hpp"
 
 namespace neve {
 
@@ -23,8 +24,8 @@ struct Model {
   double flip_damping = -1;  // rate [1/s] at which what the grid cannot see fades; below 0: flip_alpha counts
   Vec3<T> gravity{T(0), T(0), T(-9.81)};  // [m/s2]
   std::vector<Snow> snows;                // the material table
-  std::vector<Solid<T>> solids;           // colliders; their poses change in time
-  Yielding bodies;                        // those of them that the snow moves
+  std::vector<Solid<T>> solids;           // colliders and bodies; their poses change in time
+  CoupledBodies bodies;                   // those of them that forces move
 
   std::vector<std::shared_ptr<const void>> shapes{};  // what meshes and terrain of the solids point to
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "geometry/mesh.hpp"
+#include "geometry/triangle_mesh.hpp"
 #include "render/vec.hpp"
 
 namespace neve::render {

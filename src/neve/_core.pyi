@@ -105,6 +105,9 @@ class Geometry(Protocol):
     TriangleMesh: type[_TriangleMesh]
     SdfGrid: type[_SdfGrid]
     HeightField: type[_HeightField]
+    @staticmethod
+    def shapes() -> tuple[str, ...]:
+        """Return the words of all shapes, those with a formula before those with samples."""
 
 class Model(Protocol):
     dx: float
@@ -117,8 +120,8 @@ class Model(Protocol):
     def place_solid(
         self, index: int, centre: Array64, rotation: Array64, velocity: Array64, omega: Array64
     ) -> None: ...
-    def yield_solid(self, index: int) -> None: ...
-    def expect_bodies(self, mobility: Array64, free: Array64) -> None: ...
+    def make_dynamic(self, index: int) -> None: ...
+    def set_body_dynamics(self, mobility: Array64, free: Array64) -> None: ...
 
 class State(Protocol):
     count: int

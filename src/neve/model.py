@@ -56,7 +56,7 @@ class Model:
             _add(self.native, solid)
         for i, solid in enumerate(self.solids):
             if solid.moved_by == "engine":
-                self.native.yield_solid(i)
+                self.native.make_dynamic(i)
         self.limit_press(1.0)
         for i, collider in enumerate(self.colliders):
             self._place(i, pose(collider, 0.0))
@@ -79,7 +79,7 @@ class Model:
         if self.rigid:
             for i, p in enumerate(self.rigid.poses(), len(self.colliders)):
                 self._place(i, p)
-            self.native.expect_bodies(self.rigid.mobility(), self.rigid.free_acceleration())
+            self.native.set_body_dynamics(self.rigid.mobility(), self.rigid.free_acceleration())
 
     def _place(self, i: int, p: Pose) -> None:
         self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)

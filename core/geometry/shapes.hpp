@@ -1,44 +1,21 @@
-// Solids placed by a centre and a rotation: plane, box, sphere and cylinder by formula, meshes and terrain from grids.
+// The list of shapes: signed distance and normal, thickness.
 #pragma once
 
 #include <algorithm>
 #include <limits>
 
-#include "colliders/contact.hpp"
-#include "colliders/height_field.hpp"
-#include "colliders/sdf_grid.hpp"
+#include "geometry/height_view.hpp"
+#include "geometry/sdf_view.hpp"
 
 namespace neve {
 
+// A plane is z = 0 with the outside above it; a cylinder's axis is z; meshes and terrain are sampled on grids. Sizes are
+// `half` [m]: half edges of a box, (radius, -, half height) of a cylinder, (radius, -, -) of a sphere.
 enum class Shape { plane, box, sphere, cylinder, mesh, terrain };
+inline constexpr const char* shape_names[] = {"plane", "box", "sphere", "cylinder", "mesh", "terrain"};
 
-// A solid at one instant. The plane passes through `centre` and its normal is the local z axis; the cylinder's axis
-// is local z. `half` holds half edge lengths (box), (radius, -, half height) (cylinder), (radius, -, -) (sphere).
-template <class T>
-struct Solid {
-  int index;  // in the scene's order
-  Shape shape;
-  Contact mode;
-  T mu_c;
-  Vec3<T> half;
-  Vec3<T> centre;
-  Mat3<T> rotation;  // local to world
-  Vec3<T> velocity;
-  Vec3<T> omega;                         // [rad/s]
-  const SdfGrid* mesh = nullptr;         // of Shape::mesh
-  const HeightField* terrain = nullptr;  // of Shape::terrain
-  T margin{};  // how far outside nodes count as held: a solid thinner than a cell would slip between them [m]
-  int body = -1;  // row among the bodies that the snow moves
-
-  template <class R>
-  Vec3<R> velocity_at(const Vec3<R>& x) const {
-    return spread<R>(velocity) + cross(spread<R>(omega), x - spread<R>(centre));
-  }
-};
-
-// How far outside a solid of this thickness [m] nodes must count as held, so that it holds a layer of them wherever it
-// lies between the rows.
-inline double margin_of(double thickness, double dx) { return thickness < dx ? 0.5 * (dx - thickness) : 0.0; }
+// Whether a shape is given by samples rather than by a formula and sizes.
+inline bool is_sampled(Shape shape) { return shape == Shape::mesh || shape == Shape::terrain; }
 
 // The least distance between opposite sides [m] of a shape with an exact distance.
 template <class T>
@@ -104,30 +81,41 @@ inline Surface<R> cylinder_surface(const Vec3<R>& x, scalar_t<R> radius, scalar_
 
 }  // namespace detail
 
+// A shape in its place. Meshes and terrain have samples, the others a size.
+template <class T>
+struct PlacedShape {
+  Shape kind;
+  Vec3<T> half;                         // sizes [m]
+  Vec3<T> centre;                       // of its frame [m]; a plane passes through it
+  Mat3<T> rotation;                     // local to world
+  const SdfView* mesh = nullptr;        // of Shape::mesh
+  const HeightView* terrain = nullptr;  // of Shape::terrain
+};
+
 template <class R>
-inline Surface<R> surface(const Solid<scalar_t<R>>& solid, const Vec3<R>& x) {
-  const Mat3<R> to_world{spread<R>(solid.rotation.c0), spread<R>(solid.rotation.c1),
-                         spread<R>(solid.rotation.c2)};
-  const Vec3<R> local = transposed_times(to_world, x - spread<R>(solid.centre));
+inline Surface<R> surface(const PlacedShape<scalar_t<R>>& shape, const Vec3<R>& x) {
+  const Mat3<R> to_world{spread<R>(shape.rotation.c0), spread<R>(shape.rotation.c1),
+                         spread<R>(shape.rotation.c2)};
+  const Vec3<R> local = transposed_times(to_world, x - spread<R>(shape.centre));
   Surface<R> s{};
-  switch (solid.shape) {
+  switch (shape.kind) {
     case Shape::plane: return {local.z, to_world.c2};
-    case Shape::sphere: s = detail::sphere_surface(local, solid.half.x); break;
-    case Shape::box: s = detail::box_surface(local, solid.half); break;
-    case Shape::cylinder: s = detail::cylinder_surface(local, solid.half.x, solid.half.z); break;
-    case Shape::mesh: s = solid.mesh->at(local); break;
-    case Shape::terrain: s = solid.terrain->at(local); break;
+    case Shape::sphere: s = detail::sphere_surface(local, shape.half.x); break;
+    case Shape::box: s = detail::box_surface(local, shape.half); break;
+    case Shape::cylinder: s = detail::cylinder_surface(local, shape.half.x, shape.half.z); break;
+    case Shape::mesh: s = shape.mesh->at(local); break;
+    case Shape::terrain: s = shape.terrain->at(local); break;
   }
   return {s.phi, to_world * s.normal};
 }
 
-// Whether the solid's surface or inside may be within `reach` [m] of x; false only if it is not.
+// Whether the surface or the inside of a shape may be within `reach` [m] of x; false only if it is not.
 template <class T>
-inline bool is_near(const Solid<T>& solid, const Vec3<T>& x, T reach) {
-  if (!solid.mesh && !solid.terrain) return surface(solid, x).phi <= reach;
-  const Vec3<T> local = transposed_times(solid.rotation, x - solid.centre);
+inline bool is_near(const PlacedShape<T>& shape, const Vec3<T>& x, T reach) {
+  if (!shape.mesh && !shape.terrain) return surface(shape, x).phi <= reach;
+  const Vec3<T> local = transposed_times(shape.rotation, x - shape.centre);
   const Vec3<double> at{double(local.x), double(local.y), double(local.z)};
-  return solid.mesh ? solid.mesh->is_near(at, double(reach)) : solid.terrain->is_near(at, double(reach));
+  return shape.mesh ? shape.mesh->is_near(at, double(reach)) : shape.terrain->is_near(at, double(reach));
 }
 
 }  // namespace neve

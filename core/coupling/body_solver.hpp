@@ -1,4 +1,4 @@
-// Solids that the snow moves: the velocities they will have after a step, found together with the snow's.
+// The velocities of bodies after a step, found together with those of the snow that touches them.
 //
 // Snow that meets a body changes its momentum, and the body's velocity decides how the snow is changed. With U the
 // velocities of the bodies (six per body), A their mobility, and P(U) the impulses of the snow on bodies that move
@@ -12,68 +12,25 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <cmath>
 #include <utility>
 #include <vector>
 
-#include "colliders/collide.hpp"
+#include "coupling/block_contacts.hpp"
+#include "coupling/coupled_bodies.hpp"
 #include "math/dense.hpp"
 #include "threads.hpp"
 
 namespace neve {
 
-using Twist =
-    std::array<double, 6>;  // velocity [m/s] and angular velocity [rad/s]; impulse [N s] and moment [N m s]
-
-// The bodies of a run: rows of the model's solids, in order, and how impulses change their velocities.
-struct Yielding {
-  std::vector<int> solids;       // index of each body's solid in the model
-  std::vector<double> mobility;  // A, (6 n, 6 n) row by row [1/kg, ...]
-  std::vector<Twist> free;       // acceleration without the snow [m/s2, rad/s2]
-  std::vector<Twist> start;      // velocities at the beginning of the step
-};
-
-// A pack of nodes and the solids that hold some of them.
-template <class T>
-struct Encounters {
-  using R = Lanes<T>;
-  using Mask = decltype(R{} < R{});
-  struct With {
-    const Solid<T>* solid;
-    Mask inside;
-    Vec3<R> normal, arm;  // arm: from the solid's centre [m]
-  };
-  struct Nodes {
-    Vec3<R> v;
-    R m;
-    int first;               // node in the block
-    std::size_t begin, end;  // of its encounters
-  };
-  std::int32_t block = 0;
-  std::vector<Nodes> nodes;
-  std::vector<With> with;
-
-  void clear(std::int32_t b) { block = b, nodes.clear(), with.clear(); }
-  // Look at the nodes from the block's `first`: which of the `near` solids, copies of those in `all`, hold them.
-  void add(const std::vector<Solid<T>>& near, const std::vector<Solid<T>>& all, const Vec3<R>& x,
-           const Vec3<R>& v, R m, int first, T skin) {
-    const std::size_t begin = with.size();
-    each_holding(near, x, m, skin, [&](const Solid<T>& solid, const Vec3<R>& normal, const Mask& inside) {
-      with.push_back(
-          {&all[static_cast<std::size_t>(solid.index)], inside, normal, x - spread<R>(solid.centre)});
-    });
-    if (with.size() > begin) nodes.push_back({v, m, first, begin, with.size()});
-  }
-};
-
 namespace detail {
 
 // What the snow does to one body: impulse and moment about its centre, and how fast they fall as the body moves.
-struct Response {
+struct BodyResponse {
   Twist impulse{};
   std::array<double, 36> slope{};
 
-  void add(const Response& o) {
+  void add(const BodyResponse& o) {
     for (std::size_t k = 0; k < 6; ++k) impulse[k] += o.impulse[k];
     for (std::size_t k = 0; k < 36; ++k) slope[k] += o.slope[k];
   }
@@ -104,22 +61,23 @@ Vec3<T> angular(const Twist& u) {
   return {T(u[3]), T(u[4]), T(u[5])};
 }
 
-// Let the solids act, one after another, on a pack of nodes, and hand (encounter, v before, v_co, v after) to `tell`.
-// Bodies move with U.
+// Let the solids act, one after another, on a pack of nodes, and call visit(contact, v before, v_co, v after)
+// for each. Bodies move with U.
 template <class T, class F>
-Vec3<Lanes<T>> meet(const Encounters<T>& all, const typename Encounters<T>::Nodes& nodes,
-                    const std::vector<Twist>& U, F&& tell) {
+Vec3<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename BlockContacts<T>::NodePack& nodes,
+                              const std::vector<Twist>& U, F&& visit) {
   using R = Lanes<T>;
   Vec3<R> v = nodes.v;
   for (std::size_t e = nodes.begin; e < nodes.end; ++e) {
-    const auto& with = all.with[e];
-    const int body = with.solid->body;
+    const auto& contact = all.contacts[e];
+    const int body = contact.solid->body;
     const Twist* u = body < 0 ? nullptr : &U[static_cast<std::size_t>(body)];
-    const Vec3<T> V = u ? linear<T>(*u) : with.solid->velocity;
-    const Vec3<T> w = u ? angular<T>(*u) : with.solid->omega;
-    const Vec3<R> v_co = spread<R>(V) + cross(spread<R>(w), with.arm), before = v;
-    v = select(with.inside, after_contact(v, with.normal, v_co, with.solid->mode, with.solid->mu_c), v);
-    tell(with, before, v_co, v);
+    const Vec3<T> V = u ? linear<T>(*u) : contact.solid->velocity;
+    const Vec3<T> w = u ? angular<T>(*u) : contact.solid->omega;
+    const Vec3<R> v_co = spread<R>(V) + cross(spread<R>(w), contact.arm), before = v;
+    v = select(contact.inside,
+               after_contact(v, contact.normal, v_co, contact.solid->mode, contact.solid->mu_c), v);
+    visit(contact, before, v_co, v);
   }
   return v;
 }
@@ -129,19 +87,19 @@ Vec3<Lanes<T>> meet(const Encounters<T>& all, const typename Encounters<T>::Node
 template <class T>
 class Responses {
   using R = Lanes<T>;
-  using Part = std::vector<std::pair<std::size_t, Response>>;  // by body
+  using Part = std::vector<std::pair<std::size_t, BodyResponse>>;  // by body
 
  public:
-  Responses(const std::vector<Encounters<T>>& blocks, std::size_t count, std::size_t bodies)
+  Responses(const std::vector<BlockContacts<T>>& blocks, std::size_t count, std::size_t bodies)
       : blocks_(blocks), bodies_(bodies), parts_(count) {}
 
   // To bodies that move with U.
-  std::vector<Response> to(const std::vector<Twist>& U) {
+  std::vector<BodyResponse> to(const std::vector<Twist>& U) {
     each_index(parts_.size(), [&](std::size_t b) {
       parts_[b].clear();
       for (const auto& nodes : blocks_[b].nodes) add(blocks_[b], nodes, U, parts_[b]);
     });
-    std::vector<Response> total(bodies_);
+    std::vector<BodyResponse> total(bodies_);
     for (const Part& part : parts_) {
       for (const auto& [body, response] : part) total[body].add(response);
     }
@@ -149,34 +107,36 @@ class Responses {
   }
 
  private:
-  static Response& of(std::size_t body, Part& part) {
+  static BodyResponse& of(std::size_t body, Part& part) {
     for (auto& [known, response] : part) {
       if (known == body) return response;
     }
-    return part.emplace_back(body, Response{}).second;
+    return part.emplace_back(body, BodyResponse{}).second;
   }
 
-  static void add(const Encounters<T>& all, const typename Encounters<T>::Nodes& nodes,
+  static void add(const BlockContacts<T>& all, const typename BlockContacts<T>::NodePack& nodes,
                   const std::vector<Twist>& U, Part& part) {
-    meet(all, nodes, U,
-         [&](const auto& with, const Vec3<R>& before, const Vec3<R>& v_co, const Vec3<R>& after) {
-           if (with.solid->body < 0) return;
-           const Mat3<R> D = contact_slope(before, with.normal, v_co, with.solid->mode, with.solid->mu_c);
-           Response& sum = of(static_cast<std::size_t>(with.solid->body), part);
-           for (int l = 0; l < width<R>; ++l) {
-             if (!with.inside[l]) continue;
-             double arm[3], dv[3], slope[3][3];
-             for (int i = 0; i < 3; ++i) {
-               arm[i] = double(with.arm[i][l]);
-               dv[i] = double(after[i][l]) - double(before[i][l]);
-               for (int j = 0; j < 3; ++j) slope[i][j] = double(D(i, j)[l]);
-             }
-             sum.add(double(nodes.m[l]), arm, dv, slope);
-           }
-         });
+    apply_contacts(
+        all, nodes, U,
+        [&](const auto& contact, const Vec3<R>& before, const Vec3<R>& v_co, const Vec3<R>& after) {
+          if (contact.solid->body < 0) return;
+          const Mat3<R> D =
+              contact_slope(before, contact.normal, v_co, contact.solid->mode, contact.solid->mu_c);
+          BodyResponse& sum = of(static_cast<std::size_t>(contact.solid->body), part);
+          for (int l = 0; l < width<R>; ++l) {
+            if (!contact.inside[l]) continue;
+            double arm[3], dv[3], slope[3][3];
+            for (int i = 0; i < 3; ++i) {
+              arm[i] = double(contact.arm[i][l]);
+              dv[i] = double(after[i][l]) - double(before[i][l]);
+              for (int j = 0; j < 3; ++j) slope[i][j] = double(D(i, j)[l]);
+            }
+            sum.add(double(nodes.m[l]), arm, dv, slope);
+          }
+        });
   }
 
-  const std::vector<Encounters<T>>& blocks_;
+  const std::vector<BlockContacts<T>>& blocks_;
   std::size_t bodies_;
   std::vector<Part> parts_;
 };
@@ -184,9 +144,9 @@ class Responses {
 }  // namespace detail
 
 // Newton's method for U = U_0 + A P(U).
-class Answer {
+class BodyVelocitySolver {
  public:
-  Answer(const Yielding& bodies, double dt)
+  BodyVelocitySolver(const CoupledBodies& bodies, double dt)
       : bodies_(bodies), n_(6 * bodies.solids.size()), U_0_(bodies.start) {
     for (std::size_t i = 0; i < U_0_.size(); ++i) {
       double linear = 0, angular = 0;
@@ -199,21 +159,21 @@ class Answer {
   }
 
   template <class T>
-  std::vector<Twist> find(const std::vector<Encounters<T>>& blocks, std::size_t count) const {
+  std::vector<Twist> solve(const std::vector<BlockContacts<T>>& blocks, std::size_t count) const {
     detail::Responses<T> responses(blocks, count, U_0_.size());
-    Guess best = judge(U_0_, responses);
-    const double enough = accuracy * best.lack;
-    for (int k = 0; k < most_steps && best.lack > enough; ++k) {
+    Guess best = evaluate(U_0_, responses);
+    const double enough = accuracy * best.residual_norm;
+    for (int k = 0; k < most_steps && best.residual_norm > enough; ++k) {
       const std::vector<double> step = newton_step(best.residual, best.response);
-      const double before = best.lack;
+      const double before = best.residual_norm;
       double share = 1;
-      for (int h = 0; h < most_halvings && best.lack == before; ++h, share *= 0.5) {
+      for (int h = 0; h < most_halvings && best.residual_norm == before; ++h, share *= 0.5) {
         std::vector<Twist> U = best.U;
         for (std::size_t i = 0; i < n_; ++i) U[i / 6][i % 6] += share * step[i];
-        Guess next = judge(std::move(U), responses);
-        if (next.lack < best.lack) best = std::move(next);
+        Guess next = evaluate(std::move(U), responses);
+        if (next.residual_norm < best.residual_norm) best = std::move(next);
       }
-      if (best.lack > 0.9 * before) break;  // rounding of the nodes' velocities
+      if (best.residual_norm > 0.9 * before) break;  // rounding of the nodes' velocities
     }
     return best.U;
   }
@@ -224,21 +184,21 @@ class Answer {
 
   struct Guess {
     std::vector<Twist> U;
-    std::vector<detail::Response> response;
+    std::vector<detail::BodyResponse> response;
     std::vector<double> residual;
-    double lack;  // its norm
+    double residual_norm;
   };
   template <class T>
-  Guess judge(std::vector<Twist> U, detail::Responses<T>& responses) const {
+  Guess evaluate(std::vector<Twist> U, detail::Responses<T>& responses) const {
     auto response = responses.to(U);
     auto left = residual(U, response);
-    const double lack = norm(left);
-    return {std::move(U), std::move(response), std::move(left), lack};
+    const double left_norm = norm(left);
+    return {std::move(U), std::move(response), std::move(left), left_norm};
   }
 
   // U_0 + A P(U) - U
   std::vector<double> residual(const std::vector<Twist>& U,
-                               const std::vector<detail::Response>& response) const {
+                               const std::vector<detail::BodyResponse>& response) const {
     std::vector<double> out(n_);
     for (std::size_t r = 0; r < n_; ++r) {
       double sum = U_0_[r / 6][r % 6] - U[r / 6][r % 6];
@@ -250,8 +210,8 @@ class Answer {
   }
 
   // (1 + A K)^-1 residual, with K the slopes, one block of six by six for each body
-  std::vector<double> newton_step(std::vector<double> lack,
-                                  const std::vector<detail::Response>& response) const {
+  std::vector<double> newton_step(std::vector<double> right,
+                                  const std::vector<detail::BodyResponse>& response) const {
     std::vector<double> matrix(n_ * n_);
     for (std::size_t r = 0; r < n_; ++r) {
       for (std::size_t c = 0; c < n_; ++c) {
@@ -262,8 +222,8 @@ class Answer {
         matrix[r * n_ + c] = sum;
       }
     }
-    solve(matrix, lack);
-    return lack;
+    neve::solve(matrix, right);
+    return right;
   }
 
   // In m/s: angular velocities count at the body's radius of gyration.
@@ -273,7 +233,7 @@ class Answer {
     return std::sqrt(sum);
   }
 
-  const Yielding& bodies_;
+  const CoupledBodies& bodies_;
   std::size_t n_;
   std::vector<Twist> U_0_;
   std::vector<double> gyration2_;  // tr A_vv / tr A_ww: squares of radii of gyration [m2], up to a factor

@@ -1,38 +1,36 @@
-// The signed distance of a body of any shape, on a grid in the body's own frame.
+// The signed distance of a solid of any shape, on a grid in its own frame: what is asked of it.
 //
 // Near the surface there are bricks of 8^3 cells; elsewhere only the bricks' corners have values. A value is a quad of
 // floats: phi and the three parts of the unit normal, so that a point asks for eight neighbouring quads and gets both.
 #pragma once
 
 #include <algorithm>
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
-#include "colliders/surface.hpp"
+#include "geometry/quads.hpp"
+#include "geometry/surface.hpp"
 
 namespace neve {
 
-class SdfGrid {
- public:
+// Where the samples lie.
+struct SdfLattice {
   static constexpr int cells = 8, side = cells + 1;                    // of a brick; samples on its side
   static constexpr std::size_t brick_floats = 4 * side * side * side;  // 11.4 KiB
   static constexpr std::int32_t coarse_only = -1;
 
-  Vec3<double> box_low{};      // the first corner of the grid [m]
-  double spacing = 1;          // of the samples in bricks [m]
-  double band = 0;             // there are bricks wherever |phi| is no more [m]
-  double thickness = 0;        // above 0: phi is the distance less half of this [m]
-  double openness = 0;         // share of the samples near the surface that are neither in nor out [1]
-  Vec3<double> low{}, high{};  // the body's own bounds [m]
-  std::array<std::int32_t, 3> bricks{1, 1, 1};  // along each axis
-  std::vector<std::int32_t> table;              // brick -> its place in `fine`, or coarse_only
-  std::vector<float> coarse, fine;  // quads: at the corners of bricks; 9^3 per brick; z runs fastest
+  Vec3<double> box_low{};              // the first corner of the grid [m]
+  double spacing = 1;                  // of the samples in bricks [m]
+  double band = 0;                     // there are bricks wherever |phi| is no more [m]
+  Vec3<double> low{}, high{};          // the solid's own bounds [m]
+  std::int32_t bricks[3] = {1, 1, 1};  // along each axis
+};
 
-  std::size_t bytes() const {
-    return sizeof(*this) + table.size() * sizeof(std::int32_t) +
-           (coarse.size() + fine.size()) * sizeof(float);
-  }
+// A grid whose samples another owns.
+struct SdfView : SdfLattice {
+  const std::int32_t* table = nullptr;  // brick -> its place in `fine`, or coarse_only
+  const float *coarse = nullptr,
+              *fine = nullptr;  // quads: at the corners of bricks; 9^3 per brick; z runs fastest
 
   // phi and normal at points in the body's frame. Within the grid: trilinear, the normal made a unit again. Beyond it:
   // from the point of the surface that belongs to the grid's nearest point, which is no less than the distance.
@@ -43,7 +41,7 @@ class SdfGrid {
     Vec3<R> cell, beyond;
     for (int k = 0; k < 3; ++k) {
       const R u = (x[k] - T(box_low[k])) * inv;
-      cell[k] = clamp(u, R{}, splat<R>(T(cells * bricks[static_cast<std::size_t>(k)])));
+      cell[k] = clamp(u, R{}, splat<R>(T(cells * bricks[k])));
       beyond[k] = (u - cell[k]) * T(spacing);
     }
     alignas(64) T quads[4 * width<R>];
@@ -66,9 +64,9 @@ class SdfGrid {
   bool is_near(const Vec3<double>& x, double reach) const {
     double d2 = 0, beyond2 = 0;
     for (int k = 0; k < 3; ++k) {
-      const double extent = spacing * cells * bricks[static_cast<std::size_t>(k)];
-      const double d = std::max({low[k] - x[k], x[k] - high[k], 0.0});
-      const double b = std::max({box_low[k] - x[k], x[k] - box_low[k] - extent, 0.0});
+      const double extent = spacing * cells * bricks[k];
+      const double d = std::max(std::max(low[k] - x[k], x[k] - high[k]), 0.0);
+      const double b = std::max(std::max(box_low[k] - x[k], x[k] - box_low[k] - extent), 0.0);
       d2 += d * d, beyond2 += b * b;
     }
     if (d2 > reach * reach) return false;
@@ -125,14 +123,14 @@ class SdfGrid {
     const Cell c = cell_of(x, y, z);
     const std::int32_t brick = table[c.brick];
     if (brick != coarse_only) {
-      const float* p = fine.data() + static_cast<std::size_t>(brick) * brick_floats + sample_of(c);
+      const float* p = fine + static_cast<std::size_t>(brick) * brick_floats + sample_of(c);
       blend(p, 4 * side * side, 4 * side, x - T(c.i[0]), y - T(c.i[1]), z - T(c.i[2]), quad);
     } else {
       const auto dy = static_cast<std::size_t>(4 * (bricks[2] + 1));
       const std::size_t dx = dy * static_cast<std::size_t>(bricks[1] + 1);
       const T part = T(1) / T(cells);
-      blend(coarse.data() + 4 * c.corner, dx, dy, x * part - T(c.b[0]), y * part - T(c.b[1]),
-            z * part - T(c.b[2]), quad);
+      blend(coarse + 4 * c.corner, dx, dy, x * part - T(c.b[0]), y * part - T(c.b[1]), z * part - T(c.b[2]),
+            quad);
     }
   }
   template <class T>

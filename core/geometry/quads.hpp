@@ -1,16 +1,9 @@
-// What a solid says of a point: how far its surface is, and which way is out.
+// Samples of a grid: quads of four floats, read and blended one point after another.
 #pragma once
 
 #include "math/mat3.hpp"
 
 namespace neve {
-
-// Signed distance phi [m] (negative inside) and its gradient, the outward unit normal.
-template <class R>
-struct Surface {
-  R phi;
-  Vec3<R> normal;
-};
 
 namespace detail {
 
@@ -25,6 +18,30 @@ inline scalar_t<R> lane(const R& a, int l) {
 }
 
 // Two neighbouring quads of floats, in the precision of the question.
+#if defined(__CUDACC_RTC__)  // no vector types there
+template <class T>
+struct Quads {
+  T value[8];
+  T operator[](int k) const { return value[k]; }
+  template <class F>
+  static Quads each(F f) {
+    return {{f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7)}};
+  }
+  friend Quads operator+(const Quads& a, const Quads& b) {
+    return each([&](int k) { return a[k] + b[k]; });
+  }
+  friend Quads operator-(const Quads& a, const Quads& b) {
+    return each([&](int k) { return a[k] - b[k]; });
+  }
+  friend Quads operator*(const Quads& a, T t) {
+    return each([&](int k) { return a[k] * t; });
+  }
+};
+template <class T>
+inline Quads<T> load_two_quads(const float* from) {
+  return Quads<T>::each([&](int k) { return T(from[k]); });
+}
+#else
 template <class T>
 using Quads = Wide<T, 8>;
 template <class T>
@@ -34,6 +51,7 @@ inline Quads<T> load_two_quads(const float* from) {
     return __builtin_convertvector(load_registers<Pack<float, width<P>>>(from + k * width<P>), P);
   });
 }
+#endif
 
 // The second of two quads counts by t, the first by 1 - t.
 template <class T>

@@ -5,17 +5,17 @@
 
 namespace neve {
 
-// sticky:   snow takes the body's velocity.
+// sticky:   snow takes the solid's velocity.
 // slip:     snow never leaves nor enters the surface; Coulomb friction while it is pressed on.
 // separate: snow may leave; Coulomb friction while it is pressed on.
-enum class Contact { sticky, slip, separate };
+enum class ContactMode { sticky, slip, separate };
 
 // The velocity after contact of snow that moves with `v` at a surface of unit normal n that moves with `v_co`:
 // v_n -> 0, and v_t shrinks by mu_c |v_n|, at most to zero.
 template <class R>
-inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, Contact mode,
+inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, ContactMode mode,
                              scalar_t<R> mu_c) {
-  if (mode == Contact::sticky) return v_co;
+  if (mode == ContactMode::sticky) return v_co;
   using T = scalar_t<R>;
   const R zero = splat<R>(0), one = splat<R>(1);
   const Vec3<R> v_rel = v - v_co;
@@ -25,17 +25,17 @@ inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& 
   const R pressed = max(-v_n, zero);
   const R kept = max(one - mu_c * pressed / select(speed > zero, speed, one), zero);
   const Vec3<R> slid = v_t * select(speed > zero, kept, zero) + v_co;
-  return mode == Contact::separate ? select(v_n < T(0), slid, v) : slid;
+  return mode == ContactMode::separate ? select(v_n < T(0), slid, v) : slid;
 }
 
-// The derivative of after_contact by v_co: how the snow follows a body that gives way.
+// The derivative of after_contact by v_co: how the snow's velocity changes with that of the surface.
 //
 // With t the direction of sliding and g = mu_c |v_n| < |v_t|: n n^T - mu_c t n^T + (g / |v_t|) (1 - n n^T - t t^T);
 // the identity where the snow sticks, zero where it leaves.
 template <class R>
-inline Mat3<R> contact_slope(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, Contact mode,
+inline Mat3<R> contact_slope(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, ContactMode mode,
                              scalar_t<R> mu_c) {
-  if (mode == Contact::sticky) return identity<R>();
+  if (mode == ContactMode::sticky) return identity<R>();
   const R zero = splat<R>(0), one = splat<R>(1);
   const Vec3<R> v_rel = v - v_co;
   const R v_n = dot(v_rel, n);
@@ -52,7 +52,7 @@ inline Mat3<R> contact_slope(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& 
       D(i, j) = n[i] * n[j] - mu * t[i] * n[j] + share * (delta - n[i] * n[j] - t[i] * t[j]);
     }
   }
-  return mode == Contact::separate ? select(v_n < zero, D, scaled(D, zero)) : D;
+  return mode == ContactMode::separate ? select(v_n < zero, D, scaled(D, zero)) : D;
 }
 
 }  // namespace neve

@@ -1,4 +1,4 @@
-// What snow and solids give each other in contact: the bookkeeping of momentum and energy.
+// Momentum and energy that snow and solids exchange in contact.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ struct Exchange {
 };
 
 // Exchanges of one block of nodes or one home with the solids near it, by the solid's index.
-class Ledger {
+class ExchangeSum {
  public:
   void clear() { entries_.clear(); }
   Exchange& of(int solid) {
@@ -36,14 +36,14 @@ class Ledger {
   std::vector<std::pair<int, Exchange>> entries_;
 };
 
-// Book the change of velocity of masses m, `arm` from the solid's centre, on a surface that moves with v_co; in double,
+// Record the change of velocity of masses m, `arm` from the solid's centre, on a surface that moves with v_co; in double,
 // lane after lane, so that sums do not depend on the threads.
 //
 // The work is impulse times v_co, not the change of kinetic energy: a wall at rest does none, though it stops, in every
 // step, what the snow's own stress has just set in motion.
 template <class R, class M>
-inline void book(Exchange& sum, const M& mask, R m, const Vec3<R>& arm, const Vec3<R>& v_co,
-                 const Vec3<R>& before, const Vec3<R>& after) {
+inline void record(Exchange& sum, const M& mask, R m, const Vec3<R>& arm, const Vec3<R>& v_co,
+                   const Vec3<R>& before, const Vec3<R>& after) {
   for (int l = 0; l < width<R>; ++l) {
     if (!mask[l]) continue;
     double dp[3];
