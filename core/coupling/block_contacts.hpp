@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "coupling/contacts.hpp"
-#include "math/lanes.hpp"
+#include "math/real.hpp"
 
 namespace neve {
 

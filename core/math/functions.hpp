@@ -2,8 +2,7 @@
 // for one register; a pack of several goes through it register by register.
 #pragma once
 
-#include <cmath>
-
+#include "math/compare.hpp"
 #include "math/pack.hpp"
 
 namespace neve {
@@ -141,51 +140,33 @@ NEVE_INLINE void store_integers(std::int32_t* to, const R& a) {
   });
 }
 
-template <class R>
+template <IsPack R>
 NEVE_INLINE R sqrt(const R& a) {
-  if constexpr (!is_pack<R>) {
-    return std::sqrt(a);
-  } else {
-    return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::sqrt_of_register(p); });
-  }
+  return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::sqrt_of_register(p); });
 }
 
-template <class R>
+template <IsPack R>
 NEVE_INLINE R floor(const R& a) {
-  if constexpr (!is_pack<R>) {
-    return std::floor(a);
-  } else {
-    return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::floor_of_register(p); });
-  }
+  return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::floor_of_register(p); });
 }
 
 // Return 1/sqrt(a) for a > 0, to 14 bits or better.
-template <class R>
+template <IsPack R>
 NEVE_INLINE R rough_rsqrt(const R& a) {
-  if constexpr (!is_pack<R>) {
-    return R(1) / std::sqrt(a);
-  } else {
-    return detail::each_register(
-        a, [](auto p) NEVE_INLINE_LAMBDA { return detail::rough_rsqrt_of_register(p); });
-  }
+  return detail::each_register(a,
+                               [](auto p) NEVE_INLINE_LAMBDA { return detail::rough_rsqrt_of_register(p); });
 }
 
 // Return 1/sqrt(a) for a > 0, within 2 ulp.
-template <class R>
+template <IsPack R>
 NEVE_INLINE R rsqrt(const R& a) {
-  if constexpr (!is_pack<R>) {
-    return rough_rsqrt(a);
-  } else {
-    return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::rsqrt_of_register(p); });
-  }
+  return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::rsqrt_of_register(p); });
 }
 
 // Return exp(a); in float lanes for -87 < a < 88, beyond which it stays what it is there.
-template <class R>
+template <IsPack R>
 NEVE_INLINE R exp(const R& a) {
-  if constexpr (!is_pack<R>) {
-    return std::exp(a);
-  } else if constexpr (std::is_same_v<scalar_t<R>, float>) {
+  if constexpr (std::is_same_v<scalar_t<R>, float>) {
     return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::exp_of_floats(p); });
   } else {
     return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA {
@@ -195,11 +176,9 @@ NEVE_INLINE R exp(const R& a) {
 }
 
 // Return exp(a) - 1, precise near zero.
-template <class R>
+template <IsPack R>
 NEVE_INLINE R expm1(const R& a) {
-  if constexpr (!is_pack<R>) {
-    return std::expm1(a);
-  } else if constexpr (std::is_same_v<scalar_t<R>, float>) {
+  if constexpr (std::is_same_v<scalar_t<R>, float>) {
     return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::expm1_of_floats(p); });
   } else {
     return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA {
@@ -209,29 +188,15 @@ NEVE_INLINE R expm1(const R& a) {
 }
 
 // Return log(1 + a) for a > -1, precise near zero.
-template <class R>
+template <IsPack R>
 NEVE_INLINE R log1p(const R& a) {
-  if constexpr (!is_pack<R>) {
-    return std::log1p(a);
-  } else if constexpr (std::is_same_v<scalar_t<R>, float>) {
+  if constexpr (std::is_same_v<scalar_t<R>, float>) {
     return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::log1p_of_floats(p); });
   } else {
     return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA {
       return detail::each_lane(p, [](double x) { return std::log1p(x); });
     });
   }
-}
-
-// Return sinh(a) and its inverse for a >= 0, precise near zero.
-template <class R>
-NEVE_INLINE R sinh_positive(const R& a) {
-  const R t = expm1(a);
-  return (t + t / (t + scalar_t<R>(1))) * scalar_t<R>(0.5);
-}
-template <class R>
-NEVE_INLINE R asinh_positive(const R& a) {
-  const R one = splat<R>(1);
-  return log1p(R(a + a * (a / (one + sqrt(R(one + a * a))))));
 }
 
 }  // namespace neve

@@ -1,7 +1,7 @@
 // Three-vectors and 3x3 matrices over any real type (a scalar or a lane pack).
 #pragma once
 
-#include "math/lanes.hpp"
+#include "math/real.hpp"
 
 namespace neve {
 

@@ -1,17 +1,14 @@
 // Packs: a fixed number of numbers that move together, one per SIMD lane.
 //
-// The physics is written once for a real type R that is a plain `float` or `double`, or a pack of them (GNU vector
-// extensions: GCC and Clang, x86 and Arm). A vector is never wider than a register of the machine, because GCC passes
-// wider ones through memory: a pack of more lanes is an array of registers, and every operation is one of each.
+// GNU vector extensions: GCC and Clang, x86 and Arm. A vector is never wider than a register of the machine, because GCC
+// passes wider ones through memory: a pack of more lanes is an array of registers, and every operation is one of each.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <type_traits>
-#include <utility>
 
-#include "math/inline.hpp"
+#include "math/scalar.hpp"
 
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -46,20 +43,6 @@ template <class R>
 struct Scalar {
   using type = std::remove_cvref_t<decltype(std::declval<R>()[0])>;
 };
-template <>
-struct Scalar<float> {
-  using type = float;
-};
-template <>
-struct Scalar<double> {
-  using type = double;
-};
-template <class R>
-using scalar_t = typename Scalar<R>::type;
-template <class R>
-inline constexpr bool is_pack = !std::is_arithmetic_v<R>;
-template <class R>
-inline constexpr int width = static_cast<int>(sizeof(R) / sizeof(scalar_t<R>));
 
 // K registers that act as one.
 template <class P, int K>
@@ -164,16 +147,12 @@ NEVE_INLINE Registers<P, K>& operator*=(Registers<P, K>& a, const B& b) {
   return a = a * b;
 }
 
-template <class R>
+template <IsPack R>
 NEVE_INLINE R splat(scalar_t<R> a) {
-  if constexpr (is_pack<R>) {
-    return a - R{};
-  } else {
-    return a;
-  }
+  return a - R{};
 }
 
-template <class R, class M>
+template <IsPack R, class M>
 NEVE_INLINE R select(const M& mask, const R& yes, const R& no) {
   if constexpr (register_count<R> > 1) {
     return each_part<register_count<R>>(
@@ -183,11 +162,14 @@ NEVE_INLINE R select(const M& mask, const R& yes, const R& no) {
   }
 }
 
-template <class M>
+template <IsPack M>
+NEVE_INLINE auto negated(const M& mask) {
+  return ~mask;
+}
+
+template <IsPack M>
 NEVE_INLINE bool any(const M& mask) {
-  if constexpr (std::is_integral_v<M>) {  // two bools joined by | are an int
-    return mask != 0;
-  } else if constexpr (register_count<M> > 1) {
+  if constexpr (register_count<M> > 1) {
     auto all = mask.part[0];
     for_parts<register_count<M> - 1>([&](int k) NEVE_INLINE_LAMBDA { all |= mask.part[k + 1]; });
     return any(all);
@@ -214,36 +196,15 @@ NEVE_INLINE bool any(const M& mask) {
   }
 }
 
-template <class R>
-NEVE_INLINE R min(const R& a, const R& b) {
-  return select(a < b, a, b);
-}
-template <class R>
-NEVE_INLINE R max(const R& a, const R& b) {
-  return select(a > b, a, b);
-}
-template <class R>
-NEVE_INLINE R clamp(const R& a, const R& low, const R& high) {
-  return min(max(a, low), high);
-}
-template <class R>
-NEVE_INLINE R abs(const R& a) {
-  return max(a, R(-a));
-}
-
-template <class R>
+template <IsPack R>
 NEVE_INLINE scalar_t<R> max_lane(const R& a) {
-  if constexpr (is_pack<R>) {
-    using T = scalar_t<R>;
-    alignas(sizeof(R)) T v[width<R>];
-    std::memcpy(v, &a, sizeof(R));
-    for (int n = width<R> / 2; n > 0; n /= 2) {  // halves, so that the comparisons are packs
-      for (int i = 0; i < n; ++i) v[i] = v[i + n] > v[i] ? v[i + n] : v[i];
-    }
-    return v[0];
-  } else {
-    return a;
+  using T = scalar_t<R>;
+  alignas(sizeof(R)) T v[width<R>];
+  std::memcpy(v, &a, sizeof(R));
+  for (int n = width<R> / 2; n > 0; n /= 2) {  // halves, so that the comparisons are packs
+    for (int i = 0; i < n; ++i) v[i] = v[i + n] > v[i] ? v[i + n] : v[i];
   }
+  return v[0];
 }
 
 // ---- memory ----

@@ -1,6 +1,7 @@
 // Quads, the four numbers of a node or of a particle, and rows, the quads of four neighbouring nodes.
 #pragma once
 
+#include "math/compare.hpp"
 #include "math/pack.hpp"
 
 namespace neve {

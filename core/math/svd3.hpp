@@ -14,8 +14,6 @@
 // a matrix that is tiny as a whole, far below 1, keeps only that absolute precision.
 #pragma once
 
-#include <limits>
-
 #include "math/mat3.hpp"
 
 namespace neve {

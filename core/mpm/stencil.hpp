@@ -10,6 +10,7 @@
 
 #include "grid/blocks.hpp"
 #include "math/bspline.hpp"
+#include "math/rows.hpp"
 #include "mpm/modes.hpp"
 
 namespace neve {
