@@ -2,7 +2,7 @@
 
     python examples/02_energy_plot.py                    # needs matplotlib; plot in runs/energy.png
 
-The columns of log.csv are told in docs/run_folder.md.
+docs/run_folder.md describes the columns of log.csv.
 """
 
 import sys

@@ -2,7 +2,7 @@
 
     python examples/06_read_frames.py                    # runs ball_on_snow first; under a minute
 
-Every frame is an .npz file whose arrays are told in docs/run_folder.md: they are yours to load anywhere.
+Every frame is an .npz file whose arrays are described in docs/run_folder.md: they are yours to load anywhere.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Find the commands and the Python that a page of the documentation tells its reader to type.
+"""Find the commands and the Python that a page of the documentation asks its reader to type.
 
 `.ci/run` and the tests type them from there, so that what is tested is what is printed:
 

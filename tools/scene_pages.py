@@ -135,7 +135,7 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ("[bodies.motor]", "What drives the joint of a body.", Motor),
     ("[[bodies.motor.keyframes]]", "What a motor aims at, and when.", Target),
     ("[[robots]]", "Robots and vehicles from files, which snow moves too.", Robot),
-    ("[[robots.controls]]", "What the actuators of a robot are told, and when.", Control),
+    ("[[robots.controls]]", "Commands to the actuators of a robot, and when they are given.", Control),
     ("[camera]", "Camera of the film.", Camera),
     ("[light]", "Light of the film.", Light),
     ("[run]", "Length of the run.", Run),
@@ -155,7 +155,7 @@ def document() -> str:
 
 
 def _shared(name: str, model: type[BaseModel]) -> bool:
-    """Return whether the key is told in the section of all shapes, or in the heading."""
+    """Return whether the key is described in the section of all shapes, or in the heading."""
     if name == "shape":
         return True
     bases: tuple[type[BaseModel], ...] = (SnowSource, Body, RigidBody, MeshFile)

@@ -72,44 +72,46 @@ def measure(name: str, out: Path, threads: int | None) -> None:
 
     The least fragment has the mass of LEAST particles of the coarsest run at every resolution.
     """
-    wish = case(name)
-    scene = load(wish.preset, wish.changes)
+    chosen = case(name)
+    scene = load(chosen.preset, chosen.changes)
     sim = Simulation(scene, threads=threads)
-    sim.advance(wish.moment)
+    sim.advance(chosen.moment)
     s = sim.state
-    limits = Limits(least=round(LEAST * wish.finer**3))
+    limits = Limits(least=round(LEAST * chosen.finer**3))
     found = find(s.x, s.v, s.J_P, s.m, s.V0, scene.numerics.spacing, limits)
-    told = {
+    results = {
         **summary(found),
         "dx": scene.numerics.dx,
         "count": int(s.count),
         "steps": sim.steps,
         "mass": (found.mass / found.mass.sum()).tolist(),
     }
-    (out / f"{name}.json").write_text(json.dumps(told) + "\n")
+    (out / f"{name}.json").write_text(json.dumps(results) + "\n")
     painter = Preview(scene, 960, 640, threads or 0)
     image = painter.draw(np.array(s.x), sim.bodies(), J_P=np.array(s.J_P))
     Image.fromarray(image).save(out / f"{name}.png")
-    print(name, {key: value for key, value in told.items() if key != "mass"}, flush=True)
+    print(name, {key: value for key, value in results.items() if key != "mass"}, flush=True)
 
 
 def show(out: Path, images: Path) -> None:
     """Draw the plot, write the pictures as JPEG, print the table in Markdown."""
-    told = {name: json.loads(path.read_text()) for name in NAMES if (path := out / f"{name}.json").exists()}
-    for name in told:
+    results = {
+        name: json.loads(path.read_text()) for name in NAMES if (path := out / f"{name}.json").exists()
+    }
+    for name in results:
         with Image.open(out / f"{name}.png") as image:
             small = image.resize((720, 480), Image.Resampling.LANCZOS)
             small.save(images / f"chunks_{name}.jpg", quality=82, optimize=True)
-    plot(told, images / "chunks.png")
+    plot(results, images / "chunks.png")
     print("| case | dx [m] | particles | fragments | decades | largest | largest five | powder |")
     print("|---|---|---|---|---|---|---|---|")
-    for name, t in told.items():
+    for name, t in results.items():
         shares = " | ".join(f"{t[key]:.1%}" for key in ("largest", "five", "powder"))
         size = f"{t['dx']:.3g} | {t['count']:,}"
         print(f"| `{name}` | {size} | {t['fragments']} | {t['decades']:.1f} | {shares} |")
 
 
-def plot(told: dict[str, Any], path: Path) -> None:
+def plot(results: dict[str, Any], path: Path) -> None:
     """Plot how many fragments are heavier than a share of the snow, one panel a preset."""
     import matplotlib as mpl
 
@@ -118,7 +120,7 @@ def plot(told: dict[str, Any], path: Path) -> None:
 
     figure, panels = plt.subplots(1, len(PRESETS), figsize=(10, 4), sharey=True, layout="constrained")
     for panel, short in zip(panels, PRESETS, strict=True):
-        for name, t in told.items():
+        for name, t in results.items():
             preset, kind = name.split("_")
             if preset != short or not t["fragments"]:
                 continue
@@ -142,13 +144,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/chunks"))
     parser.add_argument("--images", type=Path, default=Path("docs/images"))
     parser.add_argument("--threads", type=int)
-    wish = parser.parse_args()
-    wish.out.mkdir(parents=True, exist_ok=True)
-    if wish.what == "show":
-        show(wish.out, wish.images)
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    if options.what == "show":
+        show(options.out, options.images)
         return
-    for name in wish.cases or NAMES:
-        measure(name, wish.out, wish.threads)
+    for name in options.cases or NAMES:
+        measure(name, options.out, options.threads)
 
 
 if __name__ == "__main__":

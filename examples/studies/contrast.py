@@ -199,16 +199,16 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/contrast"))
     parser.add_argument("--image", type=Path, default=Path("docs/images/contrast.png"))
     parser.add_argument("--threads", type=int)
-    wish = parser.parse_args()
-    wish.out.mkdir(parents=True, exist_ok=True)
-    if wish.do == "game":
-        play(wish.out)
-    elif wish.do == "show":
-        show(wish.out, wish.image)
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    if options.do == "game":
+        play(options.out)
+    elif options.do == "show":
+        show(options.out, options.image)
     else:
-        for load in wish.load or LOADS:
-            text = json.dumps(roll(load, wish.dx, wish.threads))
-            (wish.out / f"mpm_{load:g}.json").write_text(text, encoding="utf-8")
+        for load in options.load or LOADS:
+            text = json.dumps(roll(load, options.dx, options.threads))
+            (options.out / f"mpm_{load:g}.json").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -47,8 +47,11 @@ def scene(kind: str, dx: float) -> Scene:
 
 def pictures(kind: str, dx: float, threads: int | None) -> list[Image.Image]:
     """Simulate one kind and draw it at each moment."""
-    wish = scene(kind, dx)
-    sim, painter = Simulation(wish, threads=threads), Preview(wish, 2 * CELL[0], 2 * CELL[1], threads or 0)
+    thrown = scene(kind, dx)
+    sim, painter = (
+        Simulation(thrown, threads=threads),
+        Preview(thrown, 2 * CELL[0], 2 * CELL[1], threads or 0),
+    )
     drawn = []
     for moment in MOMENTS:
         sim.advance(moment - sim.time)
@@ -81,8 +84,8 @@ def main() -> None:
     parser.add_argument("--kinds", nargs="*", default=list(SNOWS), choices=list(SNOWS))
     parser.add_argument("--dx", type=float, default=0.036)
     parser.add_argument("--threads", type=int)
-    wish = parser.parse_args()
-    sheet(wish.kinds, wish.dx, wish.threads).save(wish.out, quality=78, optimize=True)
+    options = parser.parse_args()
+    sheet(options.kinds, options.dx, options.threads).save(options.out, quality=78, optimize=True)
 
 
 if __name__ == "__main__":

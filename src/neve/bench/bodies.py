@@ -55,8 +55,8 @@ class Share:
     growth_ms: dict[str, float]
     share: Spread
 
-    def told(self) -> str:
-        """Put the result into lines for people."""
+    def text(self) -> str:
+        """Return the result as lines of text."""
         lines = [
             f"{self.case}: {self.bodies} bodies of {self.triangles:,} triangles in {self.particles:,} "
             f"particles, {self.threads} threads, median of {self.batches} pairs of batches "

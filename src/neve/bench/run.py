@@ -1,7 +1,7 @@
 """Measure the speed of the step on this machine: blocks of snow that land on the ground, stage by stage.
 
 Every block falls onto the ground at 5 m/s, so that contact, plastic flow and hardening are at work. A case is
-measured in batches; what is told is the median batch, with the least and the largest in brackets.
+measured in batches; the median batch is reported, with the smallest and the largest in brackets.
 """
 
 from __future__ import annotations
@@ -220,16 +220,16 @@ def run(cases: Sequence[str], as_json: bool = False) -> None:
                 result.bytes_resident = None
             results.append(result)
             if not as_json:
-                print("\n" + told(result), flush=True)
+                print("\n" + text_of(result), flush=True)
     if as_json:
         json.dump({"machine": machine, "results": [asdict(r) for r in results]}, sys.stdout, indent=2)
         print()
 
 
-def told(result: Speed | Once | Share) -> str:
-    """Put a result into lines for people."""
+def text_of(result: Speed | Once | Share) -> str:
+    """Return a result as lines of text."""
     if not isinstance(result, Speed | Once):
-        return result.told()
+        return result.text()
     if isinstance(result, Once):
         s, n = result.seconds, result.particles
         return f"{result.case}: {n:,} particles in {s.median:.3f} s ({s.least:.3f}-{s.largest:.3f})"
@@ -258,7 +258,7 @@ def told(result: Speed | Once | Share) -> str:
 
 
 def cpu() -> str:
-    """Return the name of the processor, as far as the system tells it."""
+    """Return the name of the processor, as far as the system reports it."""
     with contextlib.suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
             if line.startswith("model name"):

@@ -1,4 +1,4 @@
-"""Tell several measurements of one thing: their median, the least and the largest."""
+"""Summarise repeated measurements: the median, the smallest and the largest."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Spread:
-    """Hold the median of several measurements, the least and the largest."""
+    """Hold the median of several measurements, the smallest and the largest."""
 
     median: float
     least: float

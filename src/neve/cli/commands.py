@@ -64,10 +64,12 @@ def list_scenes(snow: bool, as_json: bool) -> None:
 @click.option("--out", metavar="DIR", help="Run folder; runs/NAME by default.")
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
 @click.option("--frames", metavar="N", callback=whole_number, help="Stop after frame N.")
-@click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; all by default.")
-@click.option("--resume", is_flag=True, help="Go on in the run from its checkpoint.")
-@click.option("--force", is_flag=True, help="Replace the run that lies in the folder.")
-@click.option("--quiet", is_flag=True, help="Hide the progress; warnings and errors are still told.")
+@click.option(
+    "--threads", metavar="N", callback=thread_count, help="Number of threads; by default one per core."
+)
+@click.option("--resume", is_flag=True, help="Continue the run from its checkpoint.")
+@click.option("--force", is_flag=True, help="Replace a run that is already in the folder.")
+@click.option("--quiet", is_flag=True, help="Hide progress; warnings and errors are still shown.")
 def run(
     scene: str,
     out: str | None,
@@ -80,42 +82,42 @@ def run(
 ) -> None:
     """Simulate SCENE and film it.
 
-    SCENE is the name of a scene that comes with Neve (`neve list`), a TOML file, or a run folder, whose scene
-    is run again or, with --resume, gone on with.
+    SCENE is the name of a scene that comes with Neve (`neve list`), a TOML file, or a run folder: its scene
+    is run again or, with --resume, continued.
     """
     folder = _run_folder(scene, out, resume)
     from neve.io.run_folder import RunFolder
     from neve.scene.reading.load import load
 
-    if not resume:  # a folder that refuses is told before a scene is read; a resume reads the folder's scene
+    if not resume:  # a folder in use is reported before the scene is read; a resume reads the folder's scene
         RunFolder(folder).check(resume, force)
-    wish = load(scene, changes)
+    checked = load(scene, changes)
     from neve.run import run_scene
     from neve.scene.checks.advice import advice
 
-    told = advice(wish)
-    for sentence in told:
-        _complain(f"warning: {sentence}.")
+    reported = advice(checked)
+    for sentence in reported:
+        _report(f"warning: {sentence}.")
     with warnings.catch_warnings():
-        _tell_others(told)
-        run_scene(wish, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
+        _report_others(reported)
+        run_scene(checked, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
 
 
-def _tell_others(told: list[str]) -> None:
-    """Tell warnings about the scene in the style of the command line, but those `told` before, once each."""
+def _report_others(reported: list[str]) -> None:
+    """Print each warning about the scene once, as the command line does; skip those already `reported`."""
     from neve.scene.errors import SceneWarning
 
-    usual, seen = warnings.showwarning, set(told)
+    usual, seen = warnings.showwarning, set(reported)
 
-    def tell(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
         if not issubclass(category, SceneWarning):
             usual(message, category, *where, **more)
         elif str(message) not in seen:
             seen.add(str(message))
-            _complain(f"warning: {message}.")
+            _report(f"warning: {message}.")
 
     warnings.simplefilter("always", SceneWarning)
-    warnings.showwarning = tell
+    warnings.showwarning = show
 
 
 def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
@@ -126,7 +128,7 @@ def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
     is_folder = scene not in presets() and _is_folder(place)
     if resume and is_folder:
         if out is not None and Path(out).resolve() != place.resolve():
-            raise click.UsageError(f"--resume goes on in {scene} itself: leave out --out {out}")
+            raise click.UsageError(f"--resume continues in {scene} itself: leave out --out {out}")
         return place
     if out is not None:
         return Path(out)
@@ -139,23 +141,25 @@ def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
 def _is_folder(path: Path) -> bool:
     try:
         return path.is_dir()
-    except OSError:  # whoever reads the scene says what is wrong
+    except OSError:  # reading the scene will say what is wrong
         return False
 
 
 @cli.command()
 @click.argument("scene", metavar="SCENE|RUN")
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
-@click.option("--out", metavar="DIR", help="Where pages save; the run itself, or runs/NAME-live.")
+@click.option("--out", metavar="DIR", help="Folder for what pages save; the run's own, or runs/NAME-live.")
 @click.option(
     "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
 )
-@click.option("--port", type=click.IntRange(0, 65535), help="Port; the first free one from 8420 by default.")
+@click.option(
+    "--port", type=click.IntRange(0, 65535), help="Port; by default the first free one from 8420 on."
+)
 @click.option(
     "--threads", metavar="N", callback=thread_count, help="Threads of the simulation; all but one by default."
 )
 @click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
-@click.option("--replay", metavar="FILE", help="Show nothing; write a page that plays the RUN by itself.")
+@click.option("--replay", metavar="FILE", help="Start no server; write a page that plays RUN by itself.")
 def view(
     scene: str,
     changes: tuple[str, ...],
@@ -166,9 +170,9 @@ def view(
     browse: bool,
     replay: str | None,
 ) -> None:
-    """Play with SCENE live in the browser, or play the finished RUN there.
+    """Simulate SCENE live in the browser, or play back RUN there.
 
-    On a machine elsewhere: ssh -L 8420:127.0.0.1:8420 MACHINE, and open the address here.
+    For a remote machine: ssh -L 8420:127.0.0.1:8420 MACHINE, and open the printed address locally.
     """
     from neve.viewer import view as show
     from neve.viewer import write_replay
@@ -183,7 +187,9 @@ def view(
 @click.option(
     "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
 )
-@click.option("--port", type=click.IntRange(0, 65535), help="Port; the first free one from 8440 by default.")
+@click.option(
+    "--port", type=click.IntRange(0, 65535), help="Port; by default the first free one from 8440 on."
+)
 @click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
 def drive(host: str, port: int | None, browse: bool) -> None:
     """Drive a car on game snow in the browser: fast, pretty and not physical."""
@@ -194,17 +200,19 @@ def drive(host: str, port: int | None, browse: bool) -> None:
 
 @cli.command()
 @click.argument("run", metavar="RUN")
-@click.option("--out", metavar="FILE", help="Table to write; RUN/fragments.csv by default.")
+@click.option("--out", metavar="FILE", help="Table to write; by default RUN/fragments.csv.")
 @click.option("--link", type=float, metavar="L", help="Link length in particle spacings.")
-@click.option("--torn", type=float, metavar="J", help="J_P above which snow is torn open and holds nothing.")
-@click.option("--least", metavar="N", callback=whole_number, help="Fewer particles than N are powder.")
+@click.option("--torn", type=float, metavar="J", help="J_P above which snow counts as torn.")
+@click.option(
+    "--least", metavar="N", callback=whole_number, help="Smaller pieces than N particles are powder."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def fragments(
     run: str, out: str | None, link: float | None, torn: float | None, least: int | None, as_json: bool
 ) -> None:
-    """Count the pieces that the snow of the run folder RUN has broken into, in every frame.
+    """Count the pieces of broken snow in every frame of the run folder RUN.
 
-    Prints what the last frame holds, and writes all frames to fragments.csv.
+    Prints a summary of the last frame and writes all frames to fragments.csv.
     """
     from neve.fragments import Limits, summary
     from neve.run.fragments import count_run
@@ -217,14 +225,14 @@ def fragments(
             raise click.UsageError(f"--{name}: {value} is not greater than 0")
     limits = Limits(**given) if given else None  # type: ignore[arg-type]
     found = count_run(run, limits, None if out is None else Path(out))
-    told = summary(found)
+    last = summary(found)
     if as_json:
-        click.echo(json.dumps(told, indent=2))
+        click.echo(json.dumps(last, indent=2))
         return
     click.echo(
-        f"the last frame has {found.count} fragments over {told['decades']:.1f} decades of mass; the largest"
-        f" holds {told['largest']:.1%} of the snow, the largest five {told['five']:.1%}, powder"
-        f" {told['powder']:.1%}"
+        f"the last frame has {found.count} fragments over {last['decades']:.1f} decades of mass; the largest"
+        f" holds {last['largest']:.1%} of the snow, the five largest {last['five']:.1%}, powder"
+        f" {last['powder']:.1%}"
     )
 
 
@@ -240,7 +248,7 @@ def bench(cases: tuple[str, ...], as_json: bool) -> None:
 
 @cli.command()
 @click.argument("cases", metavar="[CASE]...", nargs=-1)
-@click.option("--out", metavar="FILE", help="The report; validation.html by default.")
+@click.option("--out", metavar="FILE", help="Report to write; by default validation.html.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Print JSON; then the report is written only with --out."
 )
@@ -248,10 +256,10 @@ def bench(cases: tuple[str, ...], as_json: bool) -> None:
     "--threads",
     metavar="N",
     callback=thread_count,
-    help="Cases to run at once; all processors by default.",
+    help="Number of cases to run at once; by default one per processor.",
 )
 def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: int | None) -> int:
-    """Run experiments whose answers are known and write a report. Exit code 1 when one fails."""
+    """Run experiments with known answers and write a report. Exit code 1 if any fails."""
     from neve.validate.run import validate as run_cases
 
     return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
@@ -279,7 +287,7 @@ def stress(scenes: int, seed: int, only: int | None, threads: int | None, as_jso
 @cli.command()
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def info(as_json: bool) -> None:
-    """Show the version, what the core was built for, and the folder of the cache."""
+    """Show the version, the build of the core and the folder of the cache."""
     import platform
 
     import neve
@@ -306,7 +314,7 @@ def info(as_json: bool) -> None:
     facts["cache"] = facts["cache"] or "off"
     facts["isa_carried"] = ", ".join(facts["isa_carried"]) or "one build alone"
     facts["isa_of_processor"] = ", ".join(facts["isa_of_processor"]) or "not x86-64"
-    facts["isa_advice"] = facts["isa_advice"] or "none: the build uses what the processor has"
+    facts["isa_advice"] = facts["isa_advice"] or "none: the build uses all that the processor has"
     facts["cache_size"] = f"{facts.pop('cache_bytes') / 2**20:.1f} MB"
     for name, value in facts.items():
         click.echo(f"{name}: {value}")
@@ -315,7 +323,7 @@ def info(as_json: bool) -> None:
 @cli.command()
 @click.argument("scene")
 def cite(scene: str) -> None:
-    """Print BibTeX entries of the methods that SCENE uses."""
+    """Print BibTeX entries for the methods that SCENE uses."""
     from neve.cli.cite import bibtex
     from neve.scene.reading.load import load
 
@@ -328,19 +336,19 @@ def main(arguments: Sequence[str] | None = None) -> None:
         code = cli.main(args=arguments, prog_name="neve", standalone_mode=False)
     except (click.Abort, KeyboardInterrupt) as stop:
         cause = stop.__cause__ if isinstance(stop, click.Abort) else stop
-        _complain(str(cause) if cause is not None and str(cause) else "stopped")
+        _report(str(cause) if cause is not None and str(cause) else "stopped")
         sys.exit(130)
     except click.ClickException as error:
-        _complain(usage(error))
+        _report(usage(error))
         sys.exit(2)
     except (ImportError, MemoryError, OSError, RuntimeError, ValueError) as error:
         sentence = user_error(error)
         if sentence is None:
             raise
-        _complain(sentence)
+        _report(sentence)
         sys.exit(2)
     sys.exit(code if isinstance(code, int) else 0)
 
 
-def _complain(sentence: str) -> None:
+def _report(sentence: str) -> None:
     click.echo(f"neve: {' '.join(sentence.split())}", err=True)

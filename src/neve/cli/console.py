@@ -1,4 +1,4 @@
-"""What all commands share: how their arguments are read, and how a mistake becomes one sentence."""
+"""Read the arguments of commands, and turn mistakes into one sentence."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ USER_ERRORS = (
 
 
 class Commands(click.Group):
-    """A group whose complaint about a command names the nearest one."""
+    """Suggest the nearest command when one is misspelled."""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -54,14 +54,14 @@ def thread_count(ctx: click.Context, param: click.Parameter, value: str | None) 
 
 
 def user_error(error: Exception) -> str | None:
-    """Return the sentence for an error that the user can mend, None for a mistake in Neve."""
+    """Return the sentence for an error that the user can fix, None for a bug in Neve."""
     if isinstance(error, MemoryError):
         return "this needs more memory than the machine has: choose a larger numerics.dx or less snow."
     for module, name in USER_ERRORS:
         known = getattr(sys.modules.get(module), name, None)
         if known is not None and isinstance(error, known):
             return str(error)
-    if isinstance(error, OSError):  # the last net: whoever touches files says more
+    if isinstance(error, OSError):  # last resort: code that touches files says more
         from neve.io.errors import reason
 
         return f"{error.filename}: {reason(error)}." if error.filename else f"{reason(error)}."
@@ -69,7 +69,7 @@ def user_error(error: Exception) -> str | None:
 
 
 def usage(error: click.ClickException) -> str:
-    """Put click's complaint into one sentence with the nearest right spelling."""
+    """Turn an error of click into one sentence with the nearest correct spelling."""
     if isinstance(error, click.NoSuchOption):
         parameters = error.ctx.command.params if error.ctx else []
         known = [name for parameter in parameters for name in parameter.opts if name.startswith("--")]

@@ -24,7 +24,7 @@ from neve.run.fragments import FragmentOutput
 from neve.run.interrupt import Interrupt
 from neve.run.outputs import CheckpointOutput, FrameContext, FrameOutput, LogOutput, Output
 from neve.run.pictures import FilmOutput, Painter, PictureOutput
-from neve.run.progress import Progress, Warnings, follow, told_by
+from neve.run.progress import Progress, Warnings, follow, warnings_to
 from neve.stage_timer import StageTimer
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def _run(
             outputs += [LogOutput(folder, done), *observers]
             outputs.append(CheckpointOutput(folder, toml, version(), done))
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
-            stack.enter_context(told_by(Warnings() if quiet else progress))
+            stack.enter_context(warnings_to(Warnings() if quiet else progress))
             if checkpoint is not None and checkpoint.neve != version():
                 logging.getLogger("neve").warning(
                     "%s: the run was begun with Neve %s and goes on with %s, so its bits may differ from"

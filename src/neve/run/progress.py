@@ -1,4 +1,4 @@
-"""Tell the user how a run goes: a bar on a terminal, plain lines elsewhere, warnings alone if so wished."""
+"""Show the progress of a run: a bar on a terminal, plain lines elsewhere, or warnings alone."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def duration(seconds: float) -> str:
 
 
 class Silence:
-    """Show nothing; errors reach the user on their own way, and warnings through `told_by`."""
+    """Show nothing; errors are raised as always, and warnings are shown by `warnings_to`."""
 
     def __enter__(self) -> Self:
         return self
@@ -181,7 +181,7 @@ class Bar:
 
 
 class Warnings(Silence):
-    """Show no progress; sentences go out as lines in the style of the command line's own."""
+    """Show no progress; print sentences as lines in the style of the command line."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stderr
@@ -192,13 +192,13 @@ class Warnings(Silence):
 
 
 @contextlib.contextmanager
-def told_by(progress: Progress) -> Iterator[None]:
+def warnings_to(progress: Progress) -> Iterator[None]:
     """Show warnings logged under "neve" in the block as sentences of `progress`, not of Python's logging.
 
     A run that shows no progress still warns: give it `Warnings`.
     """
     logger = logging.getLogger("neve")
-    handler = _Teller(progress)
+    handler = _Handler(progress)
     before = logger.propagate
     logger.addHandler(handler)
     logger.propagate = False
@@ -209,7 +209,7 @@ def told_by(progress: Progress) -> Iterator[None]:
         logger.removeHandler(handler)
 
 
-class _Teller(logging.Handler):
+class _Handler(logging.Handler):
     def __init__(self, progress: Progress) -> None:
         super().__init__()
         self._progress = progress

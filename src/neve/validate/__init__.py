@@ -1,1 +1,1 @@
-"""Validate Neve: experiments with known answers, run through the public interface, told in one HTML page."""
+"""Validate Neve: experiments with known answers, run through the public interface, and their report."""

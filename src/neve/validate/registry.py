@@ -1,4 +1,4 @@
-"""The cases of the validation, in the order in which they are told."""
+"""The cases of the validation, in the order of the report."""
 
 from __future__ import annotations
 

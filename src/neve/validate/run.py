@@ -1,4 +1,4 @@
-"""Run cases, tell how they go, and write the report."""
+"""Run cases, print how they go, and write the report."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def validate(
     writes_page = out is not None or not as_json
     if writes_page:
         require_matplotlib()
-    told = sys.stderr if as_json else sys.stdout
+    stream = sys.stderr if as_json else sys.stdout
     results: dict[str, Result] = {}
     for name, result, seconds in _run(chosen, threads):
         results[name] = result
@@ -46,7 +46,7 @@ def validate(
         print(
             f"{name:12} {'pass' if result.ok else 'FAIL'}  {held} of {len(result.checks)} checks, "
             f"{seconds:.1f} s",
-            file=told,
+            file=stream,
             flush=True,
         )
         for check in result.checks:
@@ -54,14 +54,14 @@ def validate(
                 print(
                     f"  {plain(check.quantity)}: {check.measured:.6g} {check.unit}, not "
                     f"{check.exact:.6g} +- {check.tolerance:.3g}",
-                    file=told,
+                    file=stream,
                     flush=True,
                 )
     results = {name: results[name] for name in chosen}
     if writes_page:
         path = Path(out or REPORT)
         write_text(path, page(results, version()))
-        print(f"report: {path}", file=told)
+        print(f"report: {path}", file=stream)
     if as_json:
         print(json.dumps({name: facts(result) for name, result in results.items()}, indent=2))
     return all(result.ok for result in results.values())

@@ -5,7 +5,7 @@ import logging
 
 import pytest
 
-from neve.run.progress import Bar, Lines, Pace, Silence, Warnings, duration, follow, told_by
+from neve.run.progress import Bar, Lines, Pace, Silence, Warnings, duration, follow, warnings_to
 from neve.schedule import EveryFrame, EverySeconds, Never
 
 
@@ -35,7 +35,7 @@ def test_the_stream_decides():
 def test_warnings_alone():
     """Without progress what is logged still goes out, a line each, in the style of the command line."""
     stream = io.StringIO()
-    with Warnings(stream) as shown, told_by(shown):
+    with Warnings(stream) as shown, warnings_to(shown):
         shown.update(3, 1, 40)
         logging.getLogger("neve.some.module").warning("snow is %s", "warm")
     assert stream.getvalue() == "neve: warning: snow is warm\n"

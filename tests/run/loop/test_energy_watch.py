@@ -7,7 +7,7 @@ import pytest
 
 from neve.diagnostics import Balance
 from neve.run.outputs import EnergyWatch
-from neve.run.progress import Silence, told_by
+from neve.run.progress import Silence, warnings_to
 
 
 def moment(kinetic=100.0, affine=0.0, elastic=10.0, potential=50.0, work=0.0):
@@ -51,11 +51,11 @@ def test_sentences_go_to_the_progress():
     progress = Silence()
     progress.say = said.append
     logger = logging.getLogger("neve.some.module")
-    with told_by(progress):
+    with warnings_to(progress):
         logger.warning("snow is %s", "warm")
     assert said == ["warning: snow is warm"]
     assert logging.getLogger("neve").propagate
     assert not logging.getLogger("neve").handlers
-    with pytest.raises(OSError, match="disk"), told_by(progress):
+    with pytest.raises(OSError, match="disk"), warnings_to(progress):
         raise OSError("disk")
     assert not logging.getLogger("neve").handlers

@@ -67,7 +67,7 @@ DOUBTFUL: list[tuple[dict[str, Any], str, dict[str, Any]]] = [
     ),
     (
         {"sources": [BALL], "numerics": {"dt": 3e-3}},
-        r"numerics\.dt = 0\.003 is beyond 0\.00253 s, .* of sources\.0: use 0\.00101 or .auto.",
+        r"numerics\.dt = 0\.003 exceeds 0\.00253 s, .* of sources\.0: use 0\.00101 or .auto.",
         {"numerics": {"dt": 1.01e-3}},
     ),
     (

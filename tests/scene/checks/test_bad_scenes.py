@@ -176,7 +176,7 @@ BAD_OVERRIDES: list[tuple[str, tuple[str, ...]]] = [
     ("sources.0.size.3=1", ("sources.0.size has no entry 3", "0 to 2")),
     ("sources.0.size.1=-3", ("sources.0.size = [1, -3, 1]", "greater than 0")),
     ("sources.0.size=[1,", ("not valid TOML",)),
-    ("colliders.0.mu_c=1", ("colliders has no entries",)),
+    ("colliders.0.mu_c=1", ("colliders is empty",)),
     ("sources.0.shape.x=1", ("sources.0.shape", "single value")),
     ("sources.0.radius=1", ("sources.0.radius is not a known key of a box",)),
     ("numerics.seed=1\nx = 2", ("numerics.seed", "a whole number")),

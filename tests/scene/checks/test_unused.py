@@ -60,7 +60,7 @@ IDLE: list[tuple[dict[str, Any], str, dict[str, Any], dict[str, Any]]] = [
     ),
     (
         box(variation={"feature_size": 0.3}),
-        r"sources\.0\.variation holds no amplitude, so that its feature_size has no effect: set its",
+        r"sources\.0\.variation has no amplitude, so its feature_size has no effect: set its",
         box(variation={"feature_size": 0.3, "density": 0.1}),
         box(),
     ),
@@ -72,7 +72,7 @@ IDLE: list[tuple[dict[str, Any], str, dict[str, Any], dict[str, Any]]] = [
     ),
     (
         box(profile={"at": [0.0, 0.1]}),
-        r"sources\.0\.profile holds no factors, so that its at has no effect: set its stiffness, strength or",
+        r"sources\.0\.profile has no factors, so its at has no effect: set its stiffness, strength or",
         box(profile={"at": [0.0, 0.1], "strength": [2.0, 1.0]}),
         box(),
     ),

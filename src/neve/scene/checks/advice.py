@@ -1,4 +1,4 @@
-"""Find what is legal in a scene but unlikely to be meant: too few cells, a long step, idle keys."""
+"""Find what is legal in a scene but probably not intended: too few cells, a long step, unused keys."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from neve.scene.schema.sources import (
 )
 
 SOURCE_CELLS = 3
-"""Cells across the thinnest part of a source, below which its inside is all surface."""
+"""Least number of cells across a source; a thinner one is all surface."""
 COLLIDER_CELLS = 2
-"""Cells across a body, below which snow on both sides shares nodes."""
+"""Least number of cells across a solid; on a thinner one snow on both sides shares nodes."""
 FEATURE_CELLS = 2
-"""Cells across a feature of noise, below which the grid smooths it away."""
+"""Least number of cells across a feature of noise; the grid smooths a smaller one away."""
 SEAM_CELLS = 1
-"""Cells across a seam between clods, below which snow is torn wider than it is weak."""
+"""Least number of cells across a seam between clods; a narrower one tears wider than it is weak."""
 
 
 def advice(scene: Scene) -> list[str]:
@@ -83,7 +83,7 @@ def _fine_noise(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
     if noise.feature_size < FEATURE_CELLS * dx * (1 - 1e-9):
         yield (
             f"{name}.variation.feature_size = {noise.feature_size:g} is less than two cells of numerics.dx = "
-            f"{dx:g}, too fine to act: use at least {rounded_up(FEATURE_CELLS * dx)}, or numerics.dx = "
+            f"{dx:g}, too fine to matter: use at least {rounded_up(FEATURE_CELLS * dx)}, or numerics.dx = "
             f"{rounded_down(noise.feature_size / FEATURE_CELLS)} or smaller"
         )
 
@@ -94,7 +94,7 @@ def _thin_seam(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
         return
     if noise.seam < SEAM_CELLS * dx * (1 - 1e-9):
         yield (
-            f"{name}.variation.seam = {noise.seam:g} is below a cell of numerics.dx = {dx:g}, so that the "
+            f"{name}.variation.seam = {noise.seam:g} is below a cell of numerics.dx = {dx:g}, so the "
             f"grid decides where clods part: use at least {rounded_up(SEAM_CELLS * dx)}, or numerics.dx = "
             f"{rounded_down(noise.seam / SEAM_CELLS)} or smaller"
         )
@@ -109,8 +109,8 @@ def _long_step(scene: Scene) -> Iterator[str]:
     limit = numerics.dx / max(speeds)
     if numerics.dt > limit:
         yield (
-            f"numerics.dt = {numerics.dt:g} is beyond {rounded_down(limit)} s, when a wave crosses a cell of "
-            f'sources.{speeds.index(max(speeds))}: use {rounded_down(numerics.cfl * limit)} or "auto"'
+            f"numerics.dt = {numerics.dt:g} exceeds {rounded_down(limit)} s, in which a wave crosses a cell "
+            f'of sources.{speeds.index(max(speeds))}: use {rounded_down(numerics.cfl * limit)} or "auto"'
         )
 
 
@@ -136,7 +136,7 @@ def _thin_body(scene: Scene, body: Collider | Rigid, name: str) -> Iterator[str]
 def _thinnest(source: SnowSource) -> tuple[str, float]:
     """Return the key and the length of the thinnest way through `source` [m]; of letters, their depth.
 
-    What a mesh file holds is told when it is read.
+    The size of a mesh is checked when its file is read.
     """
     if isinstance(source, SnowMesh):
         return "file", math.inf

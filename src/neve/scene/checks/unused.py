@@ -1,7 +1,7 @@
-"""Find keys that have been set and do nothing, because another key chooses what does not use them.
+"""Find keys that are set but have no effect, because another key selects something that does not use them.
 
-`[snow]` refuses such keys: which of its constants act is a matter of the law. Here they are legal, so that a
-complete file may have its transfer changed; but whoever sets one should know.
+In `[snow]` such keys are errors: the law decides which constants it uses. Elsewhere they are allowed, so that
+the transfer of a complete scene file can be changed; but the user should know.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FACTORS = ("stiffness", "strength", "density")
 
 
 def unused(scene: Scene) -> Iterator[str]:
-    """Yield a sentence for each key that is not at its default and has no effect, with what would use it."""
+    """Yield a sentence for each key that is set but has no effect, with what would use it."""
     yield from _of_transfer(scene.numerics)
     for i, source in enumerate(scene.sources):
         if source.variation:
@@ -31,27 +31,29 @@ def unused(scene: Scene) -> Iterator[str]:
         for i, body in enumerate(bodies):
             if body.mode == "sticky":
                 modes = f'{kind}.{i}.mode = "separate" or "slip"'
-                yield from _set_in_vain(body, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
+                yield from _without_effect(body, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
     for i, loose in enumerate(scene.bodies):
         name = f"bodies.{i}"
         if loose.joint == "free":
             joints = f'{name}.joint = "hinge" or "slide"'
-            yield from _set_in_vain(loose, name, "axis", 'joint = "free"', joints)
+            yield from _without_effect(loose, name, "axis", 'joint = "free"', joints)
         if not loose.contacts:
-            yield from _set_in_vain(loose, name, "friction", "contacts = false", f"{name}.contacts = true")
+            yield from _without_effect(loose, name, "friction", "contacts = false", f"{name}.contacts = true")
 
 
 def _of_transfer(numerics: Numerics) -> Iterator[str]:
     why = f'transfer = "{numerics.transfer}"'
     if numerics.transfer != "polypic":
-        yield from _set_in_vain(numerics, "numerics", "polypic_modes", why, 'numerics.transfer = "polypic"')
+        yield from _without_effect(
+            numerics, "numerics", "polypic_modes", why, 'numerics.transfer = "polypic"'
+        )
     if numerics.transfer not in ("flip", "asflip"):
         flip = 'numerics.transfer = "flip" or "asflip"'
         for key in ("flip_alpha", "flip_damping"):
-            yield from _set_in_vain(numerics, "numerics", key, why, flip)
+            yield from _without_effect(numerics, "numerics", key, why, flip)
     elif numerics.flip_damping != "off":
         why = f"flip_damping = {numerics.flip_damping:g}, which takes its place"
-        yield from _set_in_vain(numerics, "numerics", "flip_alpha", why, 'numerics.flip_damping = "off"')
+        yield from _without_effect(numerics, "numerics", "flip_alpha", why, 'numerics.flip_damping = "off"')
 
 
 def _of_variation(noise: Variation, name: str) -> Iterator[str]:
@@ -59,7 +61,7 @@ def _of_variation(noise: Variation, name: str) -> Iterator[str]:
         yield from _idle(noise, name, "amplitude")
     elif noise.pattern != "clods":
         why = f'pattern = "{noise.pattern}"'
-        yield from _set_in_vain(noise, name, "seam", why, f'{name}.pattern = "clods"')
+        yield from _without_effect(noise, name, "seam", why, f'{name}.pattern = "clods"')
 
 
 def _of_profile(profile: Profile, name: str) -> Iterator[str]:
@@ -78,22 +80,22 @@ def _of_strength(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
         return
     for part in ("variation", "profile"):
         if table := getattr(source, part):
-            yield from _set_in_vain(table, f"{name}.{part}", "strength", why, what_counts)
+            yield from _without_effect(table, f"{name}.{part}", "strength", why, what_counts)
 
 
 def _idle(part: Variation | Profile, name: str, what: str) -> Iterator[str]:
-    """Yield the sentence about a table that changes nothing, unless it is empty: that is how to say so."""
+    """Yield the sentence about a table that changes nothing, unless it is empty: an empty one is meant to."""
     changed = [key for key, field in type(part).model_fields.items() if getattr(part, key) != field.default]
     if changed:
         keys = " and ".join(", ".join(changed).rsplit(", ", 1))
         have = "has" if len(changed) == 1 else "have"
         yield (
-            f"{name} holds no {what}, so that its {keys} {have} no effect: set its stiffness, strength or "
+            f"{name} has no {what}, so its {keys} {have} no effect: set its stiffness, strength or "
             "density, or leave it out"
         )
 
 
-def _set_in_vain(part: BaseModel, name: str, key: str, why: str, what_counts: str) -> Iterator[str]:
+def _without_effect(part: BaseModel, name: str, key: str, why: str, what_counts: str) -> Iterator[str]:
     """Yield the sentence about `key` of the table `name`, unless it stands at its default."""
     value, default = getattr(part, key), type(part).model_fields[key].default
     if value != default:

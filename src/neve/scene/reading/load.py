@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from neve.scene.errors import SceneError
 from neve.scene.reading import files
 from neve.scene.reading.overrides import override
-from neve.scene.reading.validation_errors import complaints
+from neve.scene.reading.validation_errors import problems
 from neve.scene.schema.scene import Scene
 from neve.spelling import hint, nearest
 
@@ -75,7 +75,7 @@ def scene_from(
     try:
         scene = Scene.model_validate(tables)
     except ValidationError as error:
-        found = complaints(error, tables)
+        found = problems(error, tables)
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
         sentence = f"{found[0].sentence}{_whole_table(found[0].path, tables, changed)}{more}"
         raise SceneError(f"{_origin(found[0].path, changed, where)}: {sentence}") from None
@@ -109,7 +109,7 @@ def _file(text: str) -> Path:
     except (OSError, RuntimeError, ValueError) as error:  # no such user, a name too long, a closed folder
         reason = (getattr(error, "strerror", None) or str(error)).rstrip(".")
         raise SceneError(
-            f"{text}: this cannot be looked for as a file: {reason[:1].lower()}{reason[1:]};"
+            f"{text}: this cannot be opened as a file: {reason[:1].lower()}{reason[1:]};"
             f" name a .toml file or a preset: {_names()}"
         ) from None
 
@@ -157,7 +157,7 @@ def _read(path: Path, where: str) -> dict[str, Any]:
 def _whole_table(
     path: tuple[str, ...], tables: Mapping[str, Any], changed: list[tuple[tuple[str, ...], str]]
 ) -> str:
-    """Tell how to leave out a key of a file's [snow] that does not go with an override's kind or law."""
+    """Say how to leave out a key of a file's [snow] that does not fit an override's kind or law."""
     asked = {key[1] for key, _ in changed if len(key) == 2 and key[0] == "snow" and key[1] in ("kind", "law")}
     if not asked or len(path) != 2 or path[0] != "snow" or path in [key for key, _ in changed]:
         return ""
@@ -166,7 +166,7 @@ def _whole_table(
 
 
 def _origin(path: tuple[str, ...], changed: list[tuple[tuple[str, ...], str]], where: str) -> str:
-    """Return who is to blame for a problem at `path`: the last override that touched it, or the file."""
+    """Return where a problem at `path` comes from: the last override that touched it, or the file."""
     for key, text in reversed(changed):
         shared = min(len(key), len(path))
         if key[:shared] == path[:shared]:

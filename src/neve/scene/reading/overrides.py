@@ -64,11 +64,11 @@ def _put(data: dict[str, Any], path: tuple[str, ...], value: Any, text: str) -> 
 
 def _index(key: str, place: list[Any], here: str, text: str) -> int:
     if not place:
-        raise SceneError(f"--set {text}: {here} has no entries in this scene, so none can be changed")
+        raise SceneError(f"--set {text}: {here} is empty in this scene, so no entry can be changed")
     range_ = "0 is the only one" if len(place) == 1 else f"use 0 to {len(place) - 1}"
     if not (key.isascii() and key.isdigit()):
         raise SceneError(
-            f"--set {text}: {here} is a list, so {here}.{key} needs the number of an entry; {range_}"
+            f"--set {text}: {here} is a list, so {here}.{key} needs the number of an entry: {range_}"
         )
     if not is_index(key, place):
         raise SceneError(f"--set {text}: {here} has no entry {key}; {range_}")

@@ -1,4 +1,4 @@
-"""Turn what pydantic finds wrong into one sentence: key, value, what is allowed, nearest spelling."""
+"""Turn an error of pydantic into one sentence: key, value, what is allowed, nearest spelling."""
 
 from __future__ import annotations
 
@@ -48,23 +48,23 @@ ALSO_CALLED = {
     "resolution": "detail",
     "voxel_size": "detail",
 }
-"""What people coming from elsewhere call a key -> the key."""
+"""Names of keys in other programs -> the key here."""
 
 
 @dataclass(frozen=True)
-class Complaint:
-    """Hold one problem: the `path` of the key in the scene, and the rest of the sentence."""
+class Problem:
+    """Hold one problem: the `path` of the key in the scene, and the sentence about it."""
 
     path: tuple[str, ...]
     sentence: str
 
 
-def complaints(error: ValidationError, data: dict[str, Any]) -> list[Complaint]:
+def problems(error: ValidationError, data: dict[str, Any]) -> list[Problem]:
     """Return the problems in `error`, found in `data`, at most one for each key."""
-    found: dict[tuple[str, ...], Complaint] = {}
+    found: dict[tuple[str, ...], Problem] = {}
     for detail in error.errors(include_url=False):
-        complaint = _complaint(dict(detail), data)
-        found.setdefault(complaint.path, complaint)
+        problem = _problem(dict(detail), data)
+        found.setdefault(problem.path, problem)
     return list(found.values())
 
 
@@ -83,20 +83,20 @@ def shown(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _complaint(detail: dict[str, Any], data: dict[str, Any]) -> Complaint:
+def _problem(detail: dict[str, Any], data: dict[str, Any]) -> Problem:
     path, owner, field = _walk(detail["loc"])
     kind = detail["type"]
     if kind == "extra_forbidden":
-        return Complaint(path, _unknown_key(path, owner))
+        return Problem(path, _unknown_key(path, owner))
     if kind == "scene":
         path = (*path, *detail["ctx"]["key"].split("."))
         message = detail["ctx"]["message"]
         value = _value(path, data)
-        told = "" if value is None else f" = {shown(value)} is not allowed: it"
-        return Complaint(path, f"{'.'.join(path)}{told} {message}")
+        stated = "" if value is None else f" = {shown(value)} is not allowed: it"
+        return Problem(path, f"{'.'.join(path)}{stated} {message}")
     known = list(shapes(field.annotation)) if field else []
     if kind == "union_tag_not_found":
-        return Complaint(path, f"{'.'.join(path)} has no shape; add shape = {words(known)}")
+        return Problem(path, f"{'.'.join(path)} has no shape; add shape = {words(known)}")
     if kind == "union_tag_invalid":
         return _bad_word((*path, "shape"), data, words(known), known)
     if known:
@@ -105,15 +105,15 @@ def _complaint(detail: dict[str, Any], data: dict[str, Any]) -> Complaint:
             right = f"a list of tables, each headed [[{path[0]}]] and with a shape"
         return _bad_word(path, data, right, [])
     if field is None:
-        return Complaint(path, f"{'.'.join(path)} is not allowed: {detail['msg']}")
+        return Problem(path, f"{'.'.join(path)} is not allowed: {detail['msg']}")
     return _bad_word(path, data, allowed(field), list(choices(field)))
 
 
-def _bad_word(path: tuple[str, ...], data: dict[str, Any], right: str, known: list[str]) -> Complaint:
+def _bad_word(path: tuple[str, ...], data: dict[str, Any], right: str, known: list[str]) -> Problem:
     value = _value(path, data)
     near = nearest_key(value, known) if isinstance(value, str) else None
     meant = hint(near and f'"{near}"')
-    return Complaint(path, f"{'.'.join(path)} = {shown(value)} is not allowed{meant}: use {right}")
+    return Problem(path, f"{'.'.join(path)} = {shown(value)} is not allowed{meant}: use {right}")
 
 
 def _unknown_key(path: tuple[str, ...], owner: type[BaseModel]) -> str:

@@ -1,4 +1,4 @@
-"""Say in words what a field of a scene may hold."""
+"""Describe in words what a field of a scene may hold."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ class World(Part):
     """Describe what surrounds the snow."""
 
     gravity: Rate3 = entry(
-        (0.0, 0.0, -9.81), "Acceleration of everything.", "m/s2", "standard gravity, rounded"
+        (0.0, 0.0, -9.81), "Gravitational acceleration.", "m/s2", "standard gravity, rounded"
     )
 
 
@@ -73,62 +73,68 @@ class Numerics(Part):
     """Choose how the equations are solved."""
 
     dx: Real = entry(
-        0.05, "Distance between grid nodes; halve it for eight times the particles.", "m", gt=0, le=1000
+        0.05, "Grid spacing; half of it means eight times as many particles.", "m", gt=0, le=1000
     )
     spline: Literal["quadratic", "cubic"] = entry(
         "quadratic",
-        "B-spline between particles and grid: 27 or 64 nodes a particle.",
+        "B-spline that weights the nodes around a particle: 27 (quadratic) or 64 (cubic).",
         "",
         "cubic: Stomakhin et al. 2013 (as quoted in public codes); quadratic: our choice",
     )
     transfer: Literal["pic", "flip", "apic", "polypic", "asflip"] = entry(
         "apic",
-        'How velocities go to the grid and back: "apic" and "polypic" keep angular momentum, "polypic" finer '
-        'motions too; "flip" blends FLIP and PIC; "asflip" adds APIC to that and lets snow come apart, '
-        'but its energy has no bound; "pic" damps all but translations.',
+        'How velocities are transferred between particles and grid: "apic" and "polypic" conserve angular '
+        'momentum, and "polypic" preserves finer motions too; "flip" blends FLIP and PIC; "asflip" adds APIC '
+        'to that and lets snow separate more freely, but its energy is not bounded; "pic" damps everything '
+        "but translations.",
         "",
         "flip: Stomakhin et al. 2013, apic: Jiang et al. 2015, asflip: Fei et al. 2021 (as quoted in public "
         "codes); polypic: Fu et al. 2017 names the idea, the details are ours; pic: Harlow 1964",
     )
     polypic_modes: Modes = entry(
         8,
-        "Velocity modes of a particle with polypic: 1 is pic, 4 is apic, 8 are the multilinear ones, 27 the "
-        "quadratic ones.",
+        "Velocity modes per particle with polypic: 1 equals pic, 4 equals apic; 8 are the multilinear modes, "
+        "27 the quadratic ones.",
         "1",
         "Fu et al. 2017 name the choices; 8: ours",
     )
     flip_alpha: Real = entry(
-        0.95, "Share of FLIP in the blend of one step; used by flip and asflip.", "1", SSCTS, ge=0, le=1
+        0.95,
+        "Share of FLIP in the velocity update of one step; used by flip and asflip.",
+        "1",
+        SSCTS,
+        ge=0,
+        le=1,
     )
     flip_damping: Literal["off"] | Damping = entry(
         "off",
-        "Rate at which motion that the grid cannot see fades, in place of flip_alpha: alpha = "
-        "exp(-flip_damping dt), so that a change of the time step does not change the look.",
+        "Decay rate of motion that the grid cannot resolve, in place of flip_alpha: alpha = "
+        "exp(-flip_damping dt), so that the damping does not depend on the time step.",
         "1/s",
     )
-    dt: Literal["auto"] | Step = entry(
-        "auto", 'Time step, or "auto" to take the largest that is stable.', "s"
-    )
+    dt: Literal["auto"] | Step = entry("auto", 'Time step, or "auto" for the largest stable one.', "s")
     cfl: Real = entry(
         0.4,
-        "Share of a cell that a wave or a particle may cross in one automatic step; above 0.6 snow can gain "
-        "energy.",
+        "Fraction of a cell that a wave or a particle may cross in one automatic step; above 0.6 snow can "
+        "gain energy.",
         "1",
         gt=0,
         le=0.6,
     )
     strain_max: Real = entry(
         0.25,
-        "Largest change of the deformation, dt |grad v|, in one automatic step.",
+        "Largest change of deformation, dt |grad v|, in one automatic step.",
         "1",
         gt=0,
         le=1,
     )
     dt_max: Real = entry(1e-2, "Largest automatic time step.", "s", gt=0, le=1)
-    precision: Literal["float32", "float64"] = entry("float32", "Number format of particles and grid.", "")
+    precision: Literal["float32", "float64"] = entry(
+        "float32", "Floating-point format of particles and grid.", ""
+    )
     particles_per_cell: Whole = entry(
         8,
-        "Particles in a cell that is full of snow.",
+        "Number of particles in a cell full of snow.",
         "1",
         "8 is two along each axis; our choice",
         ge=1,
@@ -142,12 +148,12 @@ class Numerics(Part):
         "",
         "poisson: Bridson 2007 names the goal; the algorithm is ours",
     )
-    seed: Whole = entry(0, "Seed of everything random.", "1", ge=0, lt=2**32)
+    seed: Whole = entry(0, "Seed of all random numbers.", "1", ge=0, lt=2**32)
     initial_volume: Literal["sampled", "grid"] = entry(
         "sampled",
-        'Volume of a particle: "sampled" shares out the volume of the shape; "grid" measures the density on '
-        "the grid in the first step, where the skin of the snow looks lighter than it is; the steps are then "
-        "a quarter to a third shorter.",
+        'Volume of a particle: "sampled" divides the volume of the shape among its particles; "grid" '
+        "measures the density on the grid in the first step, which comes out too low at the surface; steps "
+        "are then a quarter to a third shorter.",
         "",
         "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes); sampled: our choice, measured",
     )
@@ -162,9 +168,11 @@ class Camera(Part):
     """Place the camera of the film."""
 
     position: Point3 = entry((4.0, -6.0, 2.0), "Where the camera stands.", "m")
-    target: Point3 = entry((0.0, 0.0, 0.5), "What is in the middle of the picture.", "m")
+    target: Point3 = entry((0.0, 0.0, 0.5), "Point in the middle of the picture.", "m")
     fov: Real = entry(35.0, "Vertical angle of view.", "degrees", gt=1, lt=170)
-    up: Point3 = entry((0.0, 0.0, 1.0), "Upward in the picture; not zero, not along the view.", "1")
+    up: Point3 = entry(
+        (0.0, 0.0, 1.0), "Direction that is up in the picture; not zero, not along the view.", "1"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Camera:
@@ -184,9 +192,7 @@ class Light(Part):
     """Set the sun and the sky of the film."""
 
     sun_elevation: Real = entry(30.0, "Height of the sun above the horizon.", "degrees", gt=0, le=90)
-    sun_azimuth: Real = entry(
-        200.0, "Direction in which the sun stands: 0 is +x, 90 is +y.", "degrees", ge=-360, le=360
-    )
+    sun_azimuth: Real = entry(200.0, "Direction of the sun: 0 is +x, 90 is +y.", "degrees", ge=-360, le=360)
     sun_strength: Real = entry(1.0, "Brightness of the sun; 1 is a clear day.", "1", ge=0, le=100)
     sky_strength: Real = entry(1.0, "Brightness of the sky; 1 is a clear day.", "1", ge=0, le=100)
     sun_color: Color = entry((1.0, 0.94, 0.85), "Red, green and blue of the sun.", "1")
@@ -200,7 +206,7 @@ class Run(Part):
     fps: Whole = entry(30, "Frames per simulated second.", "1/s", ge=1, le=10000)
     film: Switch = entry(True, "Whether to make a film.", "")
     fragments: Switch = entry(
-        False, "Whether to count the pieces of broken snow in every frame, in fragments.csv.", ""
+        False, "Whether to count the pieces of broken snow in every frame and write fragments.csv.", ""
     )
 
 
@@ -215,9 +221,9 @@ class Scene(Part):
     numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
     snow: Snow = entry(Snow(), "Snow of all sources.", "")
     sources: tuple[Source, ...] = entry((), "Where snow is at the start: one or more.", "")
-    colliders: tuple[Collider, ...] = entry((), "Bodies that snow meets.", "")
+    colliders: tuple[Collider, ...] = entry((), "Solids that snow meets, at rest or moved by a script.", "")
     bodies: tuple[Rigid, ...] = entry((), "Bodies that snow moves.", "")
-    robots: tuple[Robot, ...] = entry((), "Robots and vehicles from files, which snow moves too.", "")
+    robots: tuple[Robot, ...] = entry((), "Robots and vehicles from files, which snow moves as well.", "")
     camera: Camera = entry(Camera(), "Camera of the film.", "")
     light: Light = entry(Light(), "Light of the film.", "")
     run: Run = entry(Run(), "Length of the run.", "")
@@ -267,7 +273,7 @@ class Scene(Part):
 
 
 def _too_strong(source: SnowSource, most: float) -> tuple[str, str] | None:
-    """Tell when a source multiplies its snow's thresholds by more than `most`: key and end of a sentence."""
+    """Return key and end of the sentence if a source multiplies its snow's thresholds by more than `most`."""
     if source.strongest <= most * (1 + 1e-9):
         return None
     profile = max(source.profile.strength if source.profile else (), default=1.0)

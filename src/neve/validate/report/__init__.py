@@ -1,1 +1,1 @@
-"""Tell results as one HTML page with plots."""
+"""Report results as one HTML page with plots."""

@@ -42,7 +42,7 @@ a { color: #1769aa; text-decoration: none; } a:hover { text-decoration: underlin
 
 
 def page(results: Mapping[str, Result], version: str) -> str:
-    """Return the page. `results` are told in the order in which they come."""
+    """Return the page. `results` are reported in the order in which they come."""
     good = sum(result.ok for result in results.values())
     count = sum(len(result.checks) for result in results.values())
     body = "".join(_section(CASES[name], result) for name, result in results.items())
