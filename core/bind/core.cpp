@@ -80,21 +80,24 @@ NB_MODULE(_core, m) {
       .def_ro("speed", &neve::Report::speed, "Largest particle speed [m/s].")
       .def_ro("fastest", &neve::Report::fastest, "Largest sum of both on one particle [m/s].")
       .def_ro("strain_rate", &neve::Report::strain_rate, "Largest |grad v| [1/s].")
-      .def_ro("press_rate", &neve::Report::press_rate, "Largest -tr grad v [1/s].")
-      .def_ro("leap", &neve::Report::leap, "Longest way in the step [cells].")
-      .def_ro("squeeze", &neve::Report::squeeze, "Smallest det(I + dt grad v).")
+      .def_ro("compression_rate", &neve::Report::compression_rate, "Largest -tr grad v [1/s].")
+      .def_ro("max_displacement", &neve::Report::max_displacement,
+              "Longest way of a particle in the step [cells].")
+      .def_ro("min_volume_ratio", &neve::Report::min_volume_ratio, "Smallest det(I + dt grad v).")
       .def_ro("finite", &neve::Report::finite)
       .def_ro("drifted", &neve::Report::drifted)
-      .def_ro("culprit", &neve::Report::culprit,
-              "Lowest birth number among the particles that refuse the step.")
-      .def_prop_ro("refused", &neve::Report::refused, "The step is not to be taken.");
-  nb::class_<neve::Ahead>(m, "Ahead", "What the nodes' velocities would do to the particles.")
-      .def_ro("speed", &neve::Ahead::speed, "Largest speed of a node [m/s].")
-      .def_ro("spread", &neve::Ahead::spread, "Largest difference of velocities around a home [m/s].")
-      .def_ro("change", &neve::Ahead::change, "Largest change of velocity in the step, if it is kept [m/s].")
-      .def_ro("finite", &neve::Ahead::finite);
-  m.attr("most_leap") = neve::most_leap;
-  m.attr("least_squeeze") = neve::least_squeeze;
+      .def_ro("offending_id", &neve::Report::offending_id,
+              "Lowest birth number among the particles that make the step unacceptable.")
+      .def_prop_ro("rejected", &neve::Report::rejected, "The step must not be taken.");
+  nb::class_<neve::GridReport>(m, "GridReport", "What the nodes' velocities would do to the particles.")
+      .def_ro("speed", &neve::GridReport::speed, "Largest speed of a node [m/s].")
+      .def_ro("max_velocity_difference", &neve::GridReport::max_velocity_difference,
+              "Largest difference of velocities around a home [m/s].")
+      .def_ro("max_velocity_change", &neve::GridReport::max_velocity_change,
+              "Largest change of velocity in the step, if it is kept [m/s].")
+      .def_ro("finite", &neve::GridReport::finite);
+  m.attr("displacement_limit") = neve::displacement_limit;
+  m.attr("volume_ratio_limit") = neve::volume_ratio_limit;
   nb::class_<neve::Totals>(m, "Totals", "Sums over all particles, in double.")
       .def_ro("mass", &neve::Totals::mass)
       .def_prop_ro("momentum",

@@ -5,7 +5,7 @@
 #include "coupling/swept_contact.hpp"
 #include "mpm/grid_update.hpp"
 #include "mpm/material.hpp"
-#include "mpm/time_step.hpp"
+#include "mpm/report.hpp"
 #include "mpm/transfer/weights.hpp"
 
 namespace neve {
@@ -16,7 +16,7 @@ namespace detail {
 template <class R>
 struct Extremes {
   using T = scalar_t<R>;
-  R wave{}, speed{}, fastest{}, rate2{}, press{}, leap2{}, squeeze = splat<R>(1);
+  R wave{}, speed{}, fastest{}, rate2{}, compression{}, displacement2{}, min_volume_ratio = splat<R>(1);
   bool finite = true;
 
   // `sum` gathers all numbers of a particle: it is finite only if they all are.
@@ -32,7 +32,7 @@ struct Extremes {
     speed = max(s, speed);
     fastest = max(c + s, fastest);
     rate2 = max(select(here, rate, R{}), rate2);
-    press = max(select(here, R(-grad_v.c0.x - grad_v.c1.y - grad_v.c2.z), R{}), press);
+    compression = max(select(here, R(-grad_v.c0.x - grad_v.c1.y - grad_v.c2.z), R{}), compression);
     finite = finite && !any(all - all != R{});
   }
   Report report() const {
@@ -41,9 +41,9 @@ struct Extremes {
     r.speed = static_cast<double>(max_lane(speed));
     r.fastest = static_cast<double>(max_lane(fastest));
     r.strain_rate = std::sqrt(static_cast<double>(max_lane(rate2)));
-    r.press_rate = static_cast<double>(max_lane(press));
-    r.leap = std::sqrt(static_cast<double>(max_lane(leap2)));
-    r.squeeze = -static_cast<double>(max_lane(-squeeze));
+    r.compression_rate = static_cast<double>(max_lane(compression));
+    r.max_displacement = std::sqrt(static_cast<double>(max_lane(displacement2)));
+    r.min_volume_ratio = -static_cast<double>(max_lane(-min_volume_ratio));
     r.finite = finite;
     return r;
   }
@@ -90,7 +90,7 @@ class HomeGather {
     }
     Report r = extremes_.report();
     r.drifted = drifted_;
-    r.culprit = culprit_;
+    r.offending_id = offending_id_;
     return r;
   }
 
@@ -188,23 +188,23 @@ class HomeGather {
     const auto here = first_lanes<R>(count);
     const R sum = sum_of(x) + sum_of(v) + sum_of(mapped.F_E) + mapped.J_P + mapped.stress.modulus;
     extremes_.add(state_, p, count, v, mapped.stress.modulus, grad_v, sum);
-    const R leap2 = select(here, dot(way, way) * (frame_.inv_dx * frame_.inv_dx), R{});
-    const R squeeze = select(here, determinant(identity<R>() + scaled(grad_v, dt_)), splat<R>(1));
-    extremes_.leap2 = max(leap2, extremes_.leap2);
-    extremes_.squeeze = min(squeeze, extremes_.squeeze);
-    const auto good =
-        (sum - sum == R{}) & (leap2 <= T(most_leap * most_leap)) & (squeeze >= T(least_squeeze));
+    const R displacement2 = select(here, dot(way, way) * (frame_.inv_dx * frame_.inv_dx), R{});
+    const R min_volume_ratio = select(here, determinant(identity<R>() + scaled(grad_v, dt_)), splat<R>(1));
+    extremes_.displacement2 = max(displacement2, extremes_.displacement2);
+    extremes_.min_volume_ratio = min(min_volume_ratio, extremes_.min_volume_ratio);
+    const auto good = (sum - sum == R{}) & (displacement2 <= T(displacement_limit * displacement_limit)) &
+                      (min_volume_ratio >= T(volume_ratio_limit));
     const R bad = select(here, select(good, R{}, splat<R>(1)), R{});
-    if (any(bad > R{})) find_culprit(p, count, bad);
+    if (any(bad > R{})) find_offender(p, count, bad);
     for (int a = 0; a < 3; ++a) {
       const R u = frame_.local(x[a], a);
       drifted_ = drifted_ || any(here & ((u < T(0)) | (u >= T(S::reach))));
     }
   }
 
-  void find_culprit(std::size_t p, int count, R bad) {
+  void find_offender(std::size_t p, int count, R bad) {
     for (int l = 0; l < count; ++l) {
-      if (bad[l] > T(0)) culprit_ = std::min(culprit_, state_.id[p + static_cast<std::size_t>(l)]);
+      if (bad[l] > T(0)) offending_id_ = std::min(offending_id_, state_.id[p + static_cast<std::size_t>(l)]);
     }
   }
 
@@ -221,7 +221,7 @@ class HomeGather {
   Stencils<T, S, X::From::count> stencils_;
   Extremes<R> extremes_;
   bool drifted_ = false;
-  std::uint32_t culprit_ = Report::nobody;
+  std::uint32_t offending_id_ = Report::nobody;
   alignas(64) T sums_[X::modes + X::has_change][4 * L];  // of each mode; then of the change
 };
 

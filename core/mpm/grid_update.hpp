@@ -5,8 +5,8 @@
 
 #include "coupling/body_solver.hpp"
 #include "mpm/model.hpp"
+#include "mpm/report.hpp"
 #include "mpm/stencil.hpp"
-#include "mpm/time_step.hpp"
 #include "threads.hpp"
 
 namespace neve {
@@ -109,7 +109,7 @@ struct BlockUpdate {
       for (int n = 0; n < 64 && !near.empty(); n += lane_count<T>)
         collide_nodes(near, coord(grid, b), n, node + 4 * n, change + 4 * n, exchange);
     }
-    look_ahead(grid, b);
+    bound_velocities(grid, b);
     return false;
   }
 
@@ -138,7 +138,7 @@ struct BlockUpdate {
           });
       store_nodes(node + 4 * nodes.first, change + 4 * nodes.first, nodes.v, v, nodes.m);
     }
-    look_ahead(grid, all.block);
+    bound_velocities(grid, all.block);
   }
 
  private:
@@ -158,7 +158,7 @@ struct BlockUpdate {
                        T(3.2) * dx);  // half a block's diagonal, and the widest margin
   }
 
-  void look_ahead(Grid<T>& grid, std::int32_t b) const {
+  void bound_velocities(Grid<T>& grid, std::int32_t b) const {
     grid.bounds[static_cast<std::size_t>(b)] =
         bounds_of(grid.node(b), change_of(grid, b), grid.lightest * T(1e-3));
   }
@@ -213,26 +213,27 @@ void solve_bodies(Model<T>& model, Grid<T>& grid, const BlockUpdate<T>& update,
 
 // The differences of velocity that a home's particles can see.
 template <class T>
-Ahead ahead_of(const Grid<T>& grid, const Home& home) {
+GridReport grid_report_of(const Grid<T>& grid, const Home& home) {
   constexpr T far = std::numeric_limits<T>::max();
   Vec3<T> low{far, far, far}, high{-far, -far, -far};
-  Ahead out;
+  GridReport out;
   for (std::int32_t b : home.nodes) {
     const BlockBounds<T>& bounds = grid.bounds[static_cast<std::size_t>(b)];
     for (int k = 0; k < 3; ++k) {
       low[k] = std::min(low[k], bounds.low[k]);
       high[k] = std::max(high[k], bounds.high[k]);
     }
-    out.change = std::max(out.change, std::sqrt(3.0) * static_cast<double>(bounds.change));
+    out.max_velocity_change =
+        std::max(out.max_velocity_change, std::sqrt(3.0) * static_cast<double>(bounds.change));
     out.finite = out.finite && bounds.finite;
   }
-  double spread2 = 0, speed2 = 0;
+  double difference2 = 0, speed2 = 0;
   for (int k = 0; k < 3; ++k) {
     const double l = low[k], h = high[k];
-    spread2 += (h - l) * (h - l);
+    difference2 += (h - l) * (h - l);
     speed2 += std::max(l * l, h * h);
   }
-  out.spread = std::sqrt(spread2);
+  out.max_velocity_difference = std::sqrt(difference2);
   out.speed = std::sqrt(speed2);
   return out;
 }
@@ -242,7 +243,7 @@ Ahead ahead_of(const Grid<T>& grid, const Home& home) {
 // Turn momenta into velocities at the end of the step, and look at what they would do to the particles. Bodies
 // get the velocities that they will have then.
 template <class T>
-Ahead grid_update(Model<T>& model, Grid<T>& grid, double dt) {
+GridReport grid_update(Model<T>& model, Grid<T>& grid, double dt) {
   const detail::BlockUpdate<T> update(model, dt, grid.has_change);
   const auto blocks = static_cast<std::int64_t>(grid.blocks.size());
   std::vector<char> waits(grid.blocks.size());
@@ -252,8 +253,8 @@ Ahead grid_update(Model<T>& model, Grid<T>& grid, double dt) {
   for (std::int64_t b = 0; b < blocks; ++b)
     waits[static_cast<std::size_t>(b)] = update.block(grid, static_cast<std::int32_t>(b));
   if (!model.bodies.solids.empty()) detail::solve_bodies(model, grid, update, waits, dt);
-  return merge_each<Ahead>(grid.homes.size(),
-                           [&](std::size_t h) { return detail::ahead_of(grid, grid.homes[h]); });
+  return merge_each<GridReport>(grid.homes.size(),
+                                [&](std::size_t h) { return detail::grid_report_of(grid, grid.homes[h]); });
 }
 
 }  // namespace neve

@@ -13,18 +13,18 @@ class Report:
     speed: float
     fastest: float
     strain_rate: float
-    press_rate: float
-    leap: float
-    squeeze: float
+    compression_rate: float
+    max_displacement: float
+    min_volume_ratio: float
     finite: bool
     drifted: bool
-    culprit: int
-    refused: bool
+    offending_id: int
+    rejected: bool
 
-class Ahead:
+class GridReport:
     speed: float
-    spread: float
-    change: float
+    max_velocity_difference: float
+    max_velocity_change: float
     finite: bool
 
 class Totals:
@@ -188,7 +188,7 @@ class Precision(Protocol):
     def refresh(self, model: _Model, state: _State, /) -> Report: ...
     def p2g(self, model: _Model, state: _State, grid: _Grid, dt: float, /) -> None: ...
     def volumes_from_grid(self, model: _Model, state: _State, grid: _Grid, /) -> None: ...
-    def grid_update(self, model: _Model, grid: _Grid, dt: float, /) -> Ahead: ...
+    def grid_update(self, model: _Model, grid: _Grid, dt: float, /) -> GridReport: ...
     def g2p(self, model: _Model, state: _State, grid: _Grid, dt: float, commit: bool = True) -> Report: ...
     def totals(self, model: _Model, state: _State, /) -> Totals: ...
     def first_not_finite(self, state: _State, /) -> int: ...
@@ -207,8 +207,8 @@ class Precision(Protocol):
         strength: Reals | None = None,
     ) -> tuple[Reals, Reals, Reals, Reals, Reals]: ...
 
-most_leap: float
-least_squeeze: float
+displacement_limit: float
+volume_ratio_limit: float
 geometry: Geometry
 f32: Precision
 f64: Precision

@@ -47,16 +47,16 @@ def no_step(
     model: Model, state: State, report: Report, tried: int, steps: int, time: float, dt: float
 ) -> Blowup:
     """Return the Blowup of a step that was refused `tried` times, the last time with dt [s]."""
-    rows = np.flatnonzero(np.asarray(state.id) == report.culprit)
+    rows = np.flatnonzero(np.asarray(state.id) == report.offending_id)
     who = _name(model, state, int(rows[0])) if len(rows) else "a particle"
     if not report.finite:
         what = "would have no finite value"
-    elif report.leap > _core.most_leap:
-        what = f"would leap {report.leap:.3g} cells"
-    elif report.squeeze >= _core.least_squeeze:  # by the limits of neve.mpm.caution
+    elif report.max_displacement > _core.displacement_limit:
+        what = f"would leap {report.max_displacement:.3g} cells"
+    elif report.min_volume_ratio >= _core.volume_ratio_limit:  # by the limits of neve.mpm.caution
         what = f"would be strained by {report.strain_rate * dt:.2g}"
     else:
-        what = f"would be pressed to {max(report.squeeze, 0.0):.2g} of its volume"
+        what = f"would be pressed to {max(report.min_volume_ratio, 0.0):.2g} of its volume"
     return Blowup(
         f"{who} {what} in step {steps + 1} (t = {time:.6g} s), even with a step {2 ** (tried - 1)} "
         f"times shorter (dt = {dt:.3g} s): {remedy(model)}"

@@ -7,10 +7,10 @@ energy than the step's work (`Model.press_limit`). Nothing has been moved by the
 were, so that a refused step needs no copy of the state to go back to.
 
 Most steps need no closer look. After the grid update the velocities of the nodes around a particle differ by
-`spread` at most, and |grad v| <= sqrt(3) spread / dx. For affine transfers row a of grad v is
-D^-1 sum_i w_ip v_ia (x_i - x_p); with v_ia measured from the middle of its range, |v_ia| <= spread_a / 2,
-an entry is at most spread_a / dx, since sum_i w_ip |x_i - x_p|_b <= sqrt(D). For gradients of weights an
-entry is at most (spread_a / 2) sum |w'| <= spread_a / dx. `spread` leaves out nodes lighter than a
+d = `max_velocity_difference` at most, and |grad v| <= sqrt(3) d / dx. For affine transfers row a of grad v is
+D^-1 sum_i w_ip v_ia (x_i - x_p); with v_ia measured from the middle of its range, |v_ia| <= d_a / 2,
+an entry is at most d_a / dx, since sum_i w_ip |x_i - x_p|_b <= sqrt(D). For gradients of weights an
+entry is at most (d_a / 2) sum |w'| <= d_a / dx. It leaves out nodes lighter than a
 thousandth of the lightest particle, so it is an estimate; the particles' own rates of the last step, which
 lone particles keep, are looked at besides. Only when an estimate comes near a limit is g2p run once without
 moving anything. How far snow will be pressed is judged by the last step alone: the first step of an impact
@@ -28,7 +28,7 @@ from neve.mpm.solver import step
 from neve.mpm.time_step import longest_stable
 
 if TYPE_CHECKING:
-    from neve._core import Ahead, Grid, Report, State
+    from neve._core import Grid, GridReport, Report, State
     from neve.model import Model
 
 MOST_TRIES = 24
@@ -79,16 +79,16 @@ def careful_step(
     raise no_step(model, state, report, MOST_TRIES, steps, time, 2.0 * dt)
 
 
-def is_bold(ahead: Ahead, before: Report, dt: float, model: Model) -> bool:
+def is_bold(ahead: GridReport, before: Report, dt: float, model: Model) -> bool:
     """Tell whether a step of dt [s] might have to be refused.
 
     A particle moves with a mean of node velocities, or, in transfers that blend FLIP in, with its own
     velocity and a mean of the nodes' changes.
     """
     per_cell = dt / model.numerics.dx
-    strain = max(math.sqrt(3.0) * ahead.spread * per_cell, before.strain_rate * dt)
-    press = before.press_rate * dt
-    leap = max(ahead.speed, before.speed + ahead.change) * per_cell
+    strain = max(math.sqrt(3.0) * ahead.max_velocity_difference * per_cell, before.strain_rate * dt)
+    press = before.compression_rate * dt
+    leap = max(ahead.speed, before.speed + ahead.max_velocity_change) * per_cell
     calm = (
         strain <= min(_SAFE_STRAIN, 0.9 * _most_strain(model))
         and press <= 0.9 * model.press_limit
@@ -100,7 +100,7 @@ def is_bold(ahead: Ahead, before: Report, dt: float, model: Model) -> bool:
 def is_too_much(report: Report, dt: float, model: Model) -> bool:
     """Tell whether a step of dt [s] that was tried has to be refused."""
     strained = report.strain_rate * dt > _most_strain(model)
-    return report.refused or strained or report.press_rate * dt > model.press_limit
+    return report.rejected or strained or report.compression_rate * dt > model.press_limit
 
 
 def _most_strain(model: Model) -> float:

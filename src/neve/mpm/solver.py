@@ -11,7 +11,7 @@ from neve.mpm.blowup import Blowup, remedy
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from neve._core import Ahead, Grid, Report, State
+    from neve._core import Grid, GridReport, Report, State
 
 STAGES = ("stress", "sort", "p2g", "grid", "g2p", "bodies")
 
@@ -22,7 +22,7 @@ def step(
     grid: Grid,
     dt: float,
     seconds: dict[str, float],
-    is_bold: Callable[[Ahead], bool] = lambda ahead: False,
+    is_bold: Callable[[GridReport], bool] = lambda ahead: False,
     is_too_much: Callable[[Report], bool] = lambda report: False,
 ) -> tuple[Report, bool]:
     """Advance the state by dt [s]; add the time of each stage to `seconds`.

@@ -46,8 +46,8 @@ def longest_stable(model: Model, report: Report) -> Choice:
         best = Choice(numerics.cfl * numerics.dx / model.solid_speed, "solid")
     if report.strain_rate * best.dt > numerics.strain_max:
         best = Choice(numerics.strain_max / report.strain_rate, "strain")
-    if report.press_rate * best.dt > 0.5 * model.press_limit:
-        best = Choice(0.5 * model.press_limit / report.press_rate, "strain")
+    if report.compression_rate * best.dt > 0.5 * model.press_limit:
+        best = Choice(0.5 * model.press_limit / report.compression_rate, "strain")
     return best
 
 
