@@ -46,12 +46,8 @@ class Painter:
         """Return the image of a frame, (height, width, 3)."""
         from neve.geometry.pose import Pose
 
-        still = np.zeros(3)
-        poses = zip(content.body_position, content.body_rotation, strict=True)
-        bodies = [
-            (solid, Pose(position.astype(np.float64), rotation.astype(np.float64), still, still))
-            for solid, (position, rotation) in zip(self._solids, poses, strict=True)
-        ]
+        places = zip(self._solids, content.body_position, content.body_rotation, strict=True)
+        bodies = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in places]
         return self._preview.draw(content.x, bodies, J_P=content.J_P)
 
 

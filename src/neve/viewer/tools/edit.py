@@ -10,7 +10,8 @@ from neve.scene.reading.paths import follow
 from neve.scene.schema.allowed import part, shapes, table_of_list
 from neve.scene.schema.scene import Scene, Source
 from neve.viewer.protocol.commands import Add, Move
-from neve.viewer.protocol.panel import below, checked, entry_lists, lists
+from neve.viewer.tools.change import below, checked
+from neve.viewer.tools.panel import entry_lists, lists
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:
@@ -49,8 +50,8 @@ def added(scene: Scene, command: Add) -> tuple[Scene, Source | None]:
         entry["center"] = [command.at[0], command.at[1], command.at[2] + (0.0 if file else 0.5 * size)]
     tables = tables_of(scene)
     tables.setdefault(command.kind, []).append(entry)
-    wish = checked(tables)
-    return wish, wish.sources[-1] if command.kind == "sources" else None
+    new_scene = checked(tables)
+    return new_scene, new_scene.sources[-1] if command.kind == "sources" else None
 
 
 def deleted(scene: Scene, name: str) -> Scene:
@@ -101,7 +102,7 @@ def below_model(scene: Scene, keys: list[str], path: str) -> Any:
 
 
 def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any = (0.0, 0.0, 0.0)) -> Scene:
-    """Return the scene with a collider or a body where `move` has it, without keyframes, moving as told.
+    """Return the scene with a collider or a body where `move` has it, without keyframes, moving as given.
 
     velocity [m/s] and spin [rad/s] of a collider count from t = 0, as in a scene. Errors: SceneError.
     """
