@@ -97,13 +97,13 @@ class Preview:
 
     def _body(self, solid: Solid, pose: Pose) -> _render.Body:
         """Translate a solid and its pose for the renderer."""
-        ground = solid.shape in ("plane", "terrain") and solid.color is None and solid.finish is None
+        ground = solid.endless and solid.color is None and solid.finish is None
         x, y, z = (float(a) for a in pose.position)
         a, b, c = (float(h) for h in solid.half)
         rotation = [float(r) for r in np.asarray(pose.rotation).ravel()]
         stuff = "ground" if ground else solid.finish or "paint"
         color = solid.color or STEEL
-        mesh = self._mesh(solid) if solid.shape in ("mesh", "terrain") else None
+        mesh = self._mesh(solid) if solid.mesh or solid.terrain else None
         return _render.Body(
             "mesh" if mesh else solid.shape,
             (x, y, z),

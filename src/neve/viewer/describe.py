@@ -11,8 +11,8 @@ from neve.colliders.solid import Solid
 from neve.render.preview import SKY, STEEL, SUN, cell_size, sun_direction
 from neve.scene.reading.files import own_files
 from neve.scene.reading.load import preset_about, presets
-from neve.scene.schema.allowed import shapes
 from neve.scene.schema.scene import Light, Scene
+from neve.scene.schema.tables import shapes
 from neve.viewer.modes import described
 from neve.viewer.players.player import Player
 from neve.viewer.protocol import messages
@@ -73,7 +73,7 @@ def _solid(solid: Solid) -> messages.Solid:
         "half": messages.vector(solid.half),
         "color": messages.vector(solid.color or STEEL),
         "visible": solid.visible,
-        "ground": solid.shape in ("plane", "terrain") and solid.color is None,
+        "ground": solid.endless and solid.color is None,
     }
     if solid.shape == "mesh" and solid.mesh is not None:
         drawn["mesh"] = _mesh(solid.mesh.vertices, solid.mesh.faces)

@@ -11,8 +11,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from neve.scene.reading.paths import follow
-from neve.scene.schema.allowed import allowed, choices, part, shapes, table_of_list, words
+from neve.scene.schema.allowed import allowed, choices, part, words
 from neve.scene.schema.scene import Scene
+from neve.scene.schema.tables import shapes, table_of_list
 from neve.spelling import hint, nearest
 
 ALSO_CALLED = {

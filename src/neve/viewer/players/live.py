@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.load import load, presets
-from neve.scene.schema.scene import Scene, SnowSphere
+from neve.scene.schema.scene import Scene, Source
 from neve.simulation import Simulation
 from neve.viewer.modes import MODES
 from neve.viewer.players.player import WAIT, Player
@@ -301,7 +301,8 @@ class Live(Player):
         if many > MOST_THROWN:
             raise SceneError(f"a ball of {throw.radius:g} m has {many:.2g} particles: throw a smaller one")
         way = [a / norm for a in throw.direction]
-        ball = SnowSphere(
+        ball = Source.of(
+            "sphere",
             center=tuple(o + 2 * throw.radius * w for o, w in zip(throw.origin, way, strict=True)),
             radius=throw.radius,
             velocity=tuple(throw.speed * w for w in way),

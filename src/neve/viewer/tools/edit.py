@@ -7,8 +7,9 @@ from typing import Any
 from neve.scene.errors import SceneError
 from neve.scene.reading.files import OWN, own_files
 from neve.scene.reading.paths import follow
-from neve.scene.schema.allowed import part, shapes, table_of_list
+from neve.scene.schema.allowed import part
 from neve.scene.schema.scene import Scene, Source
+from neve.scene.schema.tables import shapes, table_of_list
 from neve.viewer.protocol.commands import Add, Move
 from neve.viewer.tools.change import below, checked
 from neve.viewer.tools.panel import entry_lists, lists
@@ -114,7 +115,7 @@ def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any 
     entry = getattr(scene, kind)[index]
     if getattr(entry, "joint", "free") != "free":
         raise SceneError(f"{move.name} hangs on a joint and cannot be dragged")
-    change: dict[str, Any] = {"point" if entry.shape == "plane" else "center": tuple(move.position)}
+    change: dict[str, Any] = {entry.place_key: tuple(move.position)}
     if move.rotation is not None and hasattr(entry, "rotation"):
         change["rotation"] = tuple(move.rotation)
     change |= {"velocity": tuple(velocity), "spin": tuple(spin)}
