@@ -135,3 +135,7 @@ class Text(Shape):
         if not self.text.strip():
             raise wrong("text", "must hold at least one letter that is not a space")
         return self
+
+
+FROM_FILES: tuple[type[Shape], ...] = (Text, Mesh, Terrain)
+"""The shapes that are read from files."""

@@ -8,12 +8,11 @@ from pydantic import Field, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema
 
 from neve.scene.schema.fields import CONTACT, MODES, Color, Finish, Part, Real, Switch, entry
-from neve.scene.schema.file_shapes import Mesh, Terrain, Text
-from neve.scene.schema.shapes import Box, Cylinder, Layer, Plane, Shape, Sphere
+from neve.scene.schema.file_shapes import FROM_FILES
+from neve.scene.schema.shapes import FORMULAS, Shape
 
 SHAPES: dict[str, type[Shape]] = {
-    shape.model_fields["shape"].default: shape
-    for shape in (Plane, Box, Sphere, Cylinder, Layer, Text, Mesh, Terrain)
+    shape.model_fields["shape"].default: shape for shape in (*FORMULAS, *FROM_FILES)
 }
 """Every shape by its word, in the order of messages and documents."""
 

@@ -328,3 +328,7 @@ class Layer(Shape):
     def depth_of(half: Array, x: Array) -> Array:
         """Return the distance from its top [m]."""
         return np.asarray(half[2] - x[:, 2])
+
+
+FORMULAS: tuple[type[Shape], ...] = (Plane, Box, Sphere, Cylinder, Layer)
+"""The shapes that are given by a formula."""
