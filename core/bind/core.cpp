@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 
+#include "bind/choices.hpp"
 #include "mpm/particles.hpp"
 
 namespace nb = nanobind;
@@ -108,6 +109,7 @@ NB_MODULE(_core, m) {
       .def_ro("affine", &neve::Totals::affine)
       .def_ro("elastic", &neve::Totals::elastic)
       .def_ro("potential", &neve::Totals::potential);
+  neve::bind::bind_choices(m);
   auto geometry =
       m.def_submodule("geometry", "Bodies of triangles, their signed distance, ground from heights.");
   neve::bind::bind_geometry(geometry);

@@ -32,7 +32,7 @@ void write_matrices(T* rows, const Mat3<Lanes<T>>& a, int count) {
 template <class T>
 using Matrices = In<T, nb::shape<-1, 3, 3>>;
 template <class T>
-using Numbers = In<T, nb::shape<-1>>;
+using Reals = In<T, nb::shape<-1>>;
 
 template <class T>
 nb::tuple svd(const Matrices<T>& F) {
@@ -56,7 +56,7 @@ nb::tuple svd(const Matrices<T>& F) {
 }
 
 template <class T, class S>
-nb::tuple weights_of(const Numbers<T>& x) {
+nb::tuple weights_of(const Reals<T>& x) {
   const std::size_t n = x.shape(0), K = S::nodes;
   std::int32_t* base;
   T *w, *dw;
@@ -73,8 +73,8 @@ nb::tuple weights_of(const Numbers<T>& x) {
 
 // Pack by pack: the return map of one snow, and the energy of the new state.
 template <class T>
-nb::tuple law_of(const std::string& name, const std::string& plasticity, const Constants& constants,
-                 const Matrices<T>& F, const Numbers<T>& J_P, const std::optional<Numbers<T>>& strength) {
+nb::tuple law_of(const std::string& name, const std::string& plasticity, const Numbers& constants,
+                 const Matrices<T>& F, const Reals<T>& J_P, const std::optional<Reals<T>>& strength) {
   using R = Lanes<T>;
   const std::size_t n = F.shape(0);
   if (J_P.shape(0) != n || (strength && strength->shape(0) != n))
@@ -108,7 +108,7 @@ nb::tuple law_of(const std::string& name, const std::string& plasticity, const C
 
 // One function of the lane packs on every number of an array.
 template <class T, class F>
-View<T> each_lane(const Numbers<T>& x, F&& f) {
+View<T> each_lane(const Reals<T>& x, F&& f) {
   using R = Lanes<T>;
   const std::size_t n = x.shape(0);
   T* y;
@@ -121,7 +121,7 @@ View<T> each_lane(const Numbers<T>& x, F&& f) {
 }
 
 template <class T>
-View<T> function_of(const std::string& name, const Numbers<T>& x) {
+View<T> function_of(const std::string& name, const Reals<T>& x) {
   if (name == "exp") return each_lane<T>(x, [](auto a) { return exp(a); });
   if (name == "expm1") return each_lane<T>(x, [](auto a) { return expm1(a); });
   if (name == "log1p") return each_lane<T>(x, [](auto a) { return log1p(a); });
@@ -136,10 +136,9 @@ void bind_material_point(nb::module_& m) {
   m.def("svd", &svd<T>, nb::arg("F"), "Polar SVD of F (n, 3, 3): rotations U and V, singular values (n, 3).");
   m.def(
       "weights",
-      [](const std::string& spline, const Numbers<T>& x) {
-        if (spline == "cubic") return weights_of<T, Cubic>(x);
-        if (spline == "quadratic") return weights_of<T, Quadratic>(x);
-        throw nb::value_error("spline: 'quadratic' or 'cubic'");
+      [](const std::string& spline, const Reals<T>& x) {
+        return with_spline(place_of(Splines{}, spline, "spline"),
+                           [&](auto found) { return weights_of<T, decltype(found)>(x); });
       },
       nb::arg("spline"), nb::arg("x"), "First node (n,), weights and derivatives (n, K) at x (n,) in cells.");
   m.def(

@@ -13,19 +13,6 @@
 
 namespace neve::bind {
 
-inline Spline spline_of(const std::string& s) {
-  return word<Spline>(s, {{"quadratic", Spline::quadratic}, {"cubic", Spline::cubic}}, "spline");
-}
-inline Transfer transfer_of(const std::string& s) {
-  return word<Transfer>(s,
-                        {{"pic", Transfer::pic},
-                         {"flip", Transfer::flip},
-                         {"apic", Transfer::apic},
-                         {"polypic", Transfer::polypic},
-                         {"asflip", Transfer::asflip}},
-                        "transfer");
-}
-
 template <class T>
 void bind_model(nb::module_& m) {
   using M = Model<T>;
@@ -37,8 +24,8 @@ void bind_model(nb::module_& m) {
          if (polypic_modes != 1 && polypic_modes != 4 && polypic_modes != 8 && polypic_modes != 27)
            throw nb::value_error("polypic_modes: 1, 4, 8 or 27");
          new (self) M{dx,
-                      spline_of(spline),
-                      transfer_of(transfer),
+                      place_of(Splines{}, spline, "spline"),
+                      place_of(Transfers{}, transfer, "transfer"),
                       polypic_modes,
                       flip_alpha,
                       flip_damping,
@@ -49,10 +36,22 @@ void bind_model(nb::module_& m) {
        },
        nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"),
        nb::arg("polypic_modes") = 8, nb::arg("flip_damping") = -1.0)
+      .def_prop_ro("keeps_C", &keeps_C<T>, "Whether particles carry an affine velocity.")
+      .def(
+          "max_compression",
+          [](const M& self, double strongest) {
+            double least = std::numeric_limits<double>::infinity();
+            for (const Snow& snow : self.snows) least = std::min(least, max_compression(snow, strongest));
+            return least;
+          },
+          nb::arg("strongest"),
+          "How far one step may compress any of the snows, -dt tr grad v [1], before hardening stores more "
+          "than "
+          "the work of the step; strongest: the largest factor on the thresholds of any particle [1].")
       .def_prop_ro("more_modes", &more_modes<T>, "How many velocity modes a particle has beyond v and C.")
       .def(
           "add_snow",
-          [](M& self, const std::string& law, const std::string& plasticity, const Constants& constants) {
+          [](M& self, const std::string& law, const std::string& plasticity, const Numbers& constants) {
             self.snows.push_back(snow_of(law, plasticity, constants));
           },
           nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"), "Add a row to the material table.")

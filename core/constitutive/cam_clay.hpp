@@ -21,6 +21,62 @@
 namespace neve {
 
 struct CamClay : HenckyFlow {
+  static constexpr Word word{"cam_clay", "snow that compacts, with cohesion",
+                             "Gaume et al. 2018 and Li et al. 2021 (as quoted in public codes)",
+                             "gaume2018 li2020"};
+
+  struct Constants : ElasticConstants {
+    double xi, M, beta, p0, J_P_min, J_P_max;
+  };
+  static constexpr const char* paper = "Li et al. 2021, case I (as quoted in a public code)";
+  static constexpr Constant<Constants> constants[] = {
+      rho0_of<Constants>(250, paper),
+      E0_of<Constants>(3e6, paper),
+      nu_of<Constants>(0.3, paper),
+      {"xi",
+       &Constants::xi,
+       1,
+       "1",
+       {1e-4, 100},  // the plastic strain at the start is asinh(p0 / K) / xi
+       {1e-3, 100.0},
+       Role::plastic,
+       paper,
+       "Hardening; larger is more brittle."},
+      {"M",
+       &Constants::M,
+       0.5,
+       "1",
+       {0, 3, true},
+       {0.1, 3.0},
+       Role::plastic,
+       paper,
+       "Slope of the critical state line: shear stress over pressure."},
+      {"beta",
+       &Constants::beta,
+       0,
+       "1",
+       {0, 1},
+       {0.0, 1.0},
+       Role::plastic,
+       paper,
+       "Cohesion: strength in tension over strength in compression."},
+      {"p0",
+       &Constants::p0,
+       3e3,
+       "Pa",
+       {0, 1e9, true},
+       {1.0, 1e9},
+       Role::threshold,
+       paper,
+       "Pressure that crushes at the start, at most a tenth of the bulk modulus."},
+      J_P_min_of<Constants>(0.6),
+      J_P_max_of<Constants>(20),
+  };
+
+  static double most_strength(const Constants& c) { return most_yield * c.E0 / (3 * (1 - 2 * c.nu)) / c.p0; }
+
+  static double hardening_exponent(const Constants& c) { return -c.xi * std::log(c.J_P_min); }
+
   template <class R>
   struct Parameters {
     R mu, lam, start, xi, beta, aspect, k, J_P_min, J_P_max;
@@ -30,17 +86,18 @@ struct CamClay : HenckyFlow {
   template <class R>
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
-    const Lame c = lame(snow);
-    const double slope2 = snow.M * snow.M / (1 + 2 * snow.beta);
+    const auto given = snow.constants<Constants>();
+    const Lame c = lame(given);
+    const double slope2 = given.M * given.M / (1 + 2 * given.beta);
     return {stiffness * T(c.mu),
             stiffness * T(c.lam),
-            asinh_positive(R(strength * T(snow.p0 / c.K) / stiffness)),
-            splat<R>(T(snow.xi)),
-            splat<R>(T(snow.beta)),
+            asinh_positive(R(strength * T(given.p0 / c.K) / stiffness)),
+            splat<R>(T(given.xi)),
+            splat<R>(T(given.beta)),
             splat<R>(T(std::sqrt(slope2 / 6) * c.K / c.mu)),
             splat<R>(T(slope2 * c.K / (3 * c.mu))),
-            splat<R>(T(snow.J_P_min)),
-            splat<R>(T(snow.J_P_max))};
+            splat<R>(T(given.J_P_min)),
+            splat<R>(T(given.J_P_max))};
   }
 
   // p0 / K. The upper bound, sinh(80), is where the numbers of float32 end.

@@ -16,6 +16,51 @@
 namespace neve {
 
 struct DruckerPrager : HenckyFlow {
+  static constexpr Word word{"drucker_prager", "loose grains with friction and a little cohesion",
+                             "Klar et al. 2016 (as quoted in public codes)", "klar2016"};
+
+  struct Constants : ElasticConstants {
+    double friction_angle, cohesion, J_P_max;  // [degrees], [Pa], [1]
+    double sine;                               // of friction_angle: laws make their parameters for every pack
+  };
+  static void complete(Constants& c) { c.sine = std::sin(c.friction_angle * (3.14159265358979323846 / 180)); }
+
+  static constexpr const char* paper = "Klar et al. 2016 for the law; value: our choice";
+  static constexpr Constant<Constants> constants[] = {
+      rho0_of<Constants>(400, paper),
+      E0_of<Constants>(3.5e5, paper),
+      nu_of<Constants>(0.3, paper),
+      {"friction_angle",
+       &Constants::friction_angle,
+       35,
+       "degrees",
+       {1, 80},
+       {1.0, 80.0},
+       Role::plastic,
+       paper,
+       "Angle of internal friction."},
+      {"cohesion",
+       &Constants::cohesion,
+       0,
+       "Pa",
+       {0, 1e9},
+       {1.0, 1e9},
+       Role::threshold,
+       paper,
+       "Shear strength at no pressure; cohesion / tan(friction_angle) is at most a tenth of the bulk "
+       "modulus."},
+      J_P_max_of<Constants>(20, "snow torn apart further bears load again before all that room is closed."),
+  };
+
+  // Its tension at no shear, p_t, is at most a tenth of the bulk modulus.
+  static double most_strength(const Constants& c) {
+    const double tension = c.cohesion / std::tan(c.friction_angle * (3.14159265358979323846 / 180));
+    return tension > 0 ? most_yield * c.E0 / (3 * (1 - 2 * c.nu)) / tension
+                       : std::numeric_limits<double>::infinity();
+  }
+
+  static double hardening_exponent(const Constants&) { return 0; }
+
   template <class R>
   struct Parameters {
     R mu, lam, apex, cone, J_P_max;  // apex e_c; cone: ||dev eps|| <= cone (e_c - e)
@@ -24,12 +69,13 @@ struct DruckerPrager : HenckyFlow {
   template <class R>
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
-    const Lame c = lame(snow);
-    const double sine = snow.sine, tangent = sine / std::sqrt(1 - sine * sine);
+    const auto given = snow.constants<Constants>();
+    const Lame c = lame(given);
+    const double sine = given.sine, tangent = sine / std::sqrt(1 - sine * sine);
     const double M_phi = 6 * sine / (3 - sine);
     return {stiffness * T(c.mu), stiffness * T(c.lam),
-            strength * T(snow.cohesion / (tangent * c.K)) / stiffness,
-            splat<R>(T(M_phi * c.K / (std::sqrt(6.0) * c.mu))), splat<R>(T(snow.J_P_max))};
+            strength * T(given.cohesion / (tangent * c.K)) / stiffness,
+            splat<R>(T(M_phi * c.K / (std::sqrt(6.0) * c.mu))), splat<R>(T(given.J_P_max))};
   }
 
   template <class R>

@@ -45,7 +45,10 @@ struct HenckyElasticity {
   }
 };
 
-using Hencky = SnowPlasticity<HenckyElasticity>;
+struct Hencky : SnowPlasticity<HenckyElasticity> {
+  static constexpr Word word{"hencky", "elasticity in logarithmic strains under the same plasticity",
+                             "Klar et al. 2016 (as quoted in public codes)", "klar2016"};
+};
 
 // Volumetric and deviatoric part of a logarithmic strain: eps = volume / 3 + deviator.
 template <class R>
@@ -69,6 +72,16 @@ struct SplitStrain {
 
 // What laws of Hencky elasticity share whose flow is their own; their parameters have mu and lam.
 struct HenckyFlow {
+  static constexpr bool has_elastic_option = false;
+  static constexpr const char* plasticity_cites = "";
+  static constexpr const char* limit = "so that elastic strains stay moderate";
+
+  // These laws end on the yield surface of the step's start: compression makes no energy.
+  template <class C>
+  static double max_compression(const C&, double) {
+    return std::numeric_limits<double>::infinity();
+  }
+
   template <class R, class P>
   static Stress<R> stress(const Mat3<R>& F_E, R, const P& q) {
     const Svd3<R> svd = svd3<false>(F_E);

@@ -8,28 +8,120 @@
 //   stress(F_E, J_P, parameters)            the stress alone, of a state that is not to change
 //   energy(F_E, J_P, parameters)            Psi, elastic energy per rest volume [J/m3]
 //
+// and it publishes, for scenes, documents and random trials,
+//
+//   word                                    its name, meaning, source and papers
+//   Constants, constants                    its constants as numbers, and what each of them is
+//   has_elastic_option                      whether plasticity = "none" leaves its elasticity alone
+//   plasticity_cites                        the papers of its plastic flow, if they are not the law's own
+//   limit, most_strength(c)                 the largest factor that its thresholds may have, and why
+//   max_compression(c, strongest)           how far one step may compress the snow: -dt tr grad v [1]
+//   hardening_exponent(c)                   the largest exponent of its hardening [1]
+//
 // A stress is a Kirchhoff stress tau = P F_E^T [Pa]; `modulus` is the largest acoustic modulus of the present, hardened
 // state [Pa], from which the time step is chosen. Every law has one internal variable, J_P = det F_P, and conserves
-// J_E J_P. To add a law: one header here, its name in LawName, its line in
-// mpm/material.hpp and its word in bind/snow.hpp.
+// J_E J_P. To add a law: one header here and its line in laws.hpp.
 #pragma once
 
+#include "list.hpp"
 #include "math/svd3.hpp"
 
 namespace neve {
 
-enum class LawName { stomakhin2013, neo_hookean, hencky, drucker_prager, cam_clay };
-
-// One snow, as the scene gives it. The material table is an array of these; each law reads its own constants.
+// One snow, as the scene gives it: its law's Constants. The material table is an array of these.
 struct Snow {
-  LawName law = LawName::stomakhin2013;
-  bool plastic = true;  // for the elastic laws: clamp and harden, or elasticity alone
-  double E0 = 0, nu = 0, rho0 = 0;
-  double xi = 0, theta_c = 0, theta_s = 0, J_P_min = 0, J_P_max = 0;
-  double friction_angle = 0, cohesion = 0;  // [degrees], [Pa]
-  double sine = 0;                          // of friction_angle: laws make their parameters for every pack
-  double M = 0, beta = 0, p0 = 0;           // [1], [1], [Pa]
+  int law = 0;          // place in Laws
+  bool plastic = true;  // for laws with an elastic option: whether they flow
+
+  template <class C>
+  NEVE_INLINE C constants() const {
+    static_assert(sizeof(C) <= sizeof(numbers_));
+    C c;
+    std::memcpy(&c, numbers_, sizeof(C));
+    return c;
+  }
+  template <class C>
+  void set(const C& c) {
+    static_assert(sizeof(C) <= sizeof(numbers_));
+    std::memcpy(numbers_, &c, sizeof(C));
+  }
+
+ private:
+  double numbers_[16] = {};
 };
+
+// Numbers from `low` to `high`, without the ends that are open.
+struct Range {
+  double low, high;
+  bool open_low = false, open_high = false;
+};
+
+// What a constant does: shape the elasticity; the flow; or be a threshold of the flow, which `strength` multiplies.
+enum class Role { elastic, plastic, threshold };
+
+// What a law says about one of its constants.
+template <class C>
+struct Constant {
+  const char* name;
+  double C::* member;
+  double usual;  // its default
+  const char* unit;
+  Range range;  // what is legal
+  Range drawn;  // what random trials take, on a logarithmic scale where it spans a factor of 100
+  Role role;
+  const char* source;   // of the default
+  const char* meaning;  // one sentence
+};
+
+// What every snow has.
+struct ElasticConstants {
+  double rho0, E0, nu;
+};
+template <class C>
+constexpr Constant<C> rho0_of(double usual, const char* source) {
+  return {"rho0",        &C::rho0,      usual,  "kg/m3",   {0, 2000, true},
+          {1.0, 2000.0}, Role::elastic, source, "Density."};
+}
+template <class C>
+constexpr Constant<C> E0_of(double usual, const char* source) {
+  return {"E0",          &C::E0,          usual,
+          "Pa",          {0, 1e12, true}, {1e2, 1e11},
+          Role::elastic, source,          "Young's modulus of snow that is not hardened; larger is icier."};
+}
+template <class C>
+constexpr Constant<C> nu_of(double usual, const char* source) {
+  return {"nu",
+          &C::nu,
+          usual,
+          "1",
+          {0, 0.5, false, true},
+          {0.0, 0.49},
+          Role::elastic,
+          source,
+          "Poisson's ratio."};
+}
+
+// The bounds of J_P, which any law may have.
+template <class C>
+constexpr Constant<C> J_P_min_of(double usual) {
+  return {"J_P_min",
+          &C::J_P_min,
+          usual,
+          "1",
+          {0, 1, true, true},
+          {0.05, 0.97},
+          Role::plastic,
+          "bounds of the public 88-line MLS-MPM program",
+          "Lower bound of J_P inside the hardening alone."};
+}
+template <class C>
+constexpr Constant<C> J_P_max_of(
+    double usual,
+    const char* meaning = "Upper bound of J_P: grains that fly apart do not remember how far.") {
+  return {"J_P_max",      &C::J_P_max, usual,         "1",
+          {1, 1e6, true}, {1.01, 1e4}, Role::plastic, "bounds of the public 88-line MLS-MPM program",
+          meaning};
+}
 
 template <class R>
 struct Stress {

@@ -33,6 +33,12 @@ struct NeoHookeanElasticity {
   }
 };
 
-using NeoHookean = SnowPlasticity<NeoHookeanElasticity>;
+struct NeoHookean : SnowPlasticity<NeoHookeanElasticity> {
+  static constexpr Word word{
+      "neo_hookean",
+      "Neo-Hookean elasticity under the same plasticity; resists without bound as its volume "
+      "goes to zero",
+      "Sifakis and Barbic 2012 (as quoted in public codes)", "sifakis2012"};
+};
 
 }  // namespace neve

@@ -18,6 +18,9 @@ namespace neve {
 // Below this stretch logarithms stop: a step that turns a particle inside out gives large, finite numbers.
 inline constexpr double least_stretch = 1e-4;
 
+// Largest yield pressure, in compression or tension, over the bulk modulus: elastic strains stay moderate.
+inline constexpr double most_yield = 0.1;
+
 template <class R>
 struct Response {
   R isotropic;  // tau_k = isotropic + axial_k [Pa]
@@ -28,7 +31,7 @@ struct Response {
 struct Lame {
   double mu, lam, K;
 };
-inline Lame lame(const Snow& snow) {
+inline Lame lame(const ElasticConstants& snow) {
   const double mu = snow.E0 / (2 * (1 + snow.nu));
   const double lam = snow.E0 * snow.nu / ((1 + snow.nu) * (1 - 2 * snow.nu));
   return {mu, lam, lam + 2 * mu / 3};

@@ -19,8 +19,83 @@
 
 namespace neve {
 
+// The largest xi max(theta_c, theta_s). While snow is crushed, hardening multiplies its elastic energy by
+// exp(xi (1 - J_P)); the work of crushing pays for that as long as xi theta < 2/3 (small, on all axes).
+inline constexpr double most_hardening = 0.5;
+
+// The largest x with (exp(x) - 1) / x <= 2 / (3 xi theta), by bisection; 0 if there is none.
+inline double affordable(double xi_theta) {
+  double low = 0, high = 20;
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.5 * (low + high);
+    (std::expm1(x) / x <= 2 / (3 * xi_theta) ? low : high) = x;
+  }
+  return low;
+}
+
 template <class Elasticity>
 struct SnowPlasticity {
+  static constexpr bool has_elastic_option = true;
+  static constexpr const char* plasticity_cites = "stomakhin2013";
+  static constexpr const char* limit =
+      "so that hardening cannot create energy (xi theta_c and xi theta_s at most 0.5)";
+
+  struct Constants : ElasticConstants {
+    double xi, theta_c, theta_s, J_P_min, J_P_max;
+  };
+  static constexpr const char* paper = "Stomakhin et al. 2013 (as quoted in public codes)";
+  static constexpr Constant<Constants> constants[] = {
+      rho0_of<Constants>(400, paper),
+      E0_of<Constants>(1.4e5, paper),
+      nu_of<Constants>(0.2, paper),
+      {"xi",
+       &Constants::xi,
+       10,
+       "1",
+       {0, 100},
+       {0.1, 100.0},
+       Role::plastic,
+       paper,
+       "Hardening; larger is more brittle."},
+      {"theta_c",
+       &Constants::theta_c,
+       2.5e-2,
+       "1",
+       {0, 1, false, true},
+       {1e-3, 0.9},
+       Role::threshold,
+       paper,
+       "Critical compression, beyond which snow is crushed for good; smaller is powdery; xi times the larger "
+       "of "
+       "theta_c and theta_s is at most 0.5."},
+      {"theta_s",
+       &Constants::theta_s,
+       7.5e-3,
+       "1",
+       {0, 1},
+       {1e-3, 0.9},
+       Role::threshold,
+       paper,
+       "Critical stretch, beyond which snow tears; smaller is powdery."},
+      J_P_min_of<Constants>(0.6),
+      J_P_max_of<Constants>(20),
+  };
+
+  static double most_strength(const Constants& c) {
+    const double hardening = c.xi * (c.theta_c > c.theta_s ? c.theta_c : c.theta_s);
+    return hardening > 0 ? most_hardening / hardening : std::numeric_limits<double>::infinity();
+  }
+
+  // Pressed by de on each axis, snow at its yield strain theta does the work w de, w = 3 (2 mu + 3 lam) theta, and
+  // hardens by exp(x), x = 3 xi de, which adds w (theta / 2) (exp(x) - 1) to its energy: affordable while
+  // (exp(x) - 1) / x <= 2 / (3 xi theta). On fewer axes it is cheaper (docs/theory.md).
+  static double max_compression(const Constants& c, double strongest) {
+    if (!(c.xi * c.theta_c > 0)) return std::numeric_limits<double>::infinity();
+    return affordable(c.xi * c.theta_c * strongest) / c.xi;
+  }
+
+  static double hardening_exponent(const Constants& c) { return c.xi * (1 - c.J_P_min); }
+
   template <class R>
   struct Parameters {
     R mu0, lam0, xi, theta_c, theta_s, J_P_min, J_P_max;
@@ -30,20 +105,21 @@ struct SnowPlasticity {
   template <class R>
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
-    const Lame c = lame(snow);
+    const auto given = snow.constants<Constants>();
+    const Lame c = lame(given);
     const R one = splat<R>(1), mu0 = stiffness * T(c.mu), lam0 = stiffness * T(c.lam);
     if (!snow.plastic) {
       const R never = splat<R>(std::numeric_limits<T>::max());
       return {mu0, lam0, splat<R>(0), never, never, one, one};
     }
-    const T top = std::max(T(0.99), T(snow.theta_c));
+    const T theta_c = T(given.theta_c), top = theta_c > T(0.99) ? theta_c : T(0.99);
     return {mu0,
             lam0,
-            splat<R>(T(snow.xi)),
-            min(strength * T(snow.theta_c), splat<R>(top)),
-            strength * T(snow.theta_s),
-            splat<R>(T(snow.J_P_min)),
-            splat<R>(T(snow.J_P_max))};
+            splat<R>(T(given.xi)),
+            min(strength * theta_c, splat<R>(top)),
+            strength * T(given.theta_s),
+            splat<R>(T(given.J_P_min)),
+            splat<R>(T(given.J_P_max))};
   }
 
   template <class R>

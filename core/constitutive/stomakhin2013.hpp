@@ -28,6 +28,9 @@ struct FixedCorotated {
   }
 };
 
-using Stomakhin2013 = SnowPlasticity<FixedCorotated>;
+struct Stomakhin2013 : SnowPlasticity<FixedCorotated> {
+  static constexpr Word word{"stomakhin2013", "fixed corotated elasticity, which crushes, tears and hardens",
+                             "Stomakhin et al. 2013 (as quoted in public codes)", "stomakhin2013"};
+};
 
 }  // namespace neve

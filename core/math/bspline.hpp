@@ -1,12 +1,14 @@
 // B-spline shape functions in units of cells: weights and their derivatives (Steffen et al. 2008; docs/theory.md).
 #pragma once
 
+#include "list.hpp"
 #include "math/real.hpp"
 
 namespace neve {
 
 // s = x / dx - shift splits into the first node `base = floor(s)` and the fraction f = s - base in [0, 1).
 struct Quadratic {
+  static constexpr Word word{"quadratic", "27 nodes a particle", "our choice", "steffen2008"};
   static constexpr int nodes = 3;
   static constexpr double shift = 0.5;
   static constexpr double inverse_inertia = 4;  // D^-1 dx^2: D = dx^2 / 4
@@ -33,6 +35,8 @@ struct Quadratic {
 };
 
 struct Cubic {
+  static constexpr Word word{"cubic", "64 nodes a particle",
+                             "Stomakhin et al. 2013 (as quoted in public codes)", "steffen2008"};
   static constexpr int nodes = 4;
   static constexpr double shift = 1;
   static constexpr double inverse_inertia = 3;  // D = dx^2 / 3
@@ -58,5 +62,13 @@ struct Cubic {
     return scalar_t<R>(k - 1) - f;
   }
 };
+
+using Splines = List<Quadratic, Cubic>;
+
+// f(Spline{}) for the spline at that place of the list.
+template <class F>
+NEVE_INLINE auto with_spline(int spline, F&& f) {
+  return pick(Splines{}, spline, f);
+}
 
 }  // namespace neve

@@ -39,12 +39,13 @@ struct numeric_limits<double> {
   static constexpr double min() { return 2.2250738585072014e-308; }
   static constexpr double max() { return 1.7976931348623157e+308; }
   static constexpr double epsilon() { return 2.2204460492503131e-16; }
+  static double infinity() { return __longlong_as_double(0x7ff0000000000000LL); }
 };
 template <>
 struct numeric_limits<uint32_t> {
   static constexpr uint32_t max() { return 0xffffffffu; }
 };
 
-using ::exp, ::expm1, ::floor, ::log1p, ::sqrt;
+using ::exp, ::expm1, ::floor, ::log, ::log1p, ::memcpy, ::sin, ::sqrt, ::tan;
 
 }  // namespace std

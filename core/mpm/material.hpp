@@ -1,27 +1,11 @@
-// Which law moves which particle: the material table, and the laws by name.
+// Which law moves which particle: the material table.
 #pragma once
 
-#include "constitutive/cam_clay.hpp"
-#include "constitutive/drucker_prager.hpp"
-#include "constitutive/neo_hookean.hpp"
-#include "constitutive/stomakhin2013.hpp"
+#include "constitutive/laws.hpp"
 #include "mpm/model.hpp"
 #include "mpm/state.hpp"
 
 namespace neve {
-
-// Call f(Law{}) for the law of that name: one line per law.
-template <class F>
-auto with_law(LawName law, F&& f) {
-  switch (law) {
-    case LawName::neo_hookean: return f(NeoHookean{});
-    case LawName::hencky: return f(Hencky{});
-    case LawName::drucker_prager: return f(DruckerPrager{});
-    case LawName::cam_clay: return f(CamClay{});
-    case LawName::stomakhin2013: break;
-  }
-  return f(Stomakhin2013{});
-}
 
 namespace detail {
 
@@ -45,7 +29,7 @@ struct Followers {
   Lanes<T> mark{};  // 1 in the lanes that follow the law
   const Snow* any = nullptr;
 
-  Followers(const Model<T>& model, const std::uint16_t* material, int count, LawName law) {
+  Followers(const Model<T>& model, const std::uint16_t* material, int count, int law) {
     for (int l = 0; l < count; ++l) {
       const Snow& snow = model.snows[material[l]];
       if (snow.law != law) continue;
@@ -89,7 +73,7 @@ Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int coun
            F&& f) {
   using R = Lanes<T>;
   const auto* material = state.material.data() + p;
-  const LawName first = model.snows[material[0]].law;
+  const int first = model.snows[material[0]].law;
   bool one_law = true;
   if (!one_snow(material, count)) {
     for (int l = 1; l < count; ++l) one_law = one_law && model.snows[material[l]].law == first;
@@ -102,7 +86,7 @@ Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int coun
   }
   Out out{};
   for (int l = 0; l < count; ++l) {
-    const LawName name = model.snows[material[l]].law;
+    const int name = model.snows[material[l]].law;
     bool seen = false;
     for (int k = 0; k < l; ++k) seen = seen || model.snows[material[k]].law == name;
     if (seen) continue;

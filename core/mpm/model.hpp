@@ -11,14 +11,11 @@
 
 namespace neve {
 
-enum class Spline { quadratic, cubic };
-enum class Transfer { pic, flip, apic, polypic, asflip };
-
 template <class T>
 struct Model {
-  double dx = 0.05;  // [m]
-  Spline spline = Spline::quadratic;
-  Transfer transfer = Transfer::apic;
+  double dx = 0.05;          // [m]
+  int spline = 0;            // place in Splines
+  int transfer = 0;          // place in Transfers
   int polypic_modes = 8;     // 1, 4, 8 or 27
   double flip_alpha = 0.95;  // share of FLIP in a step
   double flip_damping = -1;  // rate [1/s] at which what the grid cannot see fades; below 0: flip_alpha counts

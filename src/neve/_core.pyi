@@ -112,6 +112,11 @@ class Geometry(Protocol):
 class Model(Protocol):
     dx: float
     more_modes: int
+    keeps_C: bool
+    """Whether particles carry an affine velocity."""
+
+    def max_compression(self, strongest: float) -> float:
+        """Return how far one step may compress any of the snows, -dt tr grad v [1]; see `Law`."""
     def add_snow(self, law: str, plasticity: str, constants: dict[str, float]) -> None: ...
     def add_solid(self, shape: str, half: Array64, mode: str, mu_c: float) -> None: ...
     def add_mesh_solid(self, grid: SdfGrid, mode: str, mu_c: float, thickness: float = ...) -> None: ...
@@ -206,6 +211,67 @@ class Precision(Protocol):
         J_P: Reals,
         strength: Reals | None = None,
     ) -> tuple[Reals, Reals, Reals, Reals, Reals]: ...
+
+class Choice:
+    """One of the words that a scene may choose."""
+
+    name: str
+    meaning: str
+    source: str
+    cites: list[str]
+    """Keys of the works behind it."""
+
+class Constant:
+    """What a law says about one of its constants, which is legal from low to high [unit]."""
+
+    name: str
+    usual: float
+    """Its default [unit]."""
+    unit: str
+    low: float
+    high: float
+    open_low: bool
+    """The lower end itself is not legal."""
+    open_high: bool
+    drawn: tuple[float, float]
+    """What random trials take, on a logarithmic scale where it spans a factor of 100 [unit]."""
+    is_plastic: bool
+    """Elasticity alone does not use it."""
+    is_threshold: bool
+    """A particle's `strength` multiplies it."""
+    source: str
+    meaning: str
+
+class Law(Choice):
+    """A constitutive law. `constants` are numbers by name, the usual ones where they are left out."""
+
+    constants: list[Constant]
+    has_elastic_option: bool
+    """Whether plasticity = "none" leaves its elasticity alone."""
+    plasticity_cites: list[str]
+    limit: str
+    """Why its thresholds have a limit: the end of a sentence."""
+
+    def most_strength(self, constants: dict[str, float]) -> float:
+        """Largest factor that the thresholds may have [1]; below 1 the constants are not legal."""
+    def max_compression(self, constants: dict[str, float], strongest: float) -> float:
+        """How far one step may compress the snow, -dt tr grad v [1]; strongest: largest factor [1]."""
+    def hardening_exponent(self, constants: dict[str, float]) -> float:
+        """Largest exponent of its hardening [1]."""
+
+class Transfer(Choice):
+    """A way of velocities between particles and grid."""
+
+    options: list[str]
+    """Keys of [numerics] that it reads."""
+    keeps_C: bool
+    has_change: bool
+    damps: bool
+    has_bounded_energy: bool
+
+def laws() -> list[Law]: ...
+def transfers() -> list[Transfer]: ...
+def splines() -> list[Choice]: ...
 
 displacement_limit: float
 volume_ratio_limit: float

@@ -11,7 +11,7 @@ from neve.colliders.solid import Solid, solid_of
 from neve.model import Model
 from neve.sampling import Samples, fill
 from neve.sampling.carving import carved
-from neve.scene.schema.scene import Numerics, Scene, Snow
+from neve.scene.schema.scene import Scene, Snow
 
 if TYPE_CHECKING:
     from neve._core import State
@@ -48,7 +48,7 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> State:
         snow = scene.snow_of(source)
         rows = slice(begin, begin + len(s.x))
         _place(state, rows, s, model.snows.index(snow), snow.rho0)
-        if _affine(scene.numerics):
+        if model.native.keeps_C:
             state.C[rows] = _spin_matrix(source.spin)
         begin = rows.stop
     return state
@@ -87,13 +87,6 @@ def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) ->
     state.stiffness[rows] = s.stiffness
     state.strength[rows] = s.strength
     state.material[rows] = np.uint16(material)
-
-
-def _affine(numerics: Numerics) -> bool:
-    """Whether particles carry an affine velocity C."""
-    if numerics.transfer == "polypic":
-        return numerics.polypic_modes > 1
-    return numerics.transfer in ("apic", "asflip")
 
 
 def _spin_matrix(spin: tuple[float, float, float]) -> list[list[float]]:

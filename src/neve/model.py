@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
 from neve.rigid.coupled_bodies import CoupledBodies
 from neve.scene.schema.scene import Collider, Numerics, Snow, World
-from neve.scene.schema.snow import used
 
 PRECISIONS = {"float32": _core.f32, "float64": _core.f64}
 
@@ -87,18 +85,9 @@ class Model:
 
     def limit_press(self, strongest: float) -> None:
         """Set `press_limit`: how far a step may press snow, -dt tr grad v [1], before hardening stores more
-        than its work. `strongest`: the largest factor on the thresholds of any particle [1].
-
-        Pressed by de on each axis, snow at its yield strain theta does the work w de, w = 3 (2 mu + 3 lam)
-        theta, and hardens by exp(x), x = 3 xi de, which adds w (theta / 2) (exp(x) - 1) to its energy:
-        affordable while (exp(x) - 1) / x <= 2 / (3 xi theta). On fewer axes it is cheaper (docs/theory.md).
+        than its work, as the laws say. `strongest`: the largest factor on the thresholds of any particle [1].
         """
-        limits = [
-            affordable(snow.xi * snow.theta_c * strongest) / snow.xi
-            for snow in self.snows
-            if "theta_c" in used(snow.law, snow.plasticity) and snow.xi * snow.theta_c > 0
-        ]
-        self.press_limit = min(limits, default=math.inf)
+        self.press_limit = self.native.max_compression(strongest)
 
     @property
     def solids_move(self) -> bool:
@@ -112,19 +101,6 @@ def _fastest(solid: Solid, now: Pose) -> float:
     if solid.endless:
         return speed
     return speed + math.hypot(*now.omega) * solid.reach
-
-
-@lru_cache
-def affordable(xi_theta: float) -> float:
-    """Return the largest x with (exp(x) - 1) / x <= 2 / (3 xi theta), by bisection; 0 if there is none."""
-    low, high = 0.0, 20.0
-    for _ in range(60):
-        x = 0.5 * (low + high)
-        if math.expm1(x) / x <= 2.0 / (3.0 * xi_theta):
-            low = x
-        else:
-            high = x
-    return low
 
 
 def _add(native: _core.Model, solid: Solid) -> None:

@@ -9,10 +9,16 @@
 namespace neve {
 
 struct Apic {
-  static constexpr bool has_change = false;  // force and momentum apart on the grid
-  static constexpr bool has_matrix = true;   // the momentum carries a matrix beside v
-  static constexpr bool has_path = false;    // particles move with a velocity other than their own
-  static constexpr int modes = 4;            // v, and the columns of a matrix
+  static constexpr Word word{"apic", "keeps angular momentum",
+                             "Jiang et al. 2015 (as quoted in public codes)", "jiang2015 hu2018"};
+  static constexpr const char* options = "";        // the keys of [numerics] that it reads
+  static constexpr bool keeps_C = true;             // the affine velocity travels with the particle
+  static constexpr bool damps = false;              // all motions but translations fade
+  static constexpr bool has_bounded_energy = true;  // no step gives the particles more than the grid had
+  static constexpr bool has_change = false;         // force and momentum apart on the grid
+  static constexpr bool has_matrix = true;          // the momentum carries a matrix beside v
+  static constexpr bool has_path = false;           // particles move with a velocity other than their own
+  static constexpr int modes = 4;                   // v, and the columns of a matrix
   using To = AffineWeights;
   using From = AffineWeights;
 

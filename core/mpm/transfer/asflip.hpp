@@ -12,6 +12,15 @@
 namespace neve {
 
 struct Asflip {
+  // Unbounded: a particle gets back what the grid did not take over of its velocity, while its affine velocity already
+  // holds a part of that. Where lumps collide at several wave speeds it gains.
+  static constexpr Word word{
+      "asflip", "blends FLIP with affine velocities and lets snow come apart, but its energy has no bound",
+      "Fei et al. 2021 (as quoted in public codes)", "fei2021 jiang2015 hu2018 brackbill1986"};
+  static constexpr const char* options = "flip_alpha flip_damping";  // the keys of [numerics] that it reads
+  static constexpr bool keeps_C = true;              // the affine velocity travels with the particle
+  static constexpr bool damps = false;               // all motions but translations fade
+  static constexpr bool has_bounded_energy = false;  // no step gives the particles more than the grid had
   static constexpr bool has_change = true;
   static constexpr bool has_matrix = true;
   static constexpr bool has_path = true;

@@ -11,6 +11,12 @@
 namespace neve {
 
 struct Flip {
+  static constexpr Word word{"flip", "blends FLIP and PIC",
+                             "Stomakhin et al. 2013 (as quoted in public codes)", "brackbill1986 zhu2005"};
+  static constexpr const char* options = "flip_alpha flip_damping";  // the keys of [numerics] that it reads
+  static constexpr bool keeps_C = false;            // the affine velocity travels with the particle
+  static constexpr bool damps = false;              // all motions but translations fade
+  static constexpr bool has_bounded_energy = true;  // no step gives the particles more than the grid had
   static constexpr bool has_change = true;
   static constexpr bool has_matrix = false;
   static constexpr bool has_path = false;

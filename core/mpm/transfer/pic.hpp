@@ -9,6 +9,11 @@
 namespace neve {
 
 struct Pic {
+  static constexpr Word word{"pic", "damps all but translations", "Harlow 1964", "harlow1964"};
+  static constexpr const char* options = "";        // the keys of [numerics] that it reads
+  static constexpr bool keeps_C = false;            // the affine velocity travels with the particle
+  static constexpr bool damps = true;               // all motions but translations fade
+  static constexpr bool has_bounded_energy = true;  // no step gives the particles more than the grid had
   static constexpr bool has_change = false;
   static constexpr bool has_matrix = true;
   static constexpr bool has_path = false;

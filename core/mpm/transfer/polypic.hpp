@@ -10,6 +10,7 @@
 
 #include "mpm/modes.hpp"
 #include "mpm/transfer/apic.hpp"
+#include "mpm/transfer/pic.hpp"
 
 namespace neve {
 
@@ -28,6 +29,22 @@ struct Polypic : Apic {
     for (int degree : order[static_cast<std::size_t>(n)].degree)
       scale *= degree == 1 ? S::inverse_inertia : 1;
     return scale;
+  }
+};
+
+// The word in a scene: with one mode per axis it is PIC, and with v and C alone it is APIC.
+struct PolypicOfModes : Polypic<2> {
+  static constexpr Word word{"polypic", "keeps angular momentum, and finer motions too",
+                             "Fu et al. 2017 names the idea, the details are ours",
+                             "fu2017 jiang2015 hu2018"};
+  static constexpr const char* options = "polypic_modes";
+
+  template <class F>
+  static auto of_modes(int modes, F&& f) {
+    if (modes == 1) return f(Pic{});
+    if (modes == 8) return f(Polypic<2>{});
+    if (modes == 27) return f(Polypic<3>{});
+    return f(Apic{});
   }
 };
 
