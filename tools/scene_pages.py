@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,29 +11,35 @@ from pydantic.fields import FieldInfo
 from neve.scene.reading.load import PRESETS
 from neve.scene.reading.validation_errors import shown
 from neve.scene.schema.allowed import allowed, choices, part, source, unit
-from neve.scene.schema.roles import SHAPES
-from neve.scene.schema.scene import (
-    Body,
-    Camera,
-    Collider,
+from neve.scene.schema.bodies import (
     Control,
-    Keyframe,
-    Light,
     Motor,
-    Numerics,
-    Profile,
+    RigidBody,
+    RigidBox,
+    RigidCylinder,
+    RigidMesh,
+    RigidSphere,
     Robot,
-    Run,
-    Scene,
-    Snow,
-    Source,
     Target,
+)
+from neve.scene.schema.colliders import Body, Box, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
+from neve.scene.schema.meshes import MeshFile
+from neve.scene.schema.outputs import OutputOptions, Scheduled, kinds
+from neve.scene.schema.scene import Camera, Light, Numerics, Run, Scene, World
+from neve.scene.schema.snow import Snow
+from neve.scene.schema.sources import (
+    Profile,
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowMesh,
+    SnowSource,
+    SnowSphere,
+    SnowText,
     Variation,
-    World,
 )
 from neve.scene.schema.zoo import as_table
 
-LISTS = {"source": "sources", "collider": "colliders", "body": "bodies"}
 PATH = Path("docs") / "scene_format.md"  # from the root of the checkout
 SNOWS_PATH = Path("docs") / "snows.md"
 BEGIN, END = (
@@ -48,7 +53,8 @@ INTRODUCTION = """\
 <!-- Written by `python tools/scene_pages.py` from src/neve/scene; change it there. -->
 
 A scene is a TOML file. Units are SI (metres, seconds, kilograms; angles in degrees, spins in radians per
-second), and z points up. Every key may be left out, except `shape`, and a scene needs at least one source.
+second), and z points up. Every key may be left out, except `shape` and the `kind` of an output, and a scene
+needs at least one source.
 An unknown key, a value outside its range or a misspelled word is an error that says what is allowed.
 
 The same words lead to a value everywhere: in a file, `[numerics]` and `dx = 0.02`; on the command line,
@@ -69,14 +75,34 @@ This is the preset `throw_ball`, complete:
 {example}```
 """
 
+
+def _meaning(model: type[BaseModel]) -> str:
+    """Return the sentence about an output: the meaning of its kind."""
+    return model.model_fields["kind"].description or ""
+
+
 SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ("[world]", "Surroundings.", World),
     ("[numerics]", "Grid, time step and particles.", Numerics),
     ("[snow]", "The snow of every source that does not say otherwise in `snow`.", Snow),
     (
         "[[sources]]",
-        "Where snow is at the start. Each source has these keys, and those of its shape.",
-        Source,
+        "Where snow is at the start. All sources have these keys, and those of their shape.",
+        SnowSource,
+    ),
+    ('[[sources]] with shape = "box"', "A box.", SnowBox),
+    ('[[sources]] with shape = "sphere"', "A ball.", SnowSphere),
+    ('[[sources]] with shape = "cylinder"', "A cylinder around its own z axis.", SnowCylinder),
+    ('[[sources]] with shape = "layer"', "A flat layer with upright sides.", SnowLayer),
+    (
+        '[[sources]] with shape = "text"',
+        "Letters that stand upright in the source's own x-z plane, to be read looking along +y.",
+        SnowText,
+    ),
+    (
+        '[[sources]] with shape = "mesh"',
+        "A closed mesh full of snow. Its other keys are those of mesh files, below.",
+        SnowMesh,
     ),
     (
         "[sources.variation]",
@@ -84,17 +110,35 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         Variation,
     ),
     ("[sources.profile]", "Snow that differs with depth or height: a crust, a soft core, layers.", Profile),
+    ("[[colliders]]", "Bodies that snow meets. All have these keys, and those of their shape.", Body),
+    ('[[colliders]] with shape = "plane"', "A half-space.", Plane),
+    ('[[colliders]] with shape = "box"', "A box or a plate, such as the blade of a plow.", Box),
+    ('[[colliders]] with shape = "sphere"', "A ball.", Sphere),
+    ('[[colliders]] with shape = "cylinder"', "A cylinder around its own z axis.", Cylinder),
     (
-        "[[colliders]]",
-        "Solids that snow meets, at rest or moved by a script. Each has these keys, and those of its shape.",
-        Collider,
+        '[[colliders]] with shape = "mesh"',
+        "A body from a mesh file. Its other keys are those of mesh files, below.",
+        Mesh,
+    ),
+    ('[[colliders]] with shape = "terrain"', "Ground from a height map.", Terrain),
+    (
+        'shape = "mesh"',
+        "Keys of everything with this shape ([meshes](meshes.md)). A path is relative to the scene file.",
+        MeshFile,
     ),
     ("[[colliders.keyframes]]", "A scripted motion.", Keyframe),
     (
         "[[bodies]]",
-        "Solids that snow and other forces move. Each has these keys, and those of its shape, which say "
-        "where it is at the start.",
-        Body,
+        "Bodies that snow moves. All have these keys, and those of their shape.",
+        RigidBody,
+    ),
+    ('[[bodies]] with shape = "box"', "A box or a plate.", RigidBox),
+    ('[[bodies]] with shape = "sphere"', "A ball.", RigidSphere),
+    ('[[bodies]] with shape = "cylinder"', "A cylinder around its own z axis.", RigidCylinder),
+    (
+        '[[bodies]] with shape = "mesh"',
+        "A body from a closed mesh. Its other keys are those of mesh files.",
+        RigidMesh,
     ),
     ("[bodies.motor]", "What drives the joint of a body.", Motor),
     ("[[bodies.motor.keyframes]]", "What a motor aims at, and when.", Target),
@@ -103,6 +147,16 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ("[camera]", "Camera of the film.", Camera),
     ("[light]", "Light of the film.", Light),
     ("[run]", "Length of the run.", Run),
+    (
+        "[[outputs]]",
+        "What a run writes ([the run folder](run_folder.md)), each entry with a `kind`, and how often. A run "
+        "also writes what no entry names: frames, log, checkpoint, picture, film (`run.film`), fragments "
+        "(`run.fragments`) and the table of its solids, if it has any; an entry that writes the same file "
+        "takes its place. Give one of the two keys below; neither means every frame. The picture, which is "
+        "drawn at the end, takes none. Kinds of your own: `neve.register_output`.",
+        Scheduled,
+    ),
+    *((f'[[outputs]] with kind = "{kind}"', _meaning(model), model) for kind, model in kinds().items()),
 )
 """Heading, sentence and model of every section, in the order of the document."""
 
@@ -112,18 +166,18 @@ def document() -> str:
     example = (PRESETS / "throw_ball.toml").read_text(encoding="utf-8")
     parts = [INTRODUCTION.format(example=example)]
     parts += [f"## Top\n\n{_table([('about', Scene.model_fields['about'])])}"]
-    for heading, sentence, model in (*SECTIONS, *_shapes()):
-        rows = [(name, field) for name, field in model.model_fields.items() if name != "shape"]
-        parts.append(f"## `{heading}`\n\n{sentence}\n\n{_table(rows)}")
+    for heading, sentence, model in SECTIONS:
+        rows = [(name, field) for name, field in model.model_fields.items() if not _shared(name, model)]
+        parts.append(f"## `{heading}`\n\n{sentence}\n" + (f"\n{_table(rows)}" if rows else ""))
     return "\n".join(parts)
 
 
-def _shapes() -> Iterator[tuple[str, str, type[BaseModel]]]:
-    """Yield heading, sentence and model of every shape."""
-    for word, shape in SHAPES.items():
-        lists = ", ".join(f"`[[{LISTS[role]}]]`" for role in shape.roles)
-        about = shape.model_fields["shape"].description
-        yield f'shape = "{word}"', f"{about} For {lists}.", shape
+def _shared(name: str, model: type[BaseModel]) -> bool:
+    """Return whether the key is described in the section of all shapes, or in the heading."""
+    if name == "shape" or (name == "kind" and issubclass(model, OutputOptions)):
+        return True
+    bases: tuple[type[BaseModel], ...] = (SnowSource, Body, RigidBody, MeshFile, Scheduled)
+    return any(issubclass(model, b) and model is not b and name in b.model_fields for b in bases)
 
 
 def _table(rows: list[tuple[str, FieldInfo]]) -> str:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from neve.isa import extend as _extend
 
 if TYPE_CHECKING:
+    from neve.run.outputs.registry import register_output as register_output
     from neve.scene.reading.load import load as load
     from neve.scene.reading.load import presets as presets
     from neve.scene.schema.scene import Scene as Scene
@@ -31,9 +32,10 @@ _HOME = {
     "load": "neve.scene.reading.load",
     "presets": "neve.scene.reading.load",
     "Simulation": "neve.simulation",
+    "register_output": "neve.run.outputs.registry",
 }
 
-__all__ = ["Scene", "Simulation", "load", "presets"]
+__all__ = ["Scene", "Simulation", "load", "presets", "register_output"]
 
 
 def __getattr__(name: str) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -32,6 +32,7 @@ from neve.state import from_arrays, to_arrays
 
 if TYPE_CHECKING:
     from neve._core import Report, State
+    from neve.run import Output
 
 
 @dataclass
@@ -264,15 +265,17 @@ class Simulation:
         resume: bool = False,
         force: bool = False,
         quiet: bool = False,
+        outputs: Sequence[Output] = (),
     ) -> Simulation:
         """Simulate the whole scene into the run folder `out`: frames, log, checkpoint, preview film.
 
+        outputs: further ones, objects with write(context) and close(context); see neve.run.outputs.context.
         Returns the simulation at the last frame: this one, or with `resume` the one that went on.
         Errors: neve.io.errors.RunError for a folder that cannot be used, one sentence; see neve.run.run.
         """
         from neve.run import run
 
-        return run(self, Path(out), frames=frames, resume=resume, force=force, quiet=quiet)
+        return run(self, Path(out), frames=frames, resume=resume, force=force, quiet=quiet, outputs=outputs)
 
     def _use_threads(self) -> None:
         _core.set_threads(self.threads or _default_threads)

@@ -7,7 +7,7 @@ import sys
 import fake_neve
 import pytest
 
-from neve.run import pictures
+from neve.run import painter
 from neve.scene.reading.load import load
 
 SCENE = """
@@ -43,5 +43,5 @@ def scene(scene_file):
 def fake(monkeypatch):
     """Replace the simulation and the drawing by stand-ins that take no time."""
     fake_neve.install(lambda name, module: monkeypatch.setitem(sys.modules, name, module))
-    monkeypatch.setattr(pictures, "SIZE", (64, 36))
+    monkeypatch.setattr(painter, "SIZE", (64, 36))
     return fake_neve

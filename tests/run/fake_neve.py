@@ -131,11 +131,14 @@ class Film:
     """Keep the mean of each image, one line each; parts of an unfinished film as files in a hidden folder."""
 
     def __init__(self, path, fps, size, start=0):
-        self.path, self.parts = Path(path), Path(path).with_name(".preview.mp4.parts")
+        self.path, self.parts = Path(path), Path(path).with_name(f".{Path(path).name}.parts")
+        self.rate = fps
         self.frames = {}
-        for part in self.parts.glob("*"):
-            if int(part.name) < start:
-                self.frames[int(part.name)] = part.read_text()
+        if start == 0:
+            shutil.rmtree(self.parts, ignore_errors=True)
+        for part in self.parts.glob("*.part"):
+            if int(part.stem) < start:
+                self.frames[int(part.stem)] = part.read_text()
         self.missing = sorted(set(range(start)) - self.frames.keys())
 
     def add(self, image, index=None):
@@ -145,11 +148,12 @@ class Film:
     def close(self, keep=False):
         assert sorted(self.frames) == list(range(len(self.frames)))
         self.path.write_text("\n".join(self.frames[index] for index in sorted(self.frames)))
-        shutil.rmtree(self.parts, ignore_errors=True)
-        if keep:
-            self.parts.mkdir()
-            for index, text in self.frames.items():
-                (self.parts / str(index)).write_text(text)
+        if not keep:
+            shutil.rmtree(self.parts, ignore_errors=True)
+            return
+        self.parts.mkdir(exist_ok=True)
+        for index, text in self.frames.items():
+            (self.parts / f"{index}.part").write_text(text)
 
 
 def install(put=sys.modules.__setitem__):

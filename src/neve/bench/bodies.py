@@ -14,7 +14,8 @@ from neve import _core
 from neve.bench.spread import Spread
 from neve.mpm.solver import STAGES
 from neve.scene.errors import SceneWarning
-from neve.scene.schema.scene import Body, Camera, Collider, Numerics, Scene, Source
+from neve.scene.schema.bodies import RigidMesh
+from neve.scene.schema.scene import Camera, Numerics, Plane, Scene, SnowBox
 from neve.simulation import Simulation
 
 DX, DT = 0.02, 1e-4
@@ -76,11 +77,10 @@ def boots(cells: tuple[int, int, int], count: int, **numerics: Any) -> Scene:
     places = (np.arange(count) + 0.5) * x / max(count, 1) - 0.5 * x
     return Scene(
         numerics=Numerics(**{"dx": DX, "dt": DT, **numerics}),
-        sources=(Source.of("box", center=(0.0, 0.0, z / 2), size=(x, y, z)),),
-        colliders=(Collider.of("plane"),),
+        sources=(SnowBox(center=(0.0, 0.0, z / 2), size=(x, y, z)),),
+        colliders=(Plane(),),
         bodies=tuple(
-            Body.of(
-                "mesh",
+            RigidMesh(
                 file=FILE,
                 center=(float(place), 0.0, z - SUNK),
                 rotation=(0.0, 0.0, 90.0),

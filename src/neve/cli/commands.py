@@ -215,7 +215,7 @@ def fragments(
     Prints a summary of the last frame and writes all frames to fragments.csv.
     """
     from neve.fragments import Limits, summary
-    from neve.run.fragments import count_run
+    from neve.run.outputs.fragments import count_run
 
     given = {
         name: value for name, value in (("link", link), ("torn", torn), ("least", least)) if value is not None

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,6 +41,13 @@ def frame_numbers(folder: Path) -> list[int]:
     if not folder.is_dir():
         return []
     return sorted(int(match[1]) for path in folder.iterdir() if (match := _NAME.fullmatch(path.name)))
+
+
+def frame_rate(numbers: Sequence[int], fps: int) -> Fraction:
+    """Return how many of the frames `numbers` a simulated second has on average, of `fps` in all [1/s]."""
+    if len(numbers) < 2:
+        return Fraction(fps)
+    return Fraction(fps * (len(numbers) - 1), numbers[-1] - numbers[0])
 
 
 def make_frame(

@@ -6,8 +6,9 @@ import contextlib
 import json
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 from neve.io.assets import FOLDER as ASSETS
 from neve.io.atomic import sweep, write_text
@@ -21,22 +22,18 @@ FORMAT = 1
 class RunFolder:
     """Name the files of a run and keep folders that are no run from being touched.
 
-    A folder is a run if it holds `run.json`. Nothing but the files named here is ever deleted.
+    A folder is a run if it holds `run.json`, which also lists the files that the run's outputs write. Nothing
+    but these and the files named here is ever deleted.
     """
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        self.card = self.path / "run.json"  # format version and the Neve that made the run
+        self.card = self.path / "run.json"  # format version, the Neve that made the run, files of its outputs
         self.scene = self.path / "scene.toml"
         self.assets = self.path / ASSETS  # what the scene names, see neve.io.assets
         self.log = self.path / "log.csv"
-        self.fragments = self.path / "fragments.csv"
-        self.bodies = self.path / "bodies.csv"
         self.frames = self.path / "frames"
         self.checkpoint = self.path / "checkpoint"
-        self.film = self.path / "preview.mp4"
-        self.film_parts = self.path / ".preview.mp4.parts"  # of a film not finished yet
-        self.picture = self.path / "preview.png"
 
     def is_run(self) -> bool:
         """Tell whether a Neve run lies here."""
@@ -66,8 +63,10 @@ class RunFolder:
             never = " (--force replaces runs, never other files)" if force else ""
             raise RunError(f"{self.path} is not empty and is no Neve run{never}: choose another --out.")
 
-    def open(self, neve: str, resume: bool = False, force: bool = False) -> None:
-        """Make the folder ready to be written: new, gone on in (`resume`) or replaced (`force`).
+    def open(self, neve: str, resume: bool = False, force: bool = False, files: Iterable[str] = ()) -> None:
+        """Make the folder ready to be written: new, resumed (`resume`) or replaced (`force`).
+
+        files: names of what the outputs of the run write
 
         Errors: RunError, one sentence: the folder holds a run and neither word was given, holds other files,
         or comes from another version, or the disk refuses.
@@ -76,14 +75,25 @@ class RunFolder:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             if force and self.is_run():
-                self._clear()
+                self._clear(files)
             self.frames.mkdir(exist_ok=True)
             sweep(self.path)
             sweep(self.frames)
         except OSError as error:
             raise cannot_write(self.path, error) from error
         if not resume:
-            write_text(self.card, json.dumps({"run_format": FORMAT, "neve": neve}) + "\n")
+            write_text(self.card, json.dumps({"run_format": FORMAT, "neve": neve, "files": []}) + "\n")
+        self.own(*files)
+
+    def own(self, *names: str) -> None:
+        """Add files to those that belong to the run, so that replacing the run removes them.
+
+        Errors: RunError if the disk refuses.
+        """
+        card = self._read_card()
+        files = sorted({*_plain(card.get("files")), *names})
+        if files != card.get("files"):
+            write_text(self.card, json.dumps({**card, "files": files}) + "\n")
 
     @contextlib.contextmanager
     def lock(self) -> Iterator[None]:
@@ -151,32 +161,43 @@ class RunFolder:
 
     def _version(self) -> int:
         try:
-            return int(json.loads(self.card.read_text(encoding="utf-8"))["run_format"])
+            return int(self._read_card()["run_format"])
+        except (ValueError, KeyError, TypeError) as error:
+            raise self._damaged() from error
+
+    def _read_card(self) -> dict[str, Any]:
+        """Return what `run.json` says. Errors: RunError."""
+        try:
+            card: dict[str, Any] = json.loads(self.card.read_text(encoding="utf-8"))
+            return {**card}
         except OSError as error:
             raise cannot_read(self.card, error) from error
-        except (ValueError, KeyError, TypeError) as error:
-            raise RunError(
-                f"{self.card} is damaged; start anew with --force or choose another --out."
-            ) from error
+        except (ValueError, TypeError) as error:
+            raise self._damaged() from error
 
-    def _clear(self) -> None:
+    def _damaged(self) -> RunError:
+        return RunError(f"{self.card} is damaged; start anew with --force or choose another --out.")
+
+    def _clear(self, files: Iterable[str]) -> None:
         """Delete the run's own files, `run.json` last, so that a half-cleared folder is still a run.
 
         Its assets stay until those of the new run are there: they may be the same.
         """
-        for path in (
-            self.checkpoint,
-            self.film,
-            self.picture,
-            self.fragments,
-            self.bodies,
-            self.log,
-            self.scene,
-        ):
-            path.unlink(missing_ok=True)
+        with contextlib.suppress(RunError):  # a damaged card lists nothing
+            files = {*files, *_plain(self._read_card().get("files"))}
+        for path in (self.checkpoint, self.log, self.scene, *map(self.path.joinpath, files)):
+            if not path.is_dir():
+                path.unlink(missing_ok=True)
+            parts = path.with_name(f".{path.name}.parts")  # of a film that is not finished
+            if parts.is_dir():
+                shutil.rmtree(parts)
         self.drop_frames_after(-1)
-        if self.film_parts.is_dir():
-            shutil.rmtree(self.film_parts)
         with contextlib.suppress(OSError):  # the user's own files in it stay, and the folder with them
             self.frames.rmdir()
         self.card.unlink()
+
+
+def _plain(names: object) -> list[str]:
+    """Return those of `names` that name a file in the folder itself."""
+    given = names if isinstance(names, list) else []
+    return [name for name in given if isinstance(name, str) and Path(name).name == name]

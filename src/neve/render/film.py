@@ -19,6 +19,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
 from typing import IO, Any
 
@@ -45,7 +46,7 @@ class Film:
     Errors: FilmError, when ffmpeg fails or the disk is full.
     """
 
-    def __init__(self, path: Path | str, fps: int, size: tuple[int, int], start: int = 0) -> None:
+    def __init__(self, path: Path | str, fps: int | Fraction, size: tuple[int, int], start: int = 0) -> None:
         self.path = Path(path)
         self.fps, self.size = fps, size
         self._parts = self.path.with_name(f".{self.path.name}.parts")
@@ -154,7 +155,7 @@ class Film:
 class _Encoder:
     """Encode consecutive frames into one segment."""
 
-    def __init__(self, folder: Path, first: int, fps: int, size: tuple[int, int]) -> None:
+    def __init__(self, folder: Path, first: int, fps: int | Fraction, size: tuple[int, int]) -> None:
         self.first, self.last = first, first - 1
         self._folder, self._part = folder, folder / f"{first:06d}.part"
         width, height = size

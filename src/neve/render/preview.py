@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from neve.colliders.solid import Solid
     from neve.geometry.pose import Pose
     from neve.geometry.sdf import SolidMesh
-    from neve.scene.schema.scene import Light, Numerics, Scene
+    from neve.scene.schema.scene import Scene
 
 # Paint of a collider without a colour of its own: grey-blue steel.
 STEEL = (0.20, 0.23, 0.27)
@@ -24,25 +24,6 @@ STEEL = (0.20, 0.23, 0.27)
 # units in which the film's curve shows 1 as bright sunlit snow.
 SUN = 1.9
 SKY = 0.5
-
-
-def sun_direction(light: Light) -> tuple[float, float, float]:
-    """Return the unit vector towards the sun [1]."""
-    elevation, azimuth = math.radians(light.sun_elevation), math.radians(light.sun_azimuth)
-    return (
-        math.cos(elevation) * math.cos(azimuth),
-        math.cos(elevation) * math.sin(azimuth),
-        math.sin(elevation),
-    )
-
-
-def cell_size(numerics: Numerics) -> float:
-    """Return the size of a cell of the density grid [m].
-
-    Fine enough for shadows of clods, coarse enough that solid snow has no holes.
-    """
-    volume = numerics.dx**3 / numerics.particles_per_cell
-    return max(0.75 * numerics.dx, 1.5 * float(volume ** (1 / 3)))
 
 
 class Preview:
@@ -63,12 +44,19 @@ class Preview:
         self.size = (width, height)
         self.threads = threads
         self.volume = numerics.dx**3 / numerics.particles_per_cell
-        self.cell_size = cell_size(numerics)
+        # Fine enough for shadows of clods, coarse enough that solid snow has no holes.
+        self.cell_size = max(0.75 * numerics.dx, 1.5 * self.volume ** (1 / 3))
+        elevation, azimuth = math.radians(light.sun_elevation), math.radians(light.sun_azimuth)
+        sun = (
+            math.cos(elevation) * math.cos(azimuth),
+            math.cos(elevation) * math.sin(azimuth),
+            math.sin(elevation),
+        )
         self._meshes: dict[int, tuple[object, _render.Mesh]] = {}
         self._painter = _render.Painter(
             _render.Camera(camera.position, camera.target, camera.up, camera.fov, width, height),
             _render.Light(
-                sun_direction(light),
+                sun,
                 _scaled(light.sun_color, SUN * light.sun_strength),
                 _scaled(light.sky_color, SKY * light.sky_strength),
             ),
@@ -97,13 +85,13 @@ class Preview:
 
     def _body(self, solid: Solid, pose: Pose) -> _render.Body:
         """Translate a solid and its pose for the renderer."""
-        ground = solid.endless and solid.color is None and solid.finish is None
+        ground = solid.shape in ("plane", "terrain") and solid.color is None and solid.finish is None
         x, y, z = (float(a) for a in pose.position)
         a, b, c = (float(h) for h in solid.half)
         rotation = [float(r) for r in np.asarray(pose.rotation).ravel()]
         stuff = "ground" if ground else solid.finish or "paint"
         color = solid.color or STEEL
-        mesh = self._mesh(solid) if solid.mesh or solid.terrain else None
+        mesh = self._mesh(solid) if solid.shape in ("mesh", "terrain") else None
         return _render.Body(
             "mesh" if mesh else solid.shape,
             (x, y, z),

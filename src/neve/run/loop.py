@@ -1,38 +1,36 @@
 """The run loop: frame by frame into a run folder.
 
 The loop never changes: it advances the simulation by one frame and hands the frame to each output whose
-schedule says so. Frames, log, checkpoint and film are outputs; more can be given as `observers`.
+schedule says so. Which outputs there are is up to the scene, the registry (`neve.run.outputs.registry`) and
+the caller.
 """
 
 from __future__ import annotations
 
 import contextlib
 import logging
-import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from neve.io.assets import assets_of, keep_assets, portable, same_content
+from neve.io.assets import assets_of, keep_assets, portable
 from neve.io.atomic import write_text
 from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import version
-from neve.run.bodies import BodyOutput
-from neve.run.fragments import FragmentOutput
 from neve.run.interrupt import Interrupt
-from neve.run.outputs import CheckpointOutput, FrameContext, FrameOutput, LogOutput, Output
-from neve.run.pictures import FilmOutput, Painter, PictureOutput
+from neve.run.outputs.context import Begins, FrameContext, Output, RunContext
+from neve.run.outputs.registry import entries, kinds, own_schedule, schedule_of, usual_files
 from neve.run.progress import Progress, Warnings, follow, warnings_to
+from neve.run.resume import check_same, is_drawn_alike
 from neve.stage_timer import StageTimer
 
 if TYPE_CHECKING:
+    from neve.scene.schema.outputs import OutputOptions
     from neve.scene.schema.scene import Scene
+    from neve.schedule import Schedule
     from neve.simulation import Simulation
-
-# What may differ between the scene of a run and the scene it is gone on with: nothing that moves snow.
-_FREE = ("about", "camera", "light", "run.duration", "run.film", "run.fragments")
 
 
 def run(
@@ -42,16 +40,16 @@ def run(
     resume: bool = False,
     force: bool = False,
     quiet: bool = False,
-    observers: Sequence[Output] = (),
+    outputs: Sequence[Output] = (),
 ) -> Simulation:
     """Run `sim` into the folder `out` and return the simulation at the last frame.
 
     out: folder of the run; it must be new or empty, or hold a run and come with `resume` or `force`
     frames: number of the last frame; by default `run.duration` times `run.fps` of the scene
-    resume: go on from the run's checkpoint; of `sim` only its scene and threads count then
+    resume: continue from the run's checkpoint; of `sim` only its scene and threads count then
     force: replace the run that lies in `out`
     quiet: show no progress, only warnings
-    observers: further outputs
+    outputs: further outputs, besides those of the scene; see `neve.run.outputs.context.Output`
 
     Frame 0 is the state at the start. The same scene gives the same frames, bit for bit, whether the run was
     stopped and resumed or not.
@@ -65,7 +63,7 @@ def run(
             return sim
         return type(sim).restore(sim.scene, checkpoint.arrays, threads=sim.threads)
 
-    return _run(sim.scene, start, RunFolder(out), frames, resume, force, quiet, observers)
+    return _run(sim.scene, start, RunFolder(out), frames, resume, force, quiet, outputs)
 
 
 def run_scene(
@@ -102,48 +100,43 @@ def _run(
     resume: bool,
     force: bool,
     quiet: bool,
-    observers: Sequence[Output],
+    outputs: Sequence[Output],
 ) -> Simulation:
     """Make the folder ready, start or restore the simulation, and run the loop with the run's outputs."""
     folder.check(resume, force)
     assets = assets_of(scene)
     toml = portable(scene, assets)
+    asked = entries(scene)
     with folder.lock():
         checkpoint = read_checkpoint(folder.checkpoint) if resume else None
         if checkpoint is not None:
-            _check_same(folder.path, checkpoint.scene, toml)
+            check_same(folder.path, checkpoint.scene, toml)
         sim = start(checkpoint)
         done = None if checkpoint is None else checkpoint.frame
-        folder.open(version(), resume, force)
+        folder.open(version(), resume, force, {*usual_files(), *(given.file() for given in asked)} - {""})
         keep_assets(folder.path, assets)
         write_text(folder.scene, toml)
         if done is not None:
             folder.drop_frames_after(done)
         last = max(last_frame(scene, frames), done or 0)
+        context = RunContext(
+            folder=folder,
+            scene=scene,
+            toml=toml,
+            neve=version(),
+            solids=[solid for solid, _ in sim.bodies()],
+            done=done,
+            redraw=checkpoint is not None and not is_drawn_alike(checkpoint.scene, toml),
+            threads=sim.threads,
+        )
         with contextlib.ExitStack() as stack:
-            painter = Painter(scene, [solid for solid, _ in sim.bodies()], sim.threads)
-            outputs: list[Output] = [FrameOutput(folder), PictureOutput(folder, painter)]
-            if scene.run.film:
-                anew = checkpoint is not None and _looks(checkpoint.scene) != _looks(toml)
-                outputs.append(stack.enter_context(FilmOutput(folder, scene, painter, done, anew)))
-            if scene.run.fragments:
-                outputs.append(FragmentOutput(folder, scene, done))
-            if sim.bodies():
-                outputs.append(BodyOutput(folder, done))
-            outputs += [LogOutput(folder, done), *observers]
-            outputs.append(CheckpointOutput(folder, toml, version(), done))
+            scheduled = _begin(context, asked, outputs, stack)
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
             stack.enter_context(warnings_to(Warnings() if quiet else progress))
-            if checkpoint is not None and checkpoint.neve != version():
-                logging.getLogger("neve").warning(
-                    "%s: the run was begun with Neve %s and goes on with %s, so its bits may differ from"
-                    " those of a run in one go",
-                    folder.path,
-                    checkpoint.neve,
-                    version(),
-                )
+            if checkpoint is not None:
+                _warn_of_version(folder.path, checkpoint.neve)
             interrupt = stack.enter_context(Interrupt(quiet))
-            reached = _loop(sim, done, last, outputs, progress, interrupt)
+            reached = _loop(sim, context, last, scheduled, progress, interrupt)
             if reached < last:
                 raise KeyboardInterrupt(
                     f"stopped after frame {reached} of {last}; go on with: neve run {folder.path} --resume"
@@ -152,11 +145,43 @@ def _run(
     return sim
 
 
+def _begin(
+    run: RunContext, asked: Sequence[OutputOptions], more: Sequence[Output], stack: contextlib.ExitStack
+) -> list[tuple[Schedule, Output]]:
+    """Make the outputs that are asked for, let all of them begin, and return them in the order of writing."""
+    fps = run.scene.run.fps
+    made = [(kinds()[given.kind], given) for given in asked]
+    outputs = [(kind.completes, given, kind.make(**given.options())) for kind, given in made]
+    rows = [(last, schedule_of(given, output, fps), output) for last, given, output in outputs]
+    rows += [(False, own_schedule(output), output) for output in more]
+    scheduled = [(schedule, output) for _, schedule, output in sorted(rows, key=lambda row: row[0])]
+    names = [output.name for _, output in scheduled if hasattr(output, "name")]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise RunError(f"two outputs of the run write {twice[0]}: give one of them another name.")
+    for schedule, output in scheduled:
+        if isinstance(output, Begins):
+            output.begin(run, schedule)
+        if isinstance(output, contextlib.AbstractContextManager):
+            stack.enter_context(output)
+    return scheduled
+
+
+def _warn_of_version(folder: Path, before: str) -> None:
+    if before != version():
+        logging.getLogger("neve").warning(
+            "%s: the run was begun with Neve %s and goes on with %s, so its bits may differ from those of a"
+            " run in one go",
+            folder,
+            before,
+            version(),
+        )
+
+
 def _loop(
     sim: Simulation,
-    done: int | None,
+    run: RunContext,
     last: int,
-    outputs: Sequence[Output],
+    outputs: Sequence[tuple[Schedule, Output]],
     progress: Progress,
     interrupt: Interrupt,
 ) -> int:
@@ -165,54 +190,23 @@ def _loop(
     A checkpoint says that its frame is complete: it is written last of a frame and closed first of all.
     """
     timer = StageTimer()
-    frame = 0 if done is None else done
-    context = FrameContext(sim, frame, last, timer)
-    if done is None:
-        _show(context, outputs)
+    frame = run.done or 0
+    context = FrameContext(sim, frame, last, timer, run)
+    if run.done is None:
+        _write(context, outputs)
     progress.update(frame, sim.state.count, sim.steps)
     while frame < last and not interrupt.requested:
         sim.advance(1.0 / sim.scene.run.fps)
         frame += 1
-        context = FrameContext(sim, frame, last, timer)
-        _show(context, outputs)
+        context = FrameContext(sim, frame, last, timer, run)
+        _write(context, outputs)
         progress.update(frame, sim.state.count, sim.steps)
-    for output in reversed(outputs):
+    for _, output in reversed(outputs):
         output.close(context)
     return frame
 
 
-def _show(context: FrameContext, outputs: Sequence[Output]) -> None:
-    for output in outputs:
-        if output.schedule.due(context.frame):
+def _write(context: FrameContext, outputs: Sequence[tuple[Schedule, Output]]) -> None:
+    for schedule, output in outputs:
+        if schedule.due(context.frame):
             output.write(context)
-
-
-def _check_same(folder: Path, before: str, now: str) -> None:
-    """Refuse to go on in a run with another scene: its frames would belong to neither."""
-    old, new = (dict(_flatten(tomllib.loads(text))) for text in (before, now))
-    for key in sorted(old.keys() | new.keys()):
-        free = any(key == name or key.startswith(f"{name}.") for name in _FREE)
-        if not free and old.get(key) != new.get(key) and not same_content(old.get(key), new.get(key)):
-            was, wish = (repr(table[key]) if key in table else "absent" for table in (old, new))
-            raise RunError(
-                f"{folder} was made with another scene ({key} is {was} there and {wish} now):"
-                " resume it unchanged, start anew with --force, or choose another --out."
-            )
-
-
-def _looks(toml: str) -> object:
-    tables = tomllib.loads(toml)
-    return tables.get("camera"), tables.get("light")
-
-
-def _flatten(value: object, path: str = "") -> Iterator[tuple[str, object]]:
-    """Yield every leaf of nested tables and lists of tables with its dotted path."""
-    if isinstance(value, Mapping):
-        items: list[tuple[str, object]] = [(str(key), inner) for key, inner in value.items()]
-    elif isinstance(value, list) and any(isinstance(inner, Mapping) for inner in value):
-        items = [(str(index), inner) for index, inner in enumerate(value)]
-    else:
-        yield path, value
-        return
-    for key, inner in items:
-        yield from _flatten(inner, f"{path}.{key}" if path else key)

@@ -6,7 +6,6 @@ import logging
 import pytest
 
 from neve.run.progress import Bar, Lines, Pace, Silence, Warnings, duration, follow, warnings_to
-from neve.schedule import EveryFrame, EverySeconds, Never
 
 
 class Terminal(io.StringIO):
@@ -89,18 +88,3 @@ def test_bar_shows_frames_and_particles():
 def test_duration(seconds, words):
     """Time spans read like a clock."""
     assert duration(seconds) == words
-
-
-def test_schedules():
-    """Each schedule is due when it says."""
-    clock = Clock()
-    timed = EverySeconds(3.0, clock)
-    due = []
-    for frame in range(6):
-        due.append(timed.due(frame))
-        clock.now += 1.5
-    assert due == [True, False, True, False, True, False]
-    assert EveryFrame().due(5)
-    assert not Never().due(5)
-    with pytest.raises(ValueError, match="0 s or more"):
-        EverySeconds(float("nan"))

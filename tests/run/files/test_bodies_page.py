@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from neve.run import pictures, run_scene
+from neve.run import painter, run_scene
 from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
@@ -64,7 +64,7 @@ def test_wheel_turns_once_it_is_down(tmp_path):
 
 def test_robot_goes_with_its_run(tmp_path, monkeypatch):
     """The robot of the page is found beside the scene; its run can be moved and gone on with elsewhere."""
-    monkeypatch.setattr(pictures, "SIZE", (64, 36))
+    monkeypatch.setattr(painter, "SIZE", (64, 36))
     (tmp_path / "home" / "parts").mkdir(parents=True)
     (tmp_path / "home" / "car.xml").write_text(CAR)
     (tmp_path / "home" / "parts" / "tip.obj").write_text(TIP)

@@ -11,8 +11,9 @@ from neve.io import log
 from neve.io.frames import Frame
 from neve.io.run_folder import RunFolder
 from neve.mpm.time_step import Bound
-from neve.run import bodies
-from neve.run.loop import _FREE
+from neve.run.outputs import bodies
+from neve.run.outputs.registry import usual_files
+from neve.run.resume import FREE
 
 PAGE = (Path(__file__).parents[3] / "docs/run_folder.md").read_text(encoding="utf-8")
 
@@ -47,17 +48,17 @@ def test_all_columns_stand_in_the_page(table, columns):
 
 
 def test_all_files_stand_in_the_page():
-    """Each file that RunFolder knows is named, and none else; parts of a film with the film."""
+    """Each file that a run or an output writes is named, and none else; parts of a film with the film."""
     folder = RunFolder("run")
-    known = {path.name for path in vars(folder).values()} - {"run", folder.film_parts.name}
-    assert set(names(FILES)) == known
-    assert f"`{folder.film_parts.name}`" in PAGE
+    known = {path.name for path in vars(folder).values()} - {"run"}
+    assert set(names(FILES)) == known | usual_files()
+    assert "`.preview.mp4.parts`" in PAGE
 
 
 def test_words_of_the_page():
     """What may bound a step, and what a resume may change, are the words of the code."""
     [row] = [row for row in LOG if row[0] == "`bound`"]
     assert set(get_args(Bound)) == set(re.findall(r"`(\w+)`", row[-1]))
-    for key in _FREE:
+    for key in FREE:
         assert f"`{key}`" in PAGE
     assert f"{fragments.MOST} largest fragments" in PAGE

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from neve.diagnostics import Balance
-from neve.run.outputs import EnergyWatch
+from neve.run.outputs.log import EnergyWatch
 from neve.run.progress import Silence, warnings_to
 
 

@@ -10,7 +10,7 @@ from neve.cli import main
 from neve.fragments import COLUMNS, MOST, Limits, find, rows
 from neve.io.errors import RunError
 from neve.run import run
-from neve.run.fragments import count_run
+from neve.run.outputs.fragments import count_run
 from neve.scene.reading.load import load
 
 COARSE = ["numerics.dx=0.5"]  # the stand-in's 50 particles in a cube of 1 m then hang together, most of them

@@ -17,7 +17,8 @@ from neve.io.errors import RunError
 from neve.io.log import COLUMNS
 from neve.io.version import version
 from neve.run import loop, run, run_scene
-from neve.run.pictures import Painter, telling_frame
+from neve.run.outputs.picture import telling_frame
+from neve.run.painter import Painter
 from neve.scene.reading.load import load
 
 FAKE = Path(fake_neve.__file__)
@@ -192,7 +193,7 @@ def test_stopped_film_goes_on(scene, tmp_path, stop_after, drawn):
     assert len(film.splitlines()) == 4
     assert (straight / "preview.mp4").read_text().startswith(film)
     assert not (out / "preview.png").exists()
-    (out / ".preview.mp4.parts/2").unlink()
+    (out / ".preview.mp4.parts/2.part").unlink()
     drawn.clear()
     run_scene(scene, out, resume=True, quiet=True)
     assert drawn[:-1] == pytest.approx([0.1, 0.2, 0.25, 0.3, 0.35, 0.4])
@@ -267,7 +268,7 @@ def test_resume_under_another_version_is_told(fake, scene, tmp_path, monkeypatch
     assert f"begun with Neve {version()} and goes on with 99.0" in told[0]
 
 
-def test_observers_follow_their_schedule(fake, scene, tmp_path):
+def test_further_outputs_follow_their_schedule(fake, scene, tmp_path):
     """A further output sees the frames of its schedule, and the end."""
 
     class EveryThird:
@@ -278,14 +279,14 @@ def test_observers_follow_their_schedule(fake, scene, tmp_path):
         schedule = EveryThird()
         seen, ended = [], None
 
-        def write(self, moment):
-            self.seen.append((moment.frame, moment.sim.steps))
+        def write(self, context):
+            self.seen.append((context.frame, context.sim.steps))
 
-        def close(self, moment):
-            self.ended = moment.frame
+        def close(self, context):
+            self.ended = context.frame
 
     watch = Watch()
-    run(fake.Simulation(scene), tmp_path / "ball", quiet=True, observers=[watch])
+    run(fake.Simulation(scene), tmp_path / "ball", quiet=True, outputs=[watch])
     assert (watch.seen, watch.ended) == ([(0, 0), (3, 12), (6, 24)], 8)
 
 

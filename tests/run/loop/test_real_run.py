@@ -14,7 +14,7 @@ from PIL import Image
 import neve
 from neve.io.errors import RunError
 from neve.io.npz import read_npz, write_npz
-from neve.run import pictures, run_scene
+from neve.run import painter, run_scene
 
 SNOWBALL = """
 [numerics]
@@ -45,7 +45,7 @@ def snowball(tmp_path):
 @pytest.fixture
 def small_picture(monkeypatch):
     """Draw pictures of a few pixels where they are not what is tested."""
-    monkeypatch.setattr(pictures, "SIZE", (64, 36))
+    monkeypatch.setattr(painter, "SIZE", (64, 36))
 
 
 def frames(out):

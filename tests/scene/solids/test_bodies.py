@@ -35,7 +35,7 @@ WRONG = [
     ([{"shape": "box", "mass": 0.0}], "bodies.0.mass = 0.0 is not allowed: use a number greater than 0"),
     ([{"shape": "box", "density": -1.0}], "bodies.0.density = -1.0 is not allowed: use a number greater"),
     ([{"shape": "box", "mass": 1.0, "density": 3.0}], "cannot be combined with mass; leave one of them out"),
-    ([{"shape": "box", "motor": {}}], 'bodies.0.motor = a table is not allowed: it needs joint = "hinge"'),
+    ([{"shape": "box", "motor": {}}], 'bodies.0.motor needs joint = "hinge"'),
     ([{"shape": "box", "limits": [0.0, 1.0]}], 'it needs joint = "hinge" or "slide"; a free body has none'),
     ([{**HINGE, "axis": [0, 0, 0]}], "it must not be the zero vector; [0, 0, 1] is upward"),
     ([{**HINGE, "limits": [10.0, 20.0]}], "it must hold the start, 0, and the first must be less than"),

@@ -6,9 +6,20 @@ import math
 from collections.abc import Iterator
 
 from neve.scene.checks.unused import unused
+from neve.scene.schema.bodies import Rigid, RigidBox, RigidCylinder, RigidSphere
+from neve.scene.schema.colliders import Box, Collider, Cylinder, Sphere
 from neve.scene.schema.elastic import p_wave_modulus
 from neve.scene.schema.fields import norm, rounded_down, rounded_up
-from neve.scene.schema.scene import Body, Collider, Scene, Source
+from neve.scene.schema.scene import Scene
+from neve.scene.schema.sources import (
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowMesh,
+    SnowSource,
+    SnowSphere,
+    SnowText,
+)
 
 SOURCE_CELLS = 3
 """Least number of cells across a source; a thinner one is all surface."""
@@ -38,7 +49,7 @@ def advice(scene: Scene) -> list[str]:
     return [*found, *unused(scene)]
 
 
-def fastest(scene: Scene, source: Source) -> float:
+def fastest(scene: Scene, source: SnowSource) -> float:
     """Return the largest c + |v| in `source` at the start [m/s].
 
     c = sqrt((lam + 2 mu) / rho0), times the largest sqrt(stiffness / density) of its factors; |v| is at most
@@ -52,15 +63,12 @@ def fastest(scene: Scene, source: Source) -> float:
         ones = (1.0,) * len(profile.at)
         pairs = zip(profile.stiffness or ones, profile.density or ones, strict=True)
         factor *= max(stiffness / density for stiffness, density in pairs)
-    speed = norm(source.velocity) + norm(source.spin) * source.reach()
+    speed = norm(source.velocity) + norm(source.spin) * _reach(source)
     return math.sqrt(factor * p_wave_modulus(snow.E0, snow.nu) / snow.rho0) + speed
 
 
-def _thin_source(scene: Scene, source: Source, name: str) -> Iterator[str]:
-    dx = scene.numerics.dx
-    if (thinnest := source.thinnest()) is None:
-        return
-    key, length = thinnest
+def _thin_source(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+    dx, (key, length) = scene.numerics.dx, _thinnest(source)
     if length < SOURCE_CELLS * dx * (1 - 1e-9):
         yield (
             f"{name}.{key} makes this snow {length:g} m thick, only {length / dx:.2g} cells of numerics.dx = "
@@ -68,7 +76,7 @@ def _thin_source(scene: Scene, source: Source, name: str) -> Iterator[str]:
         )
 
 
-def _fine_noise(scene: Scene, source: Source, name: str) -> Iterator[str]:
+def _fine_noise(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
     dx, noise = scene.numerics.dx, source.variation
     if not noise or not noise.acts:
         return
@@ -80,7 +88,7 @@ def _fine_noise(scene: Scene, source: Source, name: str) -> Iterator[str]:
         )
 
 
-def _thin_seam(scene: Scene, source: Source, name: str) -> Iterator[str]:
+def _thin_seam(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
     dx, noise = scene.numerics.dx, source.variation
     if not noise or noise.pattern != "clods" or not noise.acts:
         return
@@ -106,11 +114,16 @@ def _long_step(scene: Scene) -> Iterator[str]:
         )
 
 
-def _thin_body(scene: Scene, body: Collider | Body, name: str) -> Iterator[str]:
+def _thin_body(scene: Scene, body: Collider | Rigid, name: str) -> Iterator[str]:
     dx = scene.numerics.dx
-    if (thinnest := body.thinnest()) is None:
+    if isinstance(body, Box | RigidBox):
+        key, length = "size", min(body.size)
+    elif isinstance(body, Sphere | Cylinder | RigidSphere | RigidCylinder):
+        key, length = "radius", 2 * body.radius
+    else:
         return
-    key, length = thinnest
+    if isinstance(body, Cylinder | RigidCylinder) and body.height < length:
+        key, length = "height", body.height
     if length < COLLIDER_CELLS * dx * (1 - 1e-9):
         yield (
             f"{name}.{key} makes this body {length:g} m thin, only {length / dx:.2g} cells of numerics.dx = "
@@ -118,3 +131,43 @@ def _thin_body(scene: Scene, body: Collider | Body, name: str) -> Iterator[str]:
             f"least {rounded_up(COLLIDER_CELLS * dx)} m thick, or use numerics.dx = "
             f"{rounded_down(length / COLLIDER_CELLS)} or smaller"
         )
+
+
+def _thinnest(source: SnowSource) -> tuple[str, float]:
+    """Return the key and the length of the thinnest way through `source` [m]; of letters, their depth.
+
+    The size of a mesh is checked when its file is read.
+    """
+    if isinstance(source, SnowMesh):
+        return "file", math.inf
+    if isinstance(source, SnowBox):
+        return "size", min(source.size)
+    if isinstance(source, SnowSphere):
+        return "radius", 2 * source.radius
+    if isinstance(source, SnowCylinder):
+        across = 2 * source.radius
+        return ("radius", across) if across < source.height else ("height", source.height)
+    if isinstance(source, SnowLayer):
+        return min(("depth", source.depth), ("size", min(source.size)), key=lambda pair: pair[1])
+    assert isinstance(source, SnowText)
+    return "depth", source.depth
+
+
+def _reach(source: SnowSource) -> float:
+    """Return how far the farthest point of `source` may lie from its centre [m]; of letters, about.
+
+    Of a mesh, which is not read here, it is 0.
+    """
+    if isinstance(source, SnowMesh):
+        return 0.0
+    if isinstance(source, SnowBox):
+        return 0.5 * norm(source.size)
+    if isinstance(source, SnowSphere):
+        return source.radius
+    if isinstance(source, SnowCylinder):
+        return math.hypot(source.radius, 0.5 * source.height)
+    if isinstance(source, SnowLayer):
+        return 0.5 * norm((*source.size, source.depth))
+    assert isinstance(source, SnowText)
+    lines = source.text.splitlines()
+    return 0.5 * source.height * math.hypot(max(map(len, lines)), 1.5 * len(lines))

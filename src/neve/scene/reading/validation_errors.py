@@ -11,9 +11,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from neve.scene.reading.paths import follow
-from neve.scene.schema.allowed import allowed, choices, part, words
+from neve.scene.schema.allowed import allowed, choices, entry_models, part, table_of_list, words
+from neve.scene.schema.outputs import OutputOptions
 from neve.scene.schema.scene import Scene
-from neve.scene.schema.tables import shapes, table_of_list
 from neve.spelling import hint, nearest
 
 ALSO_CALLED = {
@@ -93,17 +93,18 @@ def _problem(detail: dict[str, Any], data: dict[str, Any]) -> Problem:
         path = (*path, *detail["ctx"]["key"].split("."))
         message = detail["ctx"]["message"]
         value = _value(path, data)
-        stated = "" if value is None else f" = {shown(value)} is not allowed: it"
+        stated = "" if value is None or isinstance(value, dict) else f" = {shown(value)} is not allowed: it"
         return Problem(path, f"{'.'.join(path)}{stated} {message}")
-    known = list(shapes(field.annotation)) if field else []
+    tag, models = entry_models(field.annotation) if field else ("", {})
+    known = list(models)
     if kind == "union_tag_not_found":
-        return Problem(path, f"{'.'.join(path)} has no shape; add shape = {words(known)}")
+        return Problem(path, f"{'.'.join(path)} has no {tag}; add {tag} = {words(known)}")
     if kind == "union_tag_invalid":
-        return _bad_word((*path, "shape"), data, words(known), known)
+        return _bad_word((*path, tag), data, words(known), known)
     if known:
-        right = f"a table with shape = {words(known)}"
+        right = f"a table with {tag} = {words(known)}"
         if len(path) == 1:
-            right = f"a list of tables, each headed [[{path[0]}]] and with a shape"
+            right = f"a list of tables, each headed [[{path[0]}]] and with a {tag}"
         return _bad_word(path, data, right, [])
     if field is None:
         return Problem(path, f"{'.'.join(path)} is not allowed: {detail['msg']}")
@@ -119,8 +120,10 @@ def _bad_word(path: tuple[str, ...], data: dict[str, Any], right: str, known: li
 
 def _unknown_key(path: tuple[str, ...], owner: type[BaseModel]) -> str:
     key = path[-1]
-    keys = sorted(owner.model_fields, key=lambda name: name != "shape")
+    keys = sorted(owner.model_fields, key=lambda name: name not in ("shape", "kind"))
     kind = f" of a {owner.model_fields['shape'].default}" if "shape" in keys else ""
+    if issubclass(owner, OutputOptions):
+        kind = f" of the output {owner.model_fields['kind'].default}"
     near = nearest_key(key, keys)
     if near is None:
         near = next((f"{s}.{key}" for s, f in Scene.model_fields.items() if key in _keys(f.annotation)), None)
@@ -156,7 +159,7 @@ def _walk(loc: Sequence[int | str]) -> tuple[tuple[str, ...], type[BaseModel], F
         if inner:
             owner = inner
             continue
-        shaped, table = shapes(field.annotation), table_of_list(field.annotation)
+        (_, shaped), table = entry_models(field.annotation), table_of_list(field.annotation)
         if not rest or not (shaped or table):
             break
         path = (*path, str(rest.pop(0)))

@@ -7,8 +7,19 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
-from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
+from neve.scene.schema.bodies import (
+    Control,
+    Motor,
+    Rigid,
+    RigidBody,
+    RigidBox,
+    RigidCylinder,
+    RigidMesh,
+    RigidSphere,
+    Robot,
+    Target,
+)
+from neve.scene.schema.colliders import Body, Box, Collider, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
 from neve.scene.schema.fields import (
     Color,
     Damping,
@@ -25,13 +36,29 @@ from neve.scene.schema.fields import (
     rounded_down,
     wrong,
 )
+from neve.scene.schema.meshes import MeshFile
+from neve.scene.schema.outputs import OutputEntry, conflict
 from neve.scene.schema.snow import SSCTS, Overrides, Snow, most_strength, problem
 from neve.scene.schema.snows import SNOWS
-from neve.scene.schema.sources import AnySource, Profile, Source, Variation
+from neve.scene.schema.sources import (
+    Profile,
+    SnowBox,
+    SnowCylinder,
+    SnowLayer,
+    SnowMesh,
+    SnowSource,
+    SnowSphere,
+    SnowText,
+    Source,
+    Variation,
+)
 
 __all__ = [
-    "Body", "Camera", "Collider", "Control", "Keyframe", "Light", "Motor", "Numerics", "Overrides", "Part",
-    "Profile", "Robot", "Run", "Scene", "Snow", "Source", "Target", "Variation", "World",
+    "Body", "Box", "Camera", "Collider", "Control", "Cylinder", "Keyframe", "Light", "Mesh", "MeshFile",
+    "Motor", "Numerics", "Overrides", "Part", "Plane", "Profile", "Rigid", "RigidBody", "RigidBox",
+    "RigidCylinder", "RigidMesh", "RigidSphere", "Robot", "Run", "Scene", "Snow", "SnowBox",
+    "SnowCylinder", "SnowLayer", "SnowMesh", "SnowSource", "SnowSphere", "SnowText", "Source", "Sphere",
+    "Target", "Terrain", "Variation", "World",
 ]  # fmt: skip
 
 
@@ -194,13 +221,14 @@ class Scene(Part):
     world: World = entry(World(), "Surroundings.", "")
     numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
     snow: Snow = entry(Snow(), "Snow of all sources.", "")
-    sources: tuple[AnySource, ...] = entry((), "Where snow is at the start: one or more.", "")
-    colliders: tuple[AnyCollider, ...] = entry((), "Solids that snow meets.", "")
-    bodies: tuple[AnyBody, ...] = entry((), "Bodies: solids that snow and other forces move.", "")
+    sources: tuple[Source, ...] = entry((), "Where snow is at the start: one or more.", "")
+    colliders: tuple[Collider, ...] = entry((), "Solids that snow meets, at rest or moved by a script.", "")
+    bodies: tuple[Rigid, ...] = entry((), "Bodies that snow moves.", "")
     robots: tuple[Robot, ...] = entry((), "Robots and vehicles from files, which snow moves as well.", "")
     camera: Camera = entry(Camera(), "Camera of the film.", "")
     light: Light = entry(Light(), "Light of the film.", "")
     run: Run = entry(Run(), "Length of the run.", "")
+    outputs: tuple[OutputEntry, ...] = entry((), "What a run writes, and how often.", "")
 
     @model_validator(mode="after")
     def _parents(self) -> Scene:
@@ -208,6 +236,12 @@ class Scene(Part):
             if body.parent is not None and body.parent >= i:
                 earlier = f"from 0 to {i - 1}" if i else "and the first body has none"
                 raise wrong(f"bodies.{i}.parent", f"must be the number of an earlier body, {earlier}")
+        return self
+
+    @model_validator(mode="after")
+    def _files(self) -> Scene:
+        if found := conflict(self.outputs, self.run.fps):
+            raise wrong(f"outputs.{found[0]}", found[1])
         return self
 
     @model_validator(mode="after")
@@ -231,11 +265,11 @@ class Scene(Part):
                 raise wrong(f"sources.{i}.{key}", f"{sentence}{whose}")
         return self
 
-    def snow_of(self, source: Source) -> Snow:
+    def snow_of(self, source: SnowSource) -> Snow:
         """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""
         return self.snow.but(source.snow)
 
-    def completed(self, source: Source) -> Source:
+    def completed(self, source: SnowSource) -> SnowSource:
         """Return `source` with the variation and profile of its snow's kind, where it has none of its own."""
         kind = SNOWS[self.snow_of(source).kind]
         found: dict[str, Part] = {}
@@ -246,7 +280,7 @@ class Scene(Part):
         return source.model_copy(update=found) if found else source
 
 
-def _too_strong(source: Source, most: float) -> tuple[str, str] | None:
+def _too_strong(source: SnowSource, most: float) -> tuple[str, str] | None:
     """Return key and end of the sentence if a source multiplies its snow's thresholds by more than `most`."""
     if source.strongest <= most * (1 + 1e-9):
         return None

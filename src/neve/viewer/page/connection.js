@@ -1,84 +1,63 @@
-// The connection to the server: states come as bytes, messages as text; commands go out as text.
+"use strict";
+// The line to the server: states come as bytes, the rest as text; wishes go out as text.
 
-/** @import { Command, Message, StateHead } from "./protocol.js" */
-/** @import { State } from "./draw/snow_cloud.js" */
+const LITTLE = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
 
-const IS_LITTLE_ENDIAN = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
-const FIRST_WAIT = 500; // ms until the first attempt to connect again
-
-export class Connection {
-  /**
-   * @param {object} handlers
-   * @param {(state: State) => void} handlers.onState
-   * @param {(message: Message) => void} handlers.onMessage
-   * @param {(open: boolean) => void} handlers.onOpen called when it opens and when it is lost
-   */
-  constructor({ onState, onMessage, onOpen }) {
-    this.onState = onState;
-    this.onMessage = onMessage;
-    this.onOpen = onOpen;
-    /** @type {ArrayBuffer | null} the newest state that has not been drawn */
+class Link {
+  constructor(onState, onWord, onLine) {
+    this.onState = onState, this.onWord = onWord, this.onLine = onLine;
     this.pending = null;
     this.received = 0;
-    this.wait = FIRST_WAIT;
-    this.socket = this.connect();
+    this.wait = 500;
+    this.connect();
   }
 
   connect() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/socket`);
-    socket.binaryType = "arraybuffer";
+    this.socket = new WebSocket(`${scheme}://${location.host}/socket`);
+    this.socket.binaryType = "arraybuffer";
     this.received = 0;
-    socket.onopen = () => {
-      this.wait = FIRST_WAIT;
-      this.onOpen(true);
+    this.socket.onopen = () => {
+      this.wait = 500;
+      this.onLine(true);
     };
-    socket.onmessage = ({ data }) => {
-      if (typeof data === "string") this.onMessage(JSON.parse(data));
+    this.socket.onmessage = (event) => {
+      if (typeof event.data === "string") this.onWord(JSON.parse(event.data));
       else {
         this.received += 1;
-        this.pending = data;
+        this.pending = event.data;  // a newer one replaces one that has not been drawn
       }
     };
-    socket.onclose = () => {
-      this.onOpen(false);
-      setTimeout(() => (this.socket = this.connect()), this.wait);
+    this.socket.onclose = () => {
+      this.onLine(false);
+      setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(2 * this.wait, 8000);
     };
-    return socket;
   }
 
-  /**
-   * Hand on the newest state, once for each picture, and tell the server that there is room for more.
-   * @returns {boolean} whether there was one
-   */
+  // Hand on the newest state, once for each picture, and tell the server that there is room for more.
   take() {
     if (!this.pending) return false;
-    const bytes = this.pending;
+    const message = this.pending;
     this.pending = null;
-    this.onState(decode(bytes));
-    this.send({ do: "acknowledge", version: this.received });
+    this.onState(decode(message));
+    this.send({ do: "got", version: this.received });
     return true;
   }
 
-  /** @param {Command} command */
-  send(command) {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(command));
+  send(wish) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(wish));
   }
 }
 
-/**
- * Read a state: the length of its head, the head in JSON, then x, y, z and a value of each particle in 16 bits.
- * @param {ArrayBuffer} buffer
- * @returns {State}
- */
+// A state as the server packs it: a head in JSON, then x, y, z and a value of each particle in 16 bits.
 function decode(buffer) {
-  const view = new DataView(buffer);
-  const end = 4 + view.getUint32(0, true);
-  /** @type {StateHead} */
+  const view = new DataView(buffer), end = 4 + view.getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, end - 4)));
-  if (IS_LITTLE_ENDIAN) return { ...head, q: new Uint16Array(buffer, end, 4 * head.n) };
-  const q = new Uint16Array(4 * head.n);
-  for (let i = 0; i < q.length; i++) q[i] = view.getUint16(end + 2 * i, true);
-  return { ...head, q };
+  if (LITTLE) head.q = new Uint16Array(buffer, end, 4 * head.n);
+  else {
+    head.q = new Uint16Array(4 * head.n);
+    for (let i = 0; i < head.q.length; i++) head.q[i] = view.getUint16(end + 2 * i, true);
+  }
+  return head;
 }

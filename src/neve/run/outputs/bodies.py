@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Literal
 
 import numpy as np
 
 from neve.geometry.pose import Pose, quaternion_of
-from neve.io.run_folder import RunFolder
-from neve.io.table import Table
-from neve.schedule import EveryFrame, Schedule
+from neve.run.outputs.context import FrameContext, RunContext
+from neve.run.outputs.registry import register_output
+from neve.scene.schema.fields import entry
+from neve.scene.schema.outputs import Scheduled
+from neve.schedule import Schedule
 
-if TYPE_CHECKING:
-    from neve.run.outputs import FrameContext
+FILE = "bodies.csv"
 
 COLUMNS = (
     "frame",  # number of the frame; 0 is the initial state
@@ -29,13 +30,27 @@ COLUMNS = (
 """Columns of `bodies.csv`; all vectors in world axes."""
 
 
+class BodyOptions(Scheduled):
+    """Hold an entry with kind = "bodies"."""
+
+    kind: Literal["bodies"] = entry(
+        "bodies", f"Where solids are and what the snow does to them, rows in {FILE}.", ""
+    )
+
+    def file(self) -> str:
+        """Return the name of the file."""
+        return FILE
+
+
+@register_output(
+    "bodies", BodyOptions, unasked=lambda scene: bool(scene.colliders or scene.bodies or scene.robots)
+)
 class BodyOutput:
     """Write the rows of `bodies.csv`: one for each solid of the scene in each frame."""
 
-    def __init__(self, folder: RunFolder, done: int | None) -> None:
-        """Start the table, or go on after the rows of frame `done`."""
-        self.schedule: Schedule = EveryFrame()
-        self._table = Table(folder.bodies, COLUMNS, keep_through=done)
+    def begin(self, run: RunContext, schedule: Schedule) -> None:
+        """Start the table, or continue it after the rows of frame `done`."""
+        self._table = run.table(FILE, COLUMNS)
 
     def write(self, context: FrameContext) -> None:
         """Add the rows of this frame."""

@@ -3,86 +3,107 @@
 from __future__ import annotations
 
 import base64
+import math
 from typing import Any
 
 import numpy as np
 
+from neve.build import material_table
 from neve.colliders.solid import Solid
-from neve.render.preview import SKY, STEEL, SUN, cell_size, sun_direction
+from neve.render.preview import SKY, STEEL, SUN
 from neve.scene.reading.files import own_files
 from neve.scene.reading.load import preset_about, presets
+from neve.scene.schema.allowed import shapes
 from neve.scene.schema.scene import Light, Scene
-from neve.scene.schema.tables import shapes
-from neve.viewer.modes import described
+from neve.viewer.modes import MODES, available
 from neve.viewer.players.player import Player
-from neve.viewer.protocol import messages
-from neve.viewer.tools.panel import lists, panel
+from neve.viewer.players.recorded import COLUMNS, Recorded
+from neve.viewer.protocol.panel import lists, panel
 
 
-def describe(player: Player) -> messages.SceneMessage:
+def describe(player: Player) -> dict[str, Any]:
     """Return the message of kind "scene", all that a page needs beside the snapshots."""
     scene = player.scene
+    recorded = isinstance(player, Recorded)
+    known = available(COLUMNS) if recorded else list(MODES)
     return {
-        **drawn(player.name, scene, player.solids(), described(player.color_modes(), player.running())),
         "kind": "scene",
         "number": player.number,
+        "name": player.name,
         "live": player.live,
+        "about": scene.about,
         "player": player.state(),
-        "panel": [section for section in panel(scene) if player.live or section["path"] == "light"],
-        "presets": {name: preset_about(name) for name in presets()} if player.live else {},
-        "addable": {key: _addable(key) for key in lists()} if player.live else {},
+        "panel": [s for s in panel(scene) if not recorded or s["path"] == "light"],
+        "presets": {} if recorded else {name: preset_about(name) for name in presets()},
+        "modes": [
+            {"name": name, "label": m.label, "unit": m.unit, "palette": m.palette, "classes": m.classes}
+            for name, m in MODES.items()
+            if name in known
+        ],
+        "materials": materials(player.running()),
+        "addable": {} if recorded else {key: _addable(key) for key in lists()},
+        **drawn(scene, player.solids()),
     }
 
 
-def drawn(name: str, scene: Scene, solids: tuple[Solid, ...], modes: list[messages.Mode]) -> messages.Drawn:
+def materials(scene: Scene) -> list[str]:
+    """Return what the legend calls each row of the material table: its kind, and whose snow it is."""
+    rows = material_table(scene)
+    told = []
+    for snow in rows:
+        whose = [str(i) for i, source in enumerate(scene.sources) if scene.snow_of(source) == snow]
+        told.append(snow.kind if len(rows) == 1 else f"{snow.kind}, of sources {', '.join(whose[:6])}")
+    return told
+
+
+def drawn(scene: Scene, solids: tuple[Solid, ...]) -> dict[str, Any]:
     """Return what is drawn beside the particles: camera, light, solids, and how large a particle is.
 
     Light is in the units of the film (neve.render), whose curve the page uses as well.
     """
+    numerics = scene.numerics
+    volume = numerics.dx**3 / numerics.particles_per_cell
     camera = scene.camera
     return {
-        "name": name,
-        "about": scene.about,
         "fps": scene.run.fps,
-        "dx": scene.numerics.dx,
-        "spacing": scene.numerics.spacing,
-        "cell": cell_size(scene.numerics),
+        "dx": numerics.dx,
+        "spacing": numerics.spacing,
+        "cell": max(0.75 * numerics.dx, 1.5 * volume ** (1 / 3)),
         "camera": {
-            "position": camera.position, "target": camera.target, "up": camera.up,
-            "fov": camera.fov,
+            "position": camera.position, "target": camera.target, "up": camera.up, "fov": camera.fov,
         },
         "light": light_of(scene.light),
         "solids": [_solid(solid) for solid in solids],
-        "modes": modes,
     }  # fmt: skip
 
 
-def light_of(light: Light) -> messages.Light:
+def light_of(light: Light) -> dict[str, list[float]]:
     """Return direction and colours of sun and sky as the film has them."""
+    up, round_ = math.radians(light.sun_elevation), math.radians(light.sun_azimuth)
     return {
-        "sun": sun_direction(light),
-        "sun_color": messages.vector(SUN * light.sun_strength * c for c in light.sun_color),
-        "sky_color": messages.vector(SKY * light.sky_strength * c for c in light.sky_color),
+        "sun": [math.cos(up) * math.cos(round_), math.cos(up) * math.sin(round_), math.sin(up)],
+        "sun_color": [SUN * light.sun_strength * c for c in light.sun_color],
+        "sky_color": [SKY * light.sky_strength * c for c in light.sky_color],
     }
 
 
-def _solid(solid: Solid) -> messages.Solid:
-    drawn: messages.Solid = {
+def _solid(solid: Solid) -> dict[str, Any]:
+    told: dict[str, Any] = {
         "name": solid.name,
         "shape": solid.shape,
-        "half": messages.vector(solid.half),
-        "color": messages.vector(solid.color or STEEL),
+        "half": [float(h) for h in solid.half],
+        "color": list(solid.color or STEEL),
         "visible": solid.visible,
-        "ground": solid.endless and solid.color is None,
+        "ground": solid.shape in ("plane", "terrain") and solid.color is None,
     }
     if solid.shape == "mesh" and solid.mesh is not None:
-        drawn["mesh"] = _mesh(solid.mesh.vertices, solid.mesh.faces)
+        told["mesh"] = _mesh(solid.mesh.vertices, solid.mesh.faces)
     elif solid.shape == "terrain" and solid.terrain is not None:
-        drawn["mesh"] = _mesh(*_terrain(solid.terrain.heights, solid.terrain.size))
-    return drawn
+        told["mesh"] = _mesh(*_terrain(solid.terrain.heights, solid.terrain.size))
+    return told
 
 
-def _mesh(vertices: Any, faces: Any) -> messages.Mesh:
+def _mesh(vertices: Any, faces: Any) -> dict[str, str]:
     """Return corners [m] as float32 and triangles as uint32, in base64."""
     corners, triangles = np.asarray(vertices, "<f4"), np.asarray(faces, "<u4")
     return {

@@ -1,0 +1,52 @@
+"""The checkpoint of a run: `checkpoint`, all that an exact resume needs."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from neve.io.checkpoint import write_checkpoint
+from neve.run.outputs.context import FrameContext, RunContext
+from neve.run.outputs.registry import register_output
+from neve.scene.schema.fields import entry
+from neve.scene.schema.outputs import Scheduled
+from neve.schedule import EveryWallSeconds, Schedule
+
+
+class CheckpointOptions(Scheduled):
+    """Hold an entry with kind = "checkpoint"."""
+
+    kind: Literal["checkpoint"] = entry(
+        "checkpoint",
+        "All that a resume needs, in checkpoint; without a schedule every 3 s of wall time. The end of a "
+        "run always has one.",
+        "",
+    )
+
+    def file(self) -> str:
+        """Return the name of the file."""
+        return "checkpoint"
+
+
+@register_output("checkpoint", CheckpointOptions, unasked=lambda scene: True, completes=True)
+class CheckpointOutput:
+    """Write `checkpoint` every few seconds of wall time and at the end, after all else of its frame."""
+
+    def __init__(self) -> None:
+        self.schedule: Schedule = EveryWallSeconds(3.0)
+        self._written: int | None = None
+
+    def begin(self, run: RunContext, schedule: Schedule) -> None:
+        """Take note of the checkpoint that is there already."""
+        self._written = run.done
+
+    def write(self, context: FrameContext) -> None:
+        """Write the state as of this frame."""
+        run = context.run
+        with context.timer.stage("write"):
+            write_checkpoint(run.folder.checkpoint, context.frame, run.toml, run.neve, context.sim.arrays())
+        self._written = context.frame
+
+    def close(self, context: FrameContext) -> None:
+        """Write the state unless it is there already."""
+        if self._written != context.frame:
+            self.write(context)

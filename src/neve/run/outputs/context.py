@@ -1,0 +1,128 @@
+"""What an output is given: the run when it begins, and each frame when it is due."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+from neve.io.frames import Frame, make_frame
+from neve.io.table import Table
+
+if TYPE_CHECKING:
+    from neve.colliders.solid import Solid
+    from neve.io.run_folder import RunFolder
+    from neve.scene.schema.scene import Camera, Scene
+    from neve.schedule import Schedule
+    from neve.simulation import Simulation
+    from neve.stage_timer import StageTimer
+
+
+class Output(Protocol):
+    """Something that is written during a run.
+
+    An output may also have `begin(run, schedule)`, which is called before the first frame (see `Begins`), a
+    `schedule` of its own (every frame by default), and be a context manager, which the run then is inside of.
+    """
+
+    def write(self, context: FrameContext) -> None:
+        """Write what belongs to this frame; called when the schedule says so."""
+        ...
+
+    def close(self, context: FrameContext) -> None:
+        """Finish after the last frame, or after the frame in which the user stopped the run."""
+        ...
+
+
+@runtime_checkable
+class Begins(Protocol):
+    """An output that needs to know the run before its first frame."""
+
+    def begin(self, run: RunContext, schedule: Schedule) -> None:
+        """Prepare the files, and continue those of a run that is resumed."""
+        ...
+
+
+@dataclass
+class RunContext:
+    """The run that an output belongs to.
+
+    Attributes:
+        folder: the run folder, ready to be written
+        scene: what is simulated. toml: the same as it stands in the folder
+        neve: version of Neve
+        solids: colliders and bodies of the scene
+        done: the last frame of a run that is resumed; None if it begins
+        redraw: whether camera or light have changed since the frames up to `done` were drawn
+        threads: threads to draw with; None: all
+    """
+
+    folder: RunFolder
+    scene: Scene
+    toml: str
+    neve: str
+    solids: Sequence[Solid]
+    done: int | None
+    redraw: bool = False
+    threads: int | None = None
+    _tables: dict[str, Table] = field(default_factory=dict)
+
+    def frames_done(self, schedule: Schedule) -> list[int]:
+        """Return the frames up to `done` at which `schedule` was due, in order."""
+        return [] if self.done is None else [k for k in range(self.done + 1) if schedule.due(k)]
+
+    def seen_from(self, camera: Camera | None) -> Scene:
+        """Return the scene with another camera, or with its own."""
+        return self.scene if camera is None else self.scene.model_copy(update={"camera": camera})
+
+    def table(self, name: str, columns: tuple[str, ...]) -> Table:
+        """Return the table `name` of the run folder, without rows after `done`. Errors: RunError."""
+        if name not in self._tables:
+            self.folder.own(name)
+            self._tables[name] = Table(self.folder.path / name, columns, keep_through=self.done)
+        return self._tables[name]
+
+
+class FrameContext:
+    """The end of a frame, as the outputs see it; they read and never change it.
+
+    sim: the simulation. frame: number of the frame, 0 is the initial state. last: number of the last frame of
+    the run. timer: adds up the wall time that writing and drawing take
+    """
+
+    def __init__(self, sim: Simulation, frame: int, last: int, timer: StageTimer, run: RunContext) -> None:
+        self.sim = sim
+        self.frame = frame
+        self.last = last
+        self.timer = timer
+        self.run = run
+
+    @property
+    def finished(self) -> bool:
+        """Whether this is the last frame of the run."""
+        return self.frame == self.last
+
+    @property
+    def folder(self) -> Path:
+        """The run folder."""
+        return self.run.folder.path
+
+    @functools.cached_property
+    def content(self) -> Frame:
+        """The particles and bodies of this frame as a frame file holds them, in the order of their id."""
+        state = self.sim.state
+        bodies = [(pose.position, pose.rotation) for _, pose in self.sim.bodies()]
+        return make_frame(state.x, state.v, state.J_P, state.id, state.material, bodies, self.sim.time)
+
+    def add_row(self, name: str, values: Mapping[str, object]) -> None:
+        """Append a row to the CSV file `name` in the run folder: `frame`, `time` [s], then `values`.
+
+        Each row is on disk when this returns. A resumed run drops the rows after its checkpoint and writes
+        them again.
+
+        Errors: RunError if the disk refuses, or if the file has other columns.
+        """
+        row = {"frame": self.frame, "time": float(self.sim.time), **values}
+        self.run.table(name, tuple(row)).append(row)

@@ -1,0 +1,128 @@
+"""The film of a run: `preview.mp4`, drawn frame by frame."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Literal, Self
+
+from neve.io.errors import RunError
+from neve.io.frames import Frame, frame_numbers, frame_path, read_frame, write_frame
+from neve.run.outputs.context import FrameContext, RunContext
+from neve.run.outputs.registry import register_output
+from neve.run.painter import Painter
+from neve.scene.schema.fields import entry
+from neve.scene.schema.outputs import Scheduled
+from neve.scene.schema.scene import Camera
+from neve.schedule import Regular, Schedule
+
+if TYPE_CHECKING:
+    from neve.render.film import Film
+
+FILE = "preview.mp4"
+COPIES = 60
+"""Frames that ffmpeg may still hold when a process is killed: a segment of `neve.render.film`."""
+
+
+class FilmOptions(Scheduled):
+    """Hold an entry with kind = "film"."""
+
+    suffix = ".mp4"
+
+    kind: Literal["film"] = entry("film", "A film of the frames, which plays as fast as the snow moved.", "")
+    name: str = entry(FILE, "Name of the file; ends in .mp4.", "")
+    camera: Camera | None = entry(None, "Camera of this film; left out: the scene's.", "")
+
+
+@register_output("film", FilmOptions, unasked=lambda scene: scene.run.film)
+class FilmOutput:
+    """Draw frames into a film.
+
+    What a stopped process has filmed is kept; frames that are lost, or all if camera or light have changed,
+    are drawn again from their files. In a `with` block an error leaves the film of what was done.
+    """
+
+    _film: Film | None = None
+
+    def __init__(self, name: str = FILE, camera: Camera | None = None) -> None:
+        self.name = name
+        self._camera = camera
+
+    def begin(self, run: RunContext, schedule: Schedule) -> None:
+        """Start the film, or continue it after the frames up to `done`."""
+        from neve.render.film import Film
+
+        path, fps = run.folder.path / self.name, run.scene.run.fps
+        rate = 1 / schedule.interval(fps) if isinstance(schedule, Regular) else fps
+        self._painter = Painter(run.seen_from(self._camera), run.solids, run.threads)
+        self._frames = _Frames(run.folder.frames, path.with_name(f".{path.name}.parts"), path)
+        earlier = run.frames_done(schedule)
+        self._next = len(earlier)
+        self._film = Film(path, rate, self._painter.size, start=0 if run.redraw else len(earlier))
+        missing = range(len(earlier)) if run.redraw else self._film.missing
+        self._lost = [(index, earlier[index]) for index in missing]
+
+    def write(self, context: FrameContext) -> None:
+        """Add the frame to the film."""
+        with context.timer.stage("film"):
+            self._add_lost()
+            self._frames.keep(context.frame, context.content)
+            self._add(context.content, self._next)
+            self._next += 1
+
+    def close(self, context: FrameContext) -> None:
+        """Finish the film file; a stopped run leaves the film of what is done."""
+        self._add_lost()
+        if self._film:
+            self._film.close(keep=not context.finished or self._frames.sparse)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if isinstance(error, Exception) and self._film:
+            with contextlib.suppress(RuntimeError):  # the first error is the one to report
+                self._film.close(keep=True)
+
+    def _add_lost(self) -> None:
+        while self._lost:
+            index, frame = self._lost.pop(0)
+            self._add(self._frames.read(frame), index)
+
+    def _add(self, content: Frame, index: int) -> None:
+        assert self._film is not None
+        self._film.add(self._painter.draw(content), index=index)
+
+
+class _Frames:
+    """Keep what lost pieces of the film are drawn from: the run's frames, or copies where it has none."""
+
+    def __init__(self, frames: Path, copies: Path, film: Path) -> None:
+        self._folder, self._copies, self._film = frames, copies, film
+
+    @property
+    def sparse(self) -> bool:
+        """Whether the run keeps no file of some frame that was filmed."""
+        return bool(frame_numbers(self._copies))
+
+    def keep(self, frame: int, content: Frame) -> None:
+        """Copy the frame unless the run has its file; drop copies that are in complete pieces of the film."""
+        if frame_path(self._folder, frame).exists():
+            return
+        self._copies.mkdir(exist_ok=True)
+        write_frame(self._copies, frame, content)
+        for old in frame_numbers(self._copies)[: -2 * COPIES]:
+            frame_path(self._copies, old).unlink()
+
+    def read(self, frame: int) -> Frame:
+        """Return the frame. Errors: RunError if the run keeps no file of it, and it is no recent one."""
+        for folder in (self._folder, self._copies):
+            if frame_path(folder, frame).exists():
+                return read_frame(folder, frame)
+        raise RunError(
+            f"{self._film} needs frame {frame} again, of which the run keeps no file: resume with the camera,"
+            " the light and the films of before, or start anew with --force."
+        )

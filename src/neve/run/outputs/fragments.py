@@ -1,0 +1,162 @@
+"""The pieces of a run: `fragments.csv`, written while the run goes on, or afterwards from its frames."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.fragments import COLUMNS, LEAST, LINK, TORN, Fragments, Limits, find, rows
+from neve.io.atomic import write_text
+from neve.io.checkpoint import read_checkpoint
+from neve.io.errors import RunError
+from neve.io.frames import Frame, frame_numbers, frame_path, read_frame
+from neve.io.run_folder import RunFolder
+from neve.io.table import Table, read_table, table_text
+from neve.run.outputs.context import FrameContext, RunContext
+from neve.run.outputs.registry import entries, register_output, schedule_of
+from neve.scene.schema.fields import Real, Whole, entry
+from neve.scene.schema.outputs import Scheduled
+from neve.schedule import Schedule
+
+if TYPE_CHECKING:
+    from neve.scene.schema.scene import Scene
+
+FILE = "fragments.csv"
+
+
+class FragmentOptions(Scheduled):
+    """Hold an entry with kind = "fragments"."""
+
+    suffix = ".csv"
+
+    kind: Literal["fragments"] = entry("fragments", "The pieces of broken snow, rows in a table.", "")
+    name: str = entry(FILE, "Name of the table; ends in .csv.", "")
+    link: Real = entry(LINK, "Gap that separates two pieces, in particle spacings.", "1", gt=0, le=100)
+    torn: Real = entry(TORN, "J_P above which snow is torn open and holds nothing.", "1", gt=0, le=1e9)
+    least: Whole = entry(LEAST, "Number of particles below which a piece counts as powder.", "1", ge=1)
+
+
+@register_output("fragments", FragmentOptions, unasked=lambda scene: scene.run.fragments)
+class FragmentOutput:
+    """Write the rows of `fragments.csv`.
+
+    In a resumed run, frames that have no rows (the switch was off) are counted from their files.
+    """
+
+    def __init__(self, name: str = FILE, link: float = LINK, torn: float = TORN, least: int = LEAST) -> None:
+        self.name = name
+        self._limits = Limits(link, torn, least)
+
+    def begin(self, run: RunContext, schedule: Schedule) -> None:
+        """Start the table, or continue it after the rows of frame `done`."""
+        path = run.folder.path / self.name
+        due = run.frames_done(schedule)
+        kept = _kept(path, due)
+        self._folder = run.folder
+        self._spacing = run.scene.numerics.spacing
+        self._lost = due[kept:]
+        self._table = Table(path, COLUMNS, keep_through=due[kept - 1] if kept else None)
+
+    def write(self, context: FrameContext) -> None:
+        """Add the rows of this frame."""
+        with context.timer.stage("write"):
+            self._add_lost(context)
+            self._add(context, context.frame, context.content)
+
+    def close(self, context: FrameContext) -> None:
+        """Count what is still missing: a resumed run may be at its end already."""
+        self._add_lost(context)
+
+    def _add_lost(self, context: FrameContext) -> None:
+        frames = self._folder.frames
+        gone = [frame for frame in self._lost if not frame_path(frames, frame).exists()]
+        if gone:
+            logging.getLogger("neve").warning(
+                "%s lacks frame %d and %d more, of which the run keeps no file",
+                self._table.path,
+                gone[0],
+                len(gone) - 1,
+            )
+        for frame in self._lost:
+            if frame not in gone:
+                self._add(context, frame, read_frame(frames, frame))
+        self._lost = []
+
+    def _add(self, context: FrameContext, frame: int, content: Frame) -> None:
+        state = context.sim.state
+        found = of_frame(content, state.id, state.m, state.V0, self._spacing, self._limits)
+        self._table.append(*rows(found, frame, content.time))
+
+
+def count_run(path: Path | str, limits: Limits | None = None, out: Path | None = None) -> Fragments:
+    """Write `fragments.csv` of the run in the folder `path` from its frames; return those of the last frame.
+
+    limits: what counts as a fragment; what a run uses by default
+    out: the file, `fragments.csv` in the run folder by default
+
+    Masses and volumes are those of the run's checkpoint: a particle keeps them for life. (With
+    `numerics.initial_volume = "grid"` volumes are measured after frame 0; here it gets the measured ones.)
+
+    Errors: RunError if the folder holds no run, no frames or no checkpoint, or the disk refuses.
+    """
+    from neve.scene.reading.load import load
+
+    folder = RunFolder(path)
+    if not folder.is_run():
+        raise RunError(f"{folder.path} holds no Neve run, so there is nothing to count.")
+    scene = load(folder.scene)
+    numbers = frame_numbers(folder.frames)
+    target = out or folder.path / FILE
+    mine = _writer(scene, target.name) if target.parent.absolute() == folder.path.absolute() else None
+    if mine is not None:
+        if limits is not None:
+            raise RunError(f"{target} belongs to the run: choose another file with --out.")
+        limits = Limits(mine.link, mine.torn, mine.least)
+        schedule = schedule_of(mine, FragmentOutput(**mine.options()), scene.run.fps)
+        numbers = [number for number in numbers if schedule.due(number)]
+    if not numbers:
+        raise RunError(f"{folder.frames} holds no frames, so there is nothing to count.")
+    arrays = read_checkpoint(folder.checkpoint).arrays
+    table: list[dict[str, object]] = []
+    for number in numbers:
+        content = read_frame(folder.frames, number)
+        found = of_frame(
+            content, arrays["id"], arrays["m"], arrays["V0"], scene.numerics.spacing, limits or Limits()
+        )
+        table += rows(found, number, content.time)
+    with folder.lock():
+        write_text(target, table_text(COLUMNS, table))
+    return found
+
+
+def of_frame(
+    content: Frame,
+    id: NDArray[Any],
+    m: NDArray[Any],
+    V0: NDArray[Any],
+    spacing: float,
+    limits: Limits = Limits(),  # noqa: B008 (a constant)
+) -> Fragments:
+    """Find the fragments of a frame, with the masses `m` [kg] and volumes `V0` [m3] of the particles `id`."""
+    order = np.argsort(id)
+    mine = order[np.searchsorted(id, content.id, sorter=order)]
+    return find(content.x, content.v, content.J_P, m[mine], V0[mine], spacing, limits)
+
+
+def _writer(scene: Scene, name: str) -> FragmentOptions | None:
+    """Return the output of the run that writes the table `name`, if there is one."""
+    return next(
+        (given for given in entries(scene) if isinstance(given, FragmentOptions) and given.name == name), None
+    )
+
+
+def _kept(path: Path, due: list[int]) -> int:
+    """Return how many of the frames `due`, from the first on, have rows in the table at `path`."""
+    if not due or not path.exists():
+        return 0
+    have = {int(row["frame"]) for row in read_table(path, COLUMNS)}
+    return next((k for k, frame in enumerate(due) if frame not in have), len(due))

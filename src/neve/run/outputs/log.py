@@ -1,0 +1,114 @@
+"""The log of a run: `log.csv`, and the watch over the energy of the snow."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Literal
+
+from neve.diagnostics import Balance
+from neve.io.log import STAGES, Log
+from neve.run.outputs.context import FrameContext, RunContext
+from neve.run.outputs.registry import register_output
+from neve.scene.schema.fields import entry
+from neve.scene.schema.outputs import Scheduled
+from neve.schedule import Schedule
+
+if TYPE_CHECKING:
+    from neve.diagnostics import Diagnostics
+
+
+class LogOptions(Scheduled):
+    """Hold an entry with kind = "log"."""
+
+    kind: Literal["log"] = entry(
+        "log", "Sums over all snow and what the steps were like, a row each in log.csv.", ""
+    )
+
+    def file(self) -> str:
+        """Return the name of the file."""
+        return "log.csv"
+
+
+class EnergyWatch:
+    """Detect that snow gains more energy than colliders and gravity gave it."""
+
+    SHARE = 0.01
+    """Growth from row to row that is reported, as a share of the kinetic and elastic energy."""
+
+    def __init__(self, last_row: Mapping[str, str] | None) -> None:
+        """Start at the beginning of a run, or after the last row of the log of a resumed run."""
+        self._before = None if last_row is None else Balance.of_row(last_row)
+        self._reported = False
+
+    def excess(self, now: Diagnostics, frame: int) -> float | None:
+        """Return how much energy [J] nothing accounts for since the last call; log it the first time."""
+        before, self._before = self._before, Balance.of(now)
+        if before is None:
+            return None
+        excess = self._before.growth(before)
+        lively = max(before.lively, self._before.lively)
+        if excess > self.SHARE * lively and not self._reported:
+            self._reported = True
+            logging.getLogger("neve").warning(
+                "in frame %d the energy of the snow grew by %.2g J (%.2g %% of what moves) without work: "
+                "lower numerics.cfl or numerics.strain_max, or check xi, theta_c and theta_s",
+                frame,
+                excess,
+                100.0 * excess / lively,
+            )
+        return excess
+
+
+@register_output("log", LogOptions, unasked=lambda scene: True)
+class LogOutput:
+    """Write a row of `log.csv`.
+
+    The time of a checkpoint, which is written after the row, counts in the next row.
+    """
+
+    def begin(self, run: RunContext, schedule: Schedule) -> None:
+        """Start the log, or continue it after the row of frame `done`."""
+        self._log = Log(run.folder.log, keep_through=run.done)
+        self._watch = EnergyWatch(self._log.last)
+
+    def write(self, context: FrameContext) -> None:
+        """Add the row of this frame."""
+        sim, stats, totals = context.sim, context.sim.stats, context.sim.diagnostics()
+        moved = context.frame > 0  # the initial state took no step
+        seconds = {**(stats.stage_seconds if moved else {}), **context.timer.take()}
+        x, y, z = (float(component) for component in totals.momentum)
+        u, v, w = (float(component) for component in totals.bodies_momentum)
+        excess = self._watch.excess(totals, context.frame)
+        self._log.append(
+            {
+                "frame": context.frame,
+                "time": float(sim.time),
+                "steps": int(sim.steps),
+                "dt_min": float(stats.dt_min) if moved else None,
+                "dt_mean": float(stats.dt_mean) if moved else None,
+                "bound": stats.bound if moved else None,
+                "refusals": int(stats.refusals) if moved else None,
+                "mass": float(totals.mass),
+                "momentum_x": x,
+                "momentum_y": y,
+                "momentum_z": z,
+                "kinetic": float(totals.kinetic),
+                "elastic": float(totals.elastic),
+                "potential": float(totals.potential),
+                "affine": float(totals.affine),
+                "work": float(totals.work),
+                "bodies_momentum_x": u,
+                "bodies_momentum_y": v,
+                "bodies_momentum_z": w,
+                "bodies_kinetic": float(totals.bodies_kinetic),
+                "bodies_potential": float(totals.bodies_potential),
+                "excess": excess,
+                "particles": int(totals.particles),
+                "blocks": int(totals.blocks),
+                **{f"seconds_{stage}": round(seconds.get(stage, 0.0), 6) for stage in STAGES},
+            }
+        )
+
+    def close(self, context: FrameContext) -> None:
+        """Do nothing: each row is complete."""

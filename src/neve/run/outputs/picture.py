@@ -1,0 +1,76 @@
+"""The picture of a run: `preview.png`, its most telling frame."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+from neve.io.atomic import write_png
+from neve.io.frames import frame_numbers, read_frame
+from neve.io.log import read_log
+from neve.run.outputs.context import FrameContext, RunContext
+from neve.run.outputs.registry import register_output
+from neve.run.painter import Painter
+from neve.scene.schema.fields import entry
+from neve.scene.schema.outputs import OutputOptions
+from neve.scene.schema.scene import Camera
+from neve.schedule import Never, Schedule
+
+FILE = "preview.png"
+
+
+class PictureOptions(OutputOptions):
+    """Hold an entry with kind = "picture"."""
+
+    suffix = ".png"
+
+    kind: Literal["picture"] = entry(
+        "picture", "A picture of the frame by which half of the lost energy is lost, drawn at the end.", ""
+    )
+    name: str = entry(FILE, "Name of the file; ends in .png.", "")
+    camera: Camera | None = entry(None, "Camera of this picture; left out: the scene's.", "")
+
+
+@register_output("picture", PictureOptions, unasked=lambda scene: True)
+class PictureOutput:
+    """Draw the most telling frame when the run is finished."""
+
+    def __init__(self, name: str = FILE, camera: Camera | None = None) -> None:
+        self.schedule: Schedule = Never()
+        self.name = name
+        self._camera = camera
+
+    def begin(self, run: RunContext, schedule: Schedule) -> None:
+        """Prepare to draw."""
+        self._painter = Painter(run.seen_from(self._camera), run.solids, run.threads)
+
+    def write(self, context: FrameContext) -> None:
+        """Do nothing: the telling frame is known only at the end."""
+
+    def close(self, context: FrameContext) -> None:
+        """Choose the frame by the log and draw it, or the nearest one that has a file."""
+        folder = context.run.folder
+        kept = frame_numbers(folder.frames)
+        if not context.finished or not kept:
+            return
+        wanted = telling_frame(read_log(folder.log))
+        frame = min(kept, key=lambda number: abs(number - wanted))
+        write_png(folder.path / self.name, self._painter.draw(read_frame(folder.frames, frame)))
+
+
+def telling_frame(rows: Sequence[Mapping[str, Any]]) -> int:
+    """Return a frame soon after half of the energy that the run loses is lost: what became of the snow.
+
+    Energy is kinetic + elastic + potential; only losses from frame to frame count, so that a blade that does
+    work on the snow does not hide them. Snow that bursts loses most of it in the impact itself: a fifth of
+    the remaining frames later the pieces are in flight. Without any loss it is the middle frame of the run.
+    """
+    frames = [int(row["frame"]) for row in rows]
+    energy = [sum(float(row[name]) for name in ("kinetic", "elastic", "potential")) for row in rows]
+    losses = [max(before - after, 0.0) for before, after in itertools.pairwise(energy)]
+    lost = list(itertools.accumulate(losses))
+    if not lost or not lost[-1] > 0.0:
+        return frames[len(frames) // 2]
+    half = next(k for k, value in enumerate(lost) if value >= 0.5 * lost[-1])
+    return frames[half + 1 + (len(frames) - 2 - half) // 5]

@@ -1,0 +1,71 @@
+"""Draw frames as they lie in a run folder, for films and pictures."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.geometry.pose import Pose
+from neve.io.frames import Frame
+
+if TYPE_CHECKING:
+    from neve.colliders.solid import Solid
+    from neve.render.preview import Preview
+    from neve.scene.schema.scene import Scene
+
+SIZE = (1280, 720)
+"""Width and height of a run's films and pictures [pixels]."""
+
+
+class Painter:
+    """Draw frames with the camera and the light of a scene.
+
+    solids: colliders and bodies, in the order of the poses in a frame. threads: None or 0 for all.
+    size: width and height [pixels], SIZE by default
+
+    It draws what a frame file holds, so that a film drawn afterwards is the same film.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        solids: Sequence[Solid],
+        threads: int | None = None,
+        size: tuple[int, int] | None = None,
+    ) -> None:
+        self.size = size or SIZE
+        self._scene = scene
+        self._solids = solids
+        self._threads = threads or 0
+
+    @functools.cached_property
+    def _preview(self) -> Preview:
+        from neve.render.preview import Preview
+
+        return Preview(self._scene, *self.size, threads=self._threads)
+
+    def draw(self, content: Frame) -> NDArray[np.uint8]:
+        """Return the image of a frame, (height, width, 3)."""
+        return self.draw_arrays(content.x, content.J_P, content.body_position, content.body_rotation)
+
+    def draw_arrays(
+        self,
+        x: NDArray[np.float32],
+        J_P: NDArray[np.float32] | None,
+        positions: Iterable[NDArray[np.floating]],
+        rotations: Iterable[NDArray[np.floating]],
+    ) -> NDArray[np.uint8]:
+        """Return the image (height, width, 3) of particles at `x` [m], (n, 3), with J_P (n,), if it is known.
+
+        positions, rotations: of each solid, (3,) [m] and (3, 3); those of further bodies are left out
+        """
+        still = np.zeros(3)
+        bodies = [
+            (solid, Pose(np.asarray(position, np.float64), np.asarray(rotation, np.float64), still, still))
+            for solid, position, rotation in zip(self._solids, positions, rotations, strict=False)
+        ]
+        return self._preview.draw(x, bodies, J_P=J_P)
