@@ -3,6 +3,7 @@
 #include <nanobind/stl/string.h>
 
 #include "bind/arrays.hpp"
+#include "bind/words.hpp"
 #include "geometry/height_field.hpp"
 #include "geometry/sdf_build.hpp"
 #include "geometry/shapes.hpp"
@@ -80,7 +81,7 @@ nb::tuple ray(const TriangleMesh& mesh, const Points& origins, const Points& dir
   auto a = fresh<double>(t, {origins.shape(0)});
   auto b = fresh<std::int32_t>(face, {origins.shape(0)});
   each_point(origins, [&](std::size_t i) {
-    const TriangleMesh::Hit hit = mesh.ray(point(origins, i), point(directions, i));
+    const TriangleMesh::RayHit hit = mesh.ray(point(origins, i), point(directions, i));
     t[i] = hit.t;
     face[i] = mesh.face(hit.triangle);
   });
@@ -266,12 +267,7 @@ void bind_height_field(nb::module_& m) {
 
 void bind_geometry(nb::module_& m) {
   m.def(
-      "shapes",
-      [] {
-        nb::list names;
-        for (const char* name : shape_names) names.append(name);
-        return nb::tuple(names);
-      },
+      "shapes", [] { return tuple_of(shape_names); },
       "Words of all shapes, those with a formula before those with samples.");
   bind_mesh(m);
   bind_sdf(m);

@@ -12,6 +12,7 @@
 
 #include <mutex>
 
+#include "bind/words.hpp"
 #include "render/picture.hpp"
 
 namespace nb = nanobind;
@@ -24,30 +25,30 @@ using Points = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::devi
 using Numbers = nb::ndarray<const float, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Triple = std::tuple<float, float, float>;
 
-Vec3 vec(const Triple& a) { return {std::get<0>(a), std::get<1>(a), std::get<2>(a)}; }
+Vec3f vec(const Triple& a) { return {std::get<0>(a), std::get<1>(a), std::get<2>(a)}; }
 
-std::vector<Vec3> copy(const Points& x) {
-  std::vector<Vec3> out(x.shape(0));
-  for (size_t p = 0; p < out.size(); ++p) out[p] = {x(p, 0), x(p, 1), x(p, 2)};
+std::vector<Vec3f> copy(const Points& x) {
+  std::vector<Vec3f> out(x.shape(0));
+  for (std::size_t p = 0; p < out.size(); ++p) out[p] = {x(p, 0), x(p, 1), x(p, 2)};
   return out;
 }
 
 template <class T>
-auto array(std::vector<T>&& values, std::initializer_list<size_t> shape) {
+auto array(std::vector<T>&& values, std::initializer_list<std::size_t> shape) {
   auto* kept = new std::vector<T>(std::move(values));
   nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
   return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
 }
 
-/// Apply f to every point and return the numbers as an array.
+// Apply f to every point and return the numbers as an array.
 template <class F>
 auto each(const Points& x, F&& f) {
   std::vector<float> out(x.shape(0));
-  for (size_t p = 0; p < out.size(); ++p) out[p] = f(Vec3{x(p, 0), x(p, 1), x(p, 2)});
+  for (std::size_t p = 0; p < out.size(); ++p) out[p] = f(Vec3f{x(p, 0), x(p, 1), x(p, 2)});
   return array(std::move(out), {x.shape(0)});
 }
 
-/// Use this many threads while it lives; 0 leaves the choice to OpenMP.
+// Use this many threads while it lives; 0 leaves the choice to OpenMP.
 class Threads {
  public:
   explicit Threads(int threads) {
@@ -70,50 +71,33 @@ class Threads {
   int before_ = 1;
 };
 
-template <class T>
-T word(const std::string& given, std::initializer_list<std::pair<const char*, T>> known, const char* what) {
-  std::string all;
-  for (const auto& [name, value] : known) {
-    if (given == name) return value;
-    all += std::string(all.empty() ? "" : ", ") + name;
-  }
-  throw nb::value_error((std::string(what) + " is one of " + all).c_str());
-}
-
 using SharedMesh = std::shared_ptr<Mesh>;
 
-Body make_body(const std::string& shape, const Triple& position, const std::vector<float>& rotation,
-               const Triple& half, const Triple& color, const std::string& stuff, SharedMesh mesh,
-               bool rest) {
+Solid solid_of(const std::string& shape, const Triple& position, const std::vector<float>& rotation,
+               const Triple& half, const Triple& color, const std::string& surface_material, SharedMesh mesh,
+               bool is_static) {
   if (rotation.size() != 9) throw nb::value_error("rotation has nine numbers, row by row");
   const std::vector<float>& r = rotation;
-  const auto which = word<Shape>(shape,
-                                 {{"plane", Shape::plane},
-                                  {"box", Shape::box},
-                                  {"sphere", Shape::sphere},
-                                  {"cylinder", Shape::cylinder},
-                                  {"mesh", Shape::mesh}},
-                                 "shape");
-  if ((which == Shape::mesh) != bool(mesh)) throw nb::value_error("mesh is given for the shape mesh");
-  const auto made = word<Stuff>(stuff,
-                                {{"ground", Stuff::ground},
-                                 {"paint", Stuff::paint},
-                                 {"metal", Stuff::metal},
-                                 {"rubber", Stuff::rubber},
-                                 {"wood", Stuff::wood},
-                                 {"stone", Stuff::stone}},
-                                "stuff");
-  return place(which, vec(position), {{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}}, vec(half),
-               vec(color), made, rest, std::move(mesh));
+  neve::PlacedShape<float> place{};
+  place.kind = neve::bind::value_of<neve::Shape>(shape, neve::shape_names, "shape");
+  if (neve::is_sampled(place.kind) != bool(mesh))
+    throw nb::value_error("mesh is given for shapes with samples, and only for them");
+  place.centre = vec(position);
+  place.half = vec(half);
+  place.rotation = {{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}};
+  const auto material =
+      neve::bind::value_of<SurfaceMaterial>(surface_material, surface_material_names, "surface_material");
+  return make_solid(place, vec(color), material, is_static, std::move(mesh));
 }
 
 SharedMesh make_mesh(
     const nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& vertices,
-    const nb::ndarray<const int32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& faces) {
+    const nb::ndarray<const std::int32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& faces) {
   std::vector<neve::Point> points(vertices.shape(0));
-  for (size_t v = 0; v < points.size(); ++v) points[v] = {vertices(v, 0), vertices(v, 1), vertices(v, 2)};
-  std::vector<std::array<int32_t, 3>> corners(faces.shape(0));
-  for (size_t f = 0; f < corners.size(); ++f) corners[f] = {faces(f, 0), faces(f, 1), faces(f, 2)};
+  for (std::size_t v = 0; v < points.size(); ++v)
+    points[v] = {vertices(v, 0), vertices(v, 1), vertices(v, 2)};
+  std::vector<std::array<std::int32_t, 3>> corners(faces.shape(0));
+  for (std::size_t f = 0; f < corners.size(); ++f) corners[f] = {faces(f, 0), faces(f, 1), faces(f, 2)};
   nb::gil_scoped_release release;
   return std::make_shared<Mesh>(points, corners);
 }
@@ -121,36 +105,33 @@ SharedMesh make_mesh(
 SharedMesh make_terrain(
     const nb::ndarray<const float, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>& heights,
     const std::array<float, 2>& size) {
-  const size_t nx = heights.shape(0), ny = heights.shape(1);
-  if (nx < 2 || ny < 2) throw nb::value_error("heights has two samples a side or more");
-  Heights ground{{heights.data(), heights.data() + nx * ny}, int(nx), int(ny), size[0], size[1], 0};
-  ground.high = *std::max_element(ground.height.begin(), ground.height.end());
   nb::gil_scoped_release release;
-  return std::make_shared<Mesh>(std::move(ground));
+  return std::make_shared<Mesh>(std::make_unique<const neve::HeightField>(
+      heights.data(), std::int32_t(heights.shape(0)), std::int32_t(heights.shape(1)), size[0], size[1]));
 }
 
-/// A painter that two Python threads can share: one picture at a time.
+// A painter that two Python threads can share: one picture at a time.
 struct SharedPainter {
   Painter painter;
   std::mutex busy;
 };
 
 auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volume, float cell_size,
-          const std::vector<Body>& bodies, int threads) {
+          const std::vector<Solid>& solids, int threads) {
   if (J_P.shape(0) != 0 && J_P.shape(0) != x.shape(0))
     throw nb::value_error("J_P has one number per particle");
   if (!(volume > 0 && cell_size > 0)) throw nb::value_error("volume and cell_size are above zero");
-  if (bodies.size() > 30000) throw nb::value_error("at most 30000 bodies can be drawn");
-  const std::vector<Vec3> points = copy(x);
+  if (solids.size() > 30000) throw nb::value_error("at most 30000 solids can be drawn");
+  const std::vector<Vec3f> points = copy(x);
   const Camera& camera = shared.painter.camera();
-  std::vector<uint8_t> rgb(size_t(camera.width) * size_t(camera.height) * 3);
+  std::vector<std::uint8_t> rgb(std::size_t(camera.width) * std::size_t(camera.height) * 3);
   {
     nb::gil_scoped_release release;
     const std::lock_guard lock(shared.busy);
     const Threads use(threads);
-    shared.painter.draw({points, {J_P.data(), J_P.shape(0)}, volume, cell_size}, bodies, rgb.data());
+    shared.painter.draw({points, {J_P.data(), J_P.shape(0)}, volume, cell_size}, solids, rgb.data());
   }
-  return array(std::move(rgb), {size_t(camera.height), size_t(camera.width), 3});
+  return array(std::move(rgb), {std::size_t(camera.height), std::size_t(camera.width), 3});
 }
 
 void bind_density(nb::module_& m) {
@@ -167,20 +148,20 @@ void bind_density(nb::module_& m) {
       .def(
           "sample",
           [](const Density& d, const Points& x, int level) {
-            return each(x, [&](Vec3 p) { return d.sample(p, level); });
+            return each(x, [&](Vec3f p) { return d.sample(p, level); });
           },
           "x"_a, "level"_a = 0, "Volume fraction at the points [1].")
       .def(
           "sun",
           [](const Density& d, const Points& x, const Triple& sun) {
             return each(
-                x, [&](Vec3 p) { return std::exp(-sun_path(d, p, normalize(vec(sun)), 0.0f, 0.0f).far); });
+                x, [&](Vec3f p) { return std::exp(-sun_path(d, p, normalize(vec(sun)), 0.0f, 0.0f).far); });
           },
           "x"_a, "sun"_a, "Share of the sun that reaches the points through the snow [1].")
       .def(
           "sky",
           [](const Density& d, const Points& x, const Triple& normal) {
-            return each(x, [&](Vec3 p) { return sky_light(d, p, normalize(vec(normal)), 0.0f, 0.0f); });
+            return each(x, [&](Vec3f p) { return sky_light(d, p, normalize(vec(normal)), 0.0f, 0.0f); });
           },
           "x"_a, "normal"_a, "Share of the open sky's light on a surface at the points [1].");
 }
@@ -190,6 +171,9 @@ void bind_density(nb::module_& m) {
 NB_MODULE(_render, m) {
   m.doc() = "Light and draw particles.";
   bind_density(m);
+  m.def(
+      "surface_materials", [] { return neve::bind::tuple_of(surface_material_names); },
+      "Words of what surfaces are made of.");
   nb::class_<Camera>(m, "Camera", "A pinhole camera.")
       .def(
           "__init__",
@@ -203,7 +187,7 @@ NB_MODULE(_render, m) {
       .def(
           "project",
           [](const Camera& camera, const Triple& p) {
-            const Vec3 at = camera.project(vec(p));
+            const Vec3f at = camera.project(vec(p));
             return Triple{at.x, at.y, at.z};
           },
           "point"_a, "Return column, row [px] and depth [m].");
@@ -217,15 +201,17 @@ NB_MODULE(_render, m) {
   nb::class_<Mesh>(m, "Mesh", "Triangles, ready to be drawn.")
       .def(nb::new_(&make_mesh), "vertices"_a, "faces"_a)
       .def_static("terrain", &make_terrain, "heights"_a, "size"_a);
-  nb::class_<Body>(m, "Body", "A collider, drawn.")
+  nb::class_<Solid>(m, "Solid", "A collider or a body, drawn.")
       .def(
           "__init__",
-          [](Body* self, const std::string& shape, const Triple& position, const std::vector<float>& rotation,
-             const Triple& half, const Triple& color, const std::string& stuff, SharedMesh mesh, bool rest) {
-            new (self) Body(make_body(shape, position, rotation, half, color, stuff, std::move(mesh), rest));
+          [](Solid* self, const std::string& shape, const Triple& position,
+             const std::vector<float>& rotation, const Triple& half, const Triple& color,
+             const std::string& surface_material, SharedMesh mesh, bool is_static) {
+            new (self) Solid(solid_of(shape, position, rotation, half, color, surface_material,
+                                      std::move(mesh), is_static));
           },
-          "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "stuff"_a = "paint",
-          "mesh"_a = nb::none(), "rest"_a = false);
+          "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "surface_material"_a = "paint",
+          "mesh"_a = nb::none(), "is_static"_a = false);
   nb::class_<SharedPainter>(m, "Painter", "Draw one frame after the other with the same camera and light.")
       .def(
           "__init__",
@@ -233,6 +219,6 @@ NB_MODULE(_render, m) {
             new (self) SharedPainter{Painter(camera, light), {}};
           },
           "camera"_a, "light"_a)
-      .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "bodies"_a, "threads"_a = 0,
-           "Draw particles and bodies; return height x width x 3 bytes.");
+      .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "solids"_a, "threads"_a = 0,
+           "Draw particles and solids; return height x width x 3 bytes.");
 }

@@ -6,6 +6,7 @@
 
 #include "bind/arrays.hpp"
 #include "bind/snow.hpp"
+#include "bind/words.hpp"
 #include "geometry/height_field.hpp"
 #include "geometry/sdf_grid.hpp"
 #include "mpm/model.hpp"
@@ -21,13 +22,6 @@ inline ContactMode contact_of(const std::string& s) {
 template <class T>
 Vec3<T> vec(const In<double, nb::shape<3>>& a) {
   return {T(a.data()[0]), T(a.data()[1]), T(a.data()[2])};
-}
-
-inline Shape shape_of(const std::string& s) {
-  for (std::size_t k = 0; k < std::size(shape_names); ++k) {
-    if (s == shape_names[k]) return static_cast<Shape>(k);
-  }
-  throw nb::value_error(("shape '" + s + "' is not known").c_str());
 }
 
 // An owner of samples and what the step sees of it.
@@ -136,7 +130,7 @@ void bind_solids(nb::class_<Model<T>>& c) {
        [](M& self, const std::string& shape, const In<double, nb::shape<3>>& half, const std::string& mode,
           double mu_c) {
          const Vec3<T> h = vec<T>(half);
-         const Shape s = shape_of(shape);
+         const Shape s = value_of<Shape>(shape, shape_names, "shape");
          if (is_sampled(s)) throw nb::value_error(("shape '" + shape + "' has samples").c_str());
          add_solid(self, s, mode, mu_c, double(thickness_of(s, h))).half = h;
        },

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "geometry/height_view.hpp"
@@ -26,6 +27,27 @@ T thickness_of(Shape shape, const Vec3<T>& half) {
     case Shape::cylinder: return 2 * std::min(half.x, half.z);
     default: return std::numeric_limits<T>::max();
   }
+}
+
+// Whether a ball can hold the shape.
+inline bool is_bounded(Shape shape) { return shape != Shape::plane && shape != Shape::terrain; }
+
+// The radius of the smallest ball around the middle of a bounded shape with a formula [m].
+template <class T>
+T bounding_radius(Shape shape, const Vec3<T>& half) {
+  switch (shape) {
+    case Shape::box: return std::sqrt(dot(half, half));
+    case Shape::sphere: return half.x;
+    case Shape::cylinder: return std::hypot(half.x, half.z);
+    default: return std::numeric_limits<T>::max();
+  }
+}
+
+// The axis (0, 1, 2) along which a shape is longest; of a round one, its own.
+template <class T>
+int longest_axis(Shape shape, const Vec3<T>& half) {
+  if (shape != Shape::box) return 2;
+  return half.x >= half.y && half.x >= half.z ? 0 : half.y >= half.z ? 1 : 2;
 }
 
 namespace detail {
@@ -90,6 +112,7 @@ struct PlacedShape {
   Mat3<T> rotation;                     // local to world
   const SdfView* mesh = nullptr;        // of Shape::mesh
   const HeightView* terrain = nullptr;  // of Shape::terrain
+  bool operator==(const PlacedShape&) const = default;
 };
 
 template <class R>

@@ -19,7 +19,7 @@ class TriangleMesh {
     std::uint32_t triangle = none;                               // in the tree's order
     double distance() const { return std::sqrt(distance2); }
   };
-  struct Hit {
+  struct RayHit {
     double t = std::numeric_limits<double>::infinity();  // in lengths of the direction
     double u = 0, v = 0;                                 // the point is a + u (b - a) + v (c - a)
     std::uint32_t triangle = none;
@@ -96,17 +96,17 @@ class TriangleMesh {
   }
 
   // The first triangle that a ray meets at 0 < t < `most`, from either side.
-  Hit ray(const Point& origin, const Point& direction, double most = Bounds::inf) const {
-    Hit hit;
+  RayHit ray(const Point& origin, const Point& direction, double most = Bounds::inf) const {
+    RayHit hit;
     hit.t = most;
-    walk(Ray(origin, direction), hit, [](const Hit&) { return false; });
+    walk(Ray(origin, direction), hit, [](const RayHit&) { return false; });
     return hit;
   }
   // Whether a ray meets any triangle at 0 < t < `most`.
   bool blocked(const Point& origin, const Point& direction, double most = Bounds::inf) const {
-    Hit hit;
+    RayHit hit;
     hit.t = most;
-    walk(Ray(origin, direction), hit, [](const Hit&) { return true; });
+    walk(Ray(origin, direction), hit, [](const RayHit&) { return true; });
     return bool(hit);
   }
 
@@ -161,7 +161,7 @@ class TriangleMesh {
 
   // Visit the triangles that the ray may meet, near before far, until one suffices.
   template <class Enough>
-  void walk(const Ray& ray, Hit& hit, Enough&& enough) const {
+  void walk(const Ray& ray, RayHit& hit, Enough&& enough) const {
     struct Waiting {
       std::uint32_t node;
       double t;

@@ -10,6 +10,7 @@ struct Vec3 {
   R x, y, z;
   R& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
   const R& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+  bool operator==(const Vec3&) const = default;
 };
 
 template <class R>
@@ -50,6 +51,7 @@ struct Mat3 {
   const Vec3<R>& column(int j) const { return j == 0 ? c0 : j == 1 ? c1 : c2; }
   R& operator()(int i, int j) { return column(j)[i]; }
   const R& operator()(int i, int j) const { return column(j)[i]; }
+  bool operator==(const Mat3&) const = default;
 };
 
 template <class R>

@@ -1,7 +1,8 @@
-// The set in every pixel: which body or sky is there and how it takes the light. What does not move is
-// described once per film, and so is what bodies at rest leave of sun and sky; what snow and moving bodies leave of
+// The set in every pixel: which solid or sky is there and how it takes the light. What does not move is
+// described once per film, and so is what solids at rest leave of sun and sky; what snow and moving solids leave of
 // them is found anew in each frame, on a coarse lattice where it varies slowly.
 #pragma once
+
 #include <array>
 
 #include "render/ground.hpp"
@@ -15,36 +16,36 @@ class Backdrop {
       : camera_(camera),
         light_(light),
         sky_(light),
-        size_(size_t(camera.width) * size_t(camera.height)),
-        body_(size_, unknown),
+        size_(std::size_t(camera.width) * std::size_t(camera.height)),
+        solid_(size_, unknown),
         point_(size_),
         past_(size_),
         rows_((camera.height - 1) / cell + 2),
         columns_((camera.width - 1) / cell + 2),
-        node_(size_t(rows_) * size_t(columns_)) {}
+        node_(std::size_t(rows_) * std::size_t(columns_)) {}
 
   const Sky& sky() const { return sky_; }
-  const std::vector<Body>& bodies() const { return bodies_; }
+  const std::vector<Solid>& solids() const { return solids_; }
 
-  /// Forget what bodies at rest leave of sun and sky: they are not where they were.
+  // Forget what solids at rest leave of sun and sky: they are not where they were.
   void forget() {
     known_ = false;
     std::fill(past_.begin(), past_.end(), Past{});
     std::fill(node_.begin(), node_.end(), Node{});
   }
 
-  /// Take in the bodies of this frame: describe the pixels that show something that was not there before.
-  /// still, moving: the meshes that rest and the others.
-  void place(const std::vector<Body>& bodies, const Raster& still, const Raster& moving) {
-    std::vector<uint8_t> moved(bodies.size(), 1);
-    any_ = !known_ || bodies.size() != bodies_.size();
-    bool plain = any_;  // whether a body that is no mesh has moved
-    for (size_t b = 0; b < bodies.size(); ++b) {
-      moved[b] = b >= bodies_.size() || !(bodies[b] == bodies_[b]);
+  // Take in the solids of this frame: describe the pixels that show something that was not there before.
+  // still, moving: the meshes that rest and the others.
+  void place(const std::vector<Solid>& solids, const Raster& still, const Raster& moving) {
+    std::vector<std::uint8_t> moved(solids.size(), 1);
+    any_ = !known_ || solids.size() != solids_.size();
+    bool plain = any_;  // whether a solid that is no mesh has moved
+    for (std::size_t b = 0; b < solids.size(); ++b) {
+      moved[b] = b >= solids_.size() || !(solids[b] == solids_[b]);
       any_ = any_ || moved[b];
-      plain = plain || (moved[b] && bodies[b].shape != Shape::mesh);
+      plain = plain || (moved[b] && !solids[b].mesh);
     }
-    bodies_ = bodies;
+    solids_ = solids;
     if (!any_) return;
     const bool meshes = !still.empty() || !moving.empty();
     if (!known_) {
@@ -61,10 +62,10 @@ class Backdrop {
     for (int r = 0; r < camera_.height; ++r) place_row(r, moved, plain, before);
   }
 
-  /// Find sun and sky on the lattice wherever one of the cells around a node shows the set.
+  // Find sun and sky on the lattice wherever one of the cells around a node shows the set.
   void illuminate(const Density& snow, const Samples& samples) {
     snow_ = &snow;
-    std::vector<uint8_t> shows(node_.size(), 0);
+    std::vector<std::uint8_t> shows(node_.size(), 0);
 #pragma omp parallel
     {
 #pragma omp for schedule(dynamic, 4)
@@ -80,87 +81,89 @@ class Backdrop {
     }
   }
 
-  /// Light of the set in pixel (r, c).
-  Vec3 light(int r, int c) const {
-    const size_t p = pixel(r, c);
+  // Light of the set in pixel (r, c).
+  Vec3f light(int r, int c) const {
+    const std::size_t p = pixel(r, c);
     const SetPoint& set = point_[p];
-    const int body = body_[p];
-    if (body < 0) return set.rest;
-    return compose(set, between_nodes(r, c, body));
+    const int solid = solid_[p];
+    if (solid < 0) return set.unshadowed;
+    return compose(set, between_nodes(r, c, solid));
   }
 
-  /// The body in the middle of pixel (r, c); -1 is the sky.
-  int body(int r, int c) const { return body_[pixel(r, c)]; }
+  // The solid in the middle of pixel (r, c); -1 is the sky.
+  int solid(int r, int c) const { return solid_[pixel(r, c)]; }
 
-  /// Light of one body (or of the sky, -1) in sample (i, j) of pixel (r, c), whose middle shows something else: what a
-  /// pixel beside it shows of the body, or the light along the sample's own ray.
-  Vec3 light_beside(int body, int r, int c, int i, int j) const {
+  // Light of one solid (or of the sky, -1) in sample (i, j) of pixel (r, c), whose middle shows something else: what a
+  // pixel beside it shows of the solid, or the light along the sample's own ray.
+  Vec3f light_beside(int solid, int r, int c, int i, int j) const {
     constexpr int n = Samples::per_axis;
     const int down = 2 * i < n ? -1 : 1, right = 2 * j < n ? -1 : 1;
-    if (body >= 0)
+    if (solid >= 0)
       for (const auto& [a, b] : {std::array{0, right}, {down, 0}, {down, right}, {0, -right}, {-down, 0}}) {
         const int row = r + a, column = c + b;
         if (row < 0 || column < 0 || row >= camera_.height || column >= camera_.width) continue;
-        if (this->body(row, column) == body) return light(row, column);
+        if (this->solid(row, column) == solid) return light(row, column);
       }
-    return light_along(body, float(c) + (float(j) + 0.5f) / n, float(r) + (float(i) + 0.5f) / n);
+    return light_along(solid, float(c) + (float(j) + 0.5f) / n, float(r) + (float(i) + 0.5f) / n);
   }
 
  private:
   static constexpr int cell = 4;  // pixels between the nodes of the lattice
-  static constexpr int16_t unknown = -2;
+  static constexpr std::int16_t unknown = -2;
   // Between nodes that differ by more than this the light is found pixel by pixel.
   static constexpr float smooth = 0.06f;
 
-  /// Shares of sun and sky that bodies leave to a point.
+  // Shares of sun and sky that solids leave to a point.
   struct Past {
     float sun = -1, sky = -1;  // below zero: not known
   };
-  /// What arrives at a point of the set: shares of the sun past snow, bodies at rest and other bodies, and of the sky.
-  enum Share { snow_sun, snow_sky, rest_sun, rest_sky, moving_sun, moving_sky };
+  // What arrives at a point of the set: shares of the sun past snow, solids at rest and other solids, and of the sky.
+  enum Share { snow_sun, snow_sky, static_sun, static_sky, moving_sun, moving_sky };
   using Arrival = std::array<float, 6>;
   struct Node {
     Arrival arrival{1, 1, -1, -1, 1, 1};
-    Vec3 point;
+    Vec3f point{};
     Hit hit;
-    int body = unknown;
-    bool placed = false;  // whether body and hit are those of this frame
+    int solid = unknown;
+    bool placed = false;  // whether solid and hit are those of this frame
     bool shown = false;   // whether what arrives is that of this frame
   };
 
-  static Vec3 compose(const SetPoint& set, const Arrival& a) {
-    return set.sun * (a[snow_sun] * a[rest_sun] * a[moving_sun]) +
-           set.sky * (a[snow_sky] * a[rest_sky] * a[moving_sky]) + set.rest;
+  static Vec3f compose(const SetPoint& set, const Arrival& a) {
+    return set.sun * (a[snow_sun] * a[static_sun] * a[moving_sun]) +
+           set.sky * (a[snow_sky] * a[static_sky] * a[moving_sky]) + set.unshadowed;
   }
-  /// Find one of the shares at a point of `self`.
-  float arrival(Share share, const Body& self, Vec3 point, const Hit& hit) const {
+  // Find one of the shares at a point of `self`.
+  float arrival(Share share, const Solid& self, Vec3f point, const Hit& hit) const {
     switch (share) {
       case snow_sun: return sun_arrival(*snow_, light_, point);
       case snow_sky: return sky_arrival(*snow_, point, hit.normal);
-      case rest_sun:
-      case moving_sun: return sun_past(bodies_, share == rest_sun, self, point, hit, light_.sun);
-      default: return sky_past(bodies_, share == rest_sky, self, point, hit.normal);
+      case static_sun:
+      case moving_sun: return sun_past(solids_, share == static_sun, self, point, hit, light_.sun);
+      default: return sky_past(solids_, share == static_sky, self, point, hit.normal);
     }
   }
-  Vec3 light_along(int body, float column, float row) const {
-    const Vec3 ray = camera_.through(column, row);
-    if (body < 0) return sky_point(sky_, light_, ray).rest;
-    const Body& self = bodies_[size_t(body)];
+  Vec3f light_along(int solid, float column, float row) const {
+    const Vec3f ray = camera_.through(column, row);
+    if (solid < 0) return sky_point(sky_, light_, ray).unshadowed;
+    const Solid& self = solids_[std::size_t(solid)];
     const Hit hit = meet(self, camera_.eye, ray);
-    if (hit.t > 1e20f) return sky_point(sky_, light_, ray).rest;
-    const Vec3 point = camera_.eye + ray * hit.t;
+    if (hit.t > 1e20f) return sky_point(sky_, light_, ray).unshadowed;
+    const Vec3f point = camera_.eye + ray * hit.t;
     Arrival here;
-    for (int s = snow_sun; s <= moving_sky; ++s) here[size_t(s)] = arrival(Share(s), self, point, hit);
+    for (int s = snow_sun; s <= moving_sky; ++s) here[std::size_t(s)] = arrival(Share(s), self, point, hit);
     return compose(set_point(self, hit, camera_, light_, sky_, ray), here);
   }
-  size_t at(int i, int j) const { return size_t(i) * size_t(columns_) + size_t(j); }
+  std::size_t at(int i, int j) const { return std::size_t(i) * std::size_t(columns_) + std::size_t(j); }
 
-  size_t pixel(int r, int c) const { return size_t(r) * size_t(camera_.width) + size_t(c); }
+  std::size_t pixel(int r, int c) const {
+    return std::size_t(r) * std::size_t(camera_.width) + std::size_t(c);
+  }
 
-  /// The triangle in front in the middle of a pixel.
+  // The triangle in front in the middle of a pixel.
   struct Front {
     float depth = 1e30f;
-    uint32_t body = 0, triangle = 0;
+    std::uint32_t solid = 0, triangle = 0;
     auto operator<=>(const Front&) const = default;
   };
   void find_front(const Raster& meshes, std::vector<Front>& front) const {
@@ -168,43 +171,44 @@ class Backdrop {
 #pragma omp parallel for schedule(dynamic)
     for (int first = 0; first < camera_.height; first += Raster::band)
       meshes.draw(first, std::min(first + Raster::band, camera_.height), 1,
-                  [&](int r, int c, float depth, uint32_t body, uint32_t triangle) {
-                    const Front found{depth, body, triangle};
+                  [&](int r, int c, float depth, std::uint32_t solid, std::uint32_t triangle) {
+                    const Front found{depth, solid, triangle};
                     front[pixel(r, c)] = std::min(front[pixel(r, c)], found);
                   });
   }
   struct Nearest {
-    int body = -1;
+    int solid = -1;
     Hit hit;
   };
-  /// Meet what is nearest along a ray; front: in the place of the meshes, where that is known.
-  Nearest nearest(Vec3 ray, const Front* front) const {
+  // Meet what is nearest along a ray; front: in the place of the meshes, where that is known.
+  Nearest nearest(Vec3f ray, const Front* front) const {
     Nearest found;
-    for (size_t b = 0; b < bodies_.size(); ++b) {
-      if (front && bodies_[b].shape == Shape::mesh) continue;
-      const Hit hit = meet(bodies_[b], camera_.eye, ray);
+    for (std::size_t b = 0; b < solids_.size(); ++b) {
+      if (front && solids_[b].mesh) continue;
+      const Hit hit = meet(solids_[b], camera_.eye, ray);
       if (hit.t < found.hit.t) found = {int(b), hit};
     }
     if (front && front->depth < found.hit.t) {
-      const Hit hit = meet_triangle(bodies_[front->body], front->triangle, camera_.eye, ray);
-      found = {int(front->body), hit};
+      const Hit hit = meet_triangle(solids_[front->solid], front->triangle, camera_.eye, ray);
+      found = {int(front->solid), hit};
       found.hit.t = front->depth;
     }
     return found;
   }
-  /// What is in the middle of pixel (r, c), which may lie off the picture.
+  // What is in the middle of pixel (r, c), which may lie off the picture.
   Nearest nearest(int r, int c) const {
-    const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
+    const Vec3f ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
     const bool known = !front_.empty() && r < camera_.height && c < camera_.width;
     return nearest(ray, known ? &front_[pixel(r, c)] : nullptr);
   }
 
-  /// plain: whether a body that is no mesh has moved; before: the triangles in front in the frame before.
-  void place_row(int r, const std::vector<uint8_t>& moved, bool plain, const std::vector<Front>& before) {
+  // plain: whether a solid that is no mesh has moved; before: the triangles in front in the frame before.
+  void place_row(int r, const std::vector<std::uint8_t>& moved, bool plain,
+                 const std::vector<Front>& before) {
     const auto same = [&](int i, int j) {
       if (i < 0 || j < 0 || i >= camera_.height || j >= camera_.width) return true;
       const Front& front = front_[pixel(i, j)];
-      return front == before[pixel(i, j)] && (front.depth > 1e20f || !moved[front.body]);
+      return front == before[pixel(i, j)] && (front.depth > 1e20f || !moved[front.solid]);
     };
     const auto all_same = [&](int c) {
       for (int i = r - 1; i <= r + 1; ++i)
@@ -216,73 +220,75 @@ class Backdrop {
       // Whether a mesh has an edge in the pixel depends on what is beside it.
       if (!plain && (front_.empty() || all_same(c))) continue;
       const Nearest found = nearest(r, c);
-      const size_t p = pixel(r, c);
-      const bool mesh = found.body >= 0 && bodies_[size_t(found.body)].shape == Shape::mesh;
-      if (found.body == body_[p] && (found.body < 0 || !(moved[size_t(found.body)] || mesh))) continue;
-      body_[p] = int16_t(found.body);
+      const std::size_t p = pixel(r, c);
+      const bool mesh = found.solid >= 0 && solids_[std::size_t(found.solid)].mesh;
+      if (found.solid == solid_[p] && (found.solid < 0 || !(moved[std::size_t(found.solid)] || mesh)))
+        continue;
+      solid_[p] = std::int16_t(found.solid);
       past_[p] = {};
-      const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
-      if (found.body < 0)
+      const Vec3f ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
+      if (found.solid < 0)
         point_[p] = sky_point(sky_, light_, ray);
       else if (mesh && edge(r, c, front_[p]))
-        point_[p] = blended(bodies_[size_t(found.body)], found.hit, r, c);
+        point_[p] = blended(solids_[std::size_t(found.solid)], found.hit, r, c);
       else
-        point_[p] = set_point(bodies_[size_t(found.body)], found.hit, camera_, light_, sky_, ray);
+        point_[p] = set_point(solids_[std::size_t(found.solid)], found.hit, camera_, light_, sky_, ray);
     }
   }
 
-  /// Say whether a pixel beside this one shows a triangle of the same mesh that is turned or off this one's plane.
+  // Say whether a pixel beside this one shows a triangle of the same mesh that is turned or off this one's plane.
   bool edge(int r, int c, const Front& here) const {
     const auto differs = [&](int i, int j) {
       if (i < 0 || j < 0 || i >= camera_.height || j >= camera_.width) return false;
       const Front& there = front_[pixel(i, j)];
-      if (there.body != here.body || there.triangle == here.triangle || there.depth > 1e20f) return false;
-      const Body& body = bodies_[here.body];
-      const Triangle& mine = body.mesh->triangles()[here.triangle];
-      const Point a = mine.area_vector(), b = body.mesh->triangles()[there.triangle].area_vector();
+      if (there.solid != here.solid || there.triangle == here.triangle || there.depth > 1e20f) return false;
+      const Solid& solid = solids_[here.solid];
+      const Triangle& mine = solid.mesh->triangles()[here.triangle];
+      const Point a = mine.area_vector(), b = solid.mesh->triangles()[there.triangle].area_vector();
       const double square = dot(a, a);
       if (dot(a, b) < 0.92 * std::sqrt(square * dot(b, b))) return true;
-      const Vec3 beside = camera_.eye + camera_.through(float(j) + 0.5f, float(i) + 0.5f) * there.depth;
-      const Point from = to_point(body.turn.to_local(beside - body.position)) - mine.a;
+      const Vec3f beside = camera_.eye + camera_.through(float(j) + 0.5f, float(i) + 0.5f) * there.depth;
+      const Point from =
+          to_point(transposed_times(solid.place.rotation, beside - solid.place.centre)) - mine.a;
       return std::abs(dot(a, from)) > 1.5 * std::sqrt(square) * double(there.depth / camera_.focal);
     };
     return differs(r - 1, c) || differs(r + 1, c) || differs(r, c - 1) || differs(r, c + 1);
   }
 
-  /// Describe a pixel that an edge within one mesh crosses: the mean over its samples, each of which shows a triangle
-  /// that is in front in the middle of this pixel or of one beside it.
-  SetPoint blended(const Body& self, const Hit& middle, int r, int c) const {
+  // Describe a pixel that an edge within one mesh crosses: the mean over its samples, each of which shows a triangle
+  // that is in front in the middle of this pixel or of one beside it.
+  SetPoint blended(const Solid& self, const Hit& middle, int r, int c) const {
     constexpr int n = Samples::per_axis;
-    uint32_t triangles[9];
-    size_t count = 0;
+    std::uint32_t triangles[9];
+    std::size_t count = 0;
     for (int i = std::max(r - 1, 0); i <= std::min(r + 1, camera_.height - 1); ++i)
       for (int j = std::max(c - 1, 0); j <= std::min(c + 1, camera_.width - 1); ++j) {
         const Front& front = front_[pixel(i, j)];
-        if (front.depth < 1e20f && &bodies_[front.body] == &self &&
+        if (front.depth < 1e20f && &solids_[front.solid] == &self &&
             std::find(triangles, triangles + count, front.triangle) == triangles + count)
           triangles[count++] = front.triangle;
       }
     SetPoint sum{};
     for (int s = 0; s < n * n; ++s) {
-      Vec3 ray = camera_.through(float(c) + (float(s % n) + 0.5f) / n, float(r) + (float(s / n) + 0.5f) / n);
+      Vec3f ray = camera_.through(float(c) + (float(s % n) + 0.5f) / n, float(r) + (float(s / n) + 0.5f) / n);
       Hit hit = meet_triangles(self, {triangles, count}, camera_.eye, ray);
       if (hit.t > 1e20f) hit = middle, ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
       const SetPoint set = set_point(self, hit, camera_, light_, sky_, ray);
-      sum.sun += set.sun, sum.sky += set.sky, sum.rest += set.rest;
+      sum.sun += set.sun, sum.sky += set.sky, sum.unshadowed += set.unshadowed;
     }
     constexpr float part = 1.0f / (n * n);
-    return {sum.sun * part, sum.sky * part, sum.rest * part};
+    return {sum.sun * part, sum.sky * part, sum.unshadowed * part};
   }
 
-  void look_at_cells(int i, const Samples& samples, std::vector<uint8_t>& shows) const {
+  void look_at_cells(int i, const Samples& samples, std::vector<std::uint8_t>& shows) const {
     constexpr int n = cell * Samples::per_axis;
     for (int r = i * n; r < std::min((i + 1) * n, samples.height); ++r) {
       const Key* row = samples.row(r);
       for (int c = 0; c < samples.width; ++c)
-        if (row[c] != nothing && index_of(row[c]) >= first_body) shows[at(i, c / n)] = 1;
+        if (row[c] != nothing && index_of(row[c]) >= first_solid) shows[at(i, c / n)] = 1;
     }
   }
-  bool node_shows(const std::vector<uint8_t>& shows, int i, int j) const {
+  bool node_shows(const std::vector<std::uint8_t>& shows, int i, int j) const {
     for (int a = std::max(i - 1, 0); a <= i; ++a)
       for (int b = std::max(j - 1, 0); b <= j; ++b)
         if (shows[at(a, b)]) return true;
@@ -291,48 +297,48 @@ class Backdrop {
   void light_node(Node& node, int i, int j) const {
     if (!node.placed) {
       const Nearest found = nearest(i * cell, j * cell);
-      const bool same = found.body >= 0 && found.body == node.body && bodies_[size_t(found.body)].rest &&
-                        found.hit == node.hit;
-      if (!same) node.arrival[rest_sun] = node.arrival[rest_sky] = -1;
-      const Vec3 ray = camera_.through(float(j * cell) + 0.5f, float(i * cell) + 0.5f);
-      node.point = camera_.eye + ray * found.hit.t, node.hit = found.hit, node.body = found.body;
+      const bool same = found.solid >= 0 && found.solid == node.solid &&
+                        solids_[std::size_t(found.solid)].is_static && found.hit == node.hit;
+      if (!same) node.arrival[static_sun] = node.arrival[static_sky] = -1;
+      const Vec3f ray = camera_.through(float(j * cell) + 0.5f, float(i * cell) + 0.5f);
+      node.point = camera_.eye + ray * found.hit.t, node.hit = found.hit, node.solid = found.solid;
       node.placed = true;
     }
-    if (node.body < 0) return;
-    const Body& self = bodies_[size_t(node.body)];
-    for (Share s : {snow_sun, snow_sky, rest_sun, rest_sky, moving_sun, moving_sky}) {
-      const bool kept = (s == rest_sun || s == rest_sky) && node.arrival[s] >= 0;
+    if (node.solid < 0) return;
+    const Solid& self = solids_[std::size_t(node.solid)];
+    for (Share s : {snow_sun, snow_sky, static_sun, static_sky, moving_sun, moving_sky}) {
+      const bool kept = (s == static_sun || s == static_sky) && node.arrival[s] >= 0;
       if (!kept) node.arrival[s] = arrival(s, self, node.point, node.hit);
     }
   }
 
-  /// Interpolate what arrives at pixel (r, c) from the four nodes around it, or find it anew where they
-  /// differ.
-  Arrival between_nodes(int r, int c, int body) const {
+  // Interpolate what arrives at pixel (r, c) from the four nodes around it, or find it anew where they
+  // differ.
+  Arrival between_nodes(int r, int c, int solid) const {
     const int i = r / cell, j = c / cell;
     const Corners nodes{&node_[at(i, j)], &node_[at(i, j + 1)], &node_[at(i + 1, j)],
                         &node_[at(i + 1, j + 1)]};
     const bool same = std::all_of(nodes.begin(), nodes.end(),
-                                  [body](const Node* n) { return n->shown && n->body == body; });
+                                  [solid](const Node* n) { return n->shown && n->solid == solid; });
     const float a = float(r % cell) / cell, b = float(c % cell) / cell;
-    const Body& self = bodies_[size_t(body)];
-    const Vec3 ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
+    const Solid& self = solids_[std::size_t(solid)];
+    const Vec3f ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
     Hit hit;
     Arrival here;
-    for (Share s : {snow_sun, snow_sky, rest_sun, rest_sky, moving_sun, moving_sky}) {
+    for (Share s : {snow_sun, snow_sky, static_sun, static_sky, moving_sun, moving_sky}) {
       if (same && between(nodes, s, s == snow_sun ? snow_tolerance(nodes) : smooth, a, b, here[s])) continue;
-      float* known = !self.rest      ? nullptr
-                     : s == rest_sun ? &past_[pixel(r, c)].sun
-                     : s == rest_sky ? &past_[pixel(r, c)].sky
-                                     : nullptr;
+      float* known = !self.is_static   ? nullptr
+                     : s == static_sun ? &past_[pixel(r, c)].sun
+                     : s == static_sky ? &past_[pixel(r, c)].sky
+                                       : nullptr;
       if (known && recall(*known, here[s])) continue;
-      if (hit.t > 1e20f) hit = self.shape == Shape::mesh ? nearest(r, c).hit : meet(self, camera_.eye, ray);
+      if (hit.t > 1e20f) hit = self.mesh ? nearest(r, c).hit : meet(self, camera_.eye, ray);
       here[s] = arrival(s, self, camera_.eye + ray * hit.t, hit);
       if (known) __atomic_store(known, &here[s], __ATOMIC_RELAXED);
     }
     return here;
   }
-  /// Several threads may come to know the same share at once.
+  // Several threads may come to know the same share at once.
   static bool recall(const float& known, float& share) {
     __atomic_load(&known, &share, __ATOMIC_RELAXED);
     return share >= 0;
@@ -340,14 +346,14 @@ class Backdrop {
 
   using Corners = std::array<const Node*, 4>;
 
-  /// The snow's shadow has no details finer than the density's cells: nodes closer than that may differ.
+  // The snow's shadow has no details finer than the density's cells: nodes closer than that may differ.
   float snow_tolerance(const Corners& nodes) const {
-    const Vec3 one = nodes[3]->point - nodes[0]->point, other = nodes[2]->point - nodes[1]->point;
+    const Vec3f one = nodes[3]->point - nodes[0]->point, other = nodes[2]->point - nodes[1]->point;
     const float far = std::max(dot(one, one), dot(other, other)), near = 2.5f * snow_->cell_size();
     return std::clamp(0.12f * near * near / std::max(far, 1e-20f), smooth, 1.0f);
   }
 
-  /// Interpolate one share between four nodes; say whether they are as alike as they need to be.
+  // Interpolate one share between four nodes; say whether they are as alike as they need to be.
   static bool between(const Corners& nodes, Share share, float tolerance, float a, float b, float& value) {
     const float n00 = nodes[0]->arrival[share], n01 = nodes[1]->arrival[share];
     const float n10 = nodes[2]->arrival[share], n11 = nodes[3]->arrival[share];
@@ -358,15 +364,15 @@ class Backdrop {
   Camera camera_;
   Light light_;
   Sky sky_;
-  size_t size_;
-  std::vector<int16_t> body_;
+  std::size_t size_;
+  std::vector<std::int16_t> solid_;
   std::vector<SetPoint> point_;
-  mutable std::vector<Past> past_;  // what bodies at rest leave to pixels that show one of them
+  mutable std::vector<Past> past_;  // what solids at rest leave to pixels that show one of them
   int rows_, columns_;              // of the lattice
   std::vector<Node> node_;
-  bool known_ = false;  // whether still_front_ is that of the bodies
+  bool known_ = false;  // whether still_front_ is that of the solids
   bool any_ = false;    // whether anything has moved since the frame before
-  std::vector<Body> bodies_;
+  std::vector<Solid> solids_;
   std::vector<Front> still_front_, front_;  // of the meshes at rest and of all; empty without any
   const Density* snow_ = nullptr;
 };

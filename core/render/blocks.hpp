@@ -1,6 +1,7 @@
 // One level of a sparse scalar grid: blocks of 4x4x4 cells, found through a hash table. Memory follows the
 // occupied blocks, so one flake ten kilometres away costs one block.
 #pragma once
+
 #include <vector>
 
 #include "render/vec.hpp"
@@ -8,7 +9,7 @@
 namespace neve::render {
 
 struct Int3 {
-  int32_t x = 0, y = 0, z = 0;
+  std::int32_t x = 0, y = 0, z = 0;
   bool operator==(const Int3&) const = default;
 };
 
@@ -24,23 +25,23 @@ class Blocks {
 
   float cell_size() const { return h_; }
   int count() const { return int(where_.size()); }
-  Int3 where(int block) const { return where_[size_t(block)]; }
-  float* values(int block) { return values_.data() + size_t(block) * cells; }
-  const float* values(int block) const { return values_.data() + size_t(block) * cells; }
+  Int3 where(int block) const { return where_[std::size_t(block)]; }
+  float* values(int block) { return values_.data() + std::size_t(block) * cells; }
+  const float* values(int block) const { return values_.data() + std::size_t(block) * cells; }
   static int at(int i, int j, int k) { return (i * stride + j) * stride + k; }
-  Vec3 low() const { return low_; }
-  Vec3 high() const { return high_; }
+  Vec3f low() const { return low_; }
+  Vec3f high() const { return high_; }
 
-  /// Return the index of the block at `b`, or -1.
+  // Return the index of the block at `b`, or -1.
   int find(Int3 b) const {
-    const uint32_t last = uint32_t(table_.size() - 1);
-    for (uint32_t slot = hash(b) & last;; slot = (slot + 1) & last) {
+    const std::uint32_t last = std::uint32_t(table_.size() - 1);
+    for (std::uint32_t slot = hash(b) & last;; slot = (slot + 1) & last) {
       const Slot& s = table_[slot];
       if (s.block < 0 || s.key == b) return s.block;
     }
   }
 
-  /// Return the index of the block at `b`, made of zeros if it was not there.
+  // Return the index of the block at `b`, made of zeros if it was not there.
   int require(Int3 b) {
     const int found = find(b);
     if (found >= 0) return found;
@@ -52,14 +53,14 @@ class Blocks {
     return block;
   }
 
-  /// Hand what stencils wrote past the end of their block on to the blocks where it belongs, in block order.
+  // Hand what stencils wrote past the end of their block on to the blocks where it belongs, in block order.
   void fold() {
     for (int b = 0, n = count(); b < n; ++b)
       for (int sides = 1; sides < 8; ++sides) fold_side(b, sides);
   }
 
-  /// Make the grid ready for samples: add the empty blocks that a sample next to an occupied one reads,
-  /// copy the shared cells, and find the bounds.
+  // Make the grid ready for samples: add the empty blocks that a sample next to an occupied one reads,
+  // copy the shared cells, and find the bounds.
   void close() {
     add_borders();
     const int n = count();
@@ -68,19 +69,19 @@ class Blocks {
     low_ = {1e30f, 1e30f, 1e30f};
     high_ = {-1e30f, -1e30f, -1e30f};
     for (const Int3& b : where_) {  // the sample points of block b, in metres
-      const Vec3 corner = Vec3{float(b.x), float(b.y), float(b.z)} * (side * h_) + Vec3{h_, h_, h_} * 0.5f;
+      const Vec3f corner = Vec3f{float(b.x), float(b.y), float(b.z)} * (side * h_) + Vec3f{h_, h_, h_} * 0.5f;
       low_ = {std::min(low_.x, corner.x), std::min(low_.y, corner.y), std::min(low_.z, corner.z)};
-      const Vec3 end = corner + Vec3{h_, h_, h_} * side;
+      const Vec3f end = corner + Vec3f{h_, h_, h_} * side;
       high_ = {std::max(high_.x, end.x), std::max(high_.y, end.y), std::max(high_.z, end.z)};
     }
   }
 
-  /// Interpolate between cell centres at the point p [m]; zero where there is no block.
-  float sample(Vec3 p) const {
+  // Interpolate between cell centres at the point p [m]; zero where there is no block.
+  float sample(Vec3f p) const {
     if (!inside(p)) return 0.0f;
-    const Vec3 q = cell_of(p);
+    const Vec3f q = cell_of(p);
     const float fi = std::floor(q.x), fj = std::floor(q.y), fk = std::floor(q.z);
-    const int32_t i = int32_t(fi), j = int32_t(fj), k = int32_t(fk);
+    const std::int32_t i = std::int32_t(fi), j = std::int32_t(fj), k = std::int32_t(fk);
     const int block = find({i >> shift, j >> shift, k >> shift});
     if (block < 0) return 0.0f;
     const float* v = values(block) + at(i & mask, j & mask, k & mask);
@@ -91,39 +92,41 @@ class Blocks {
     return mix(mix(v00, v01, b), mix(v10, v11, b), a);
   }
 
-  /// Say whether samples around p can be anything but zero.
-  bool occupied(Vec3 p) const {
+  // Say whether samples around p can be anything but zero.
+  bool occupied(Vec3f p) const {
     if (!inside(p)) return false;
-    const Vec3 q = cell_of(p);
-    const int32_t i = int32_t(std::floor(q.x)), j = int32_t(std::floor(q.y)), k = int32_t(std::floor(q.z));
+    const Vec3f q = cell_of(p);
+    const std::int32_t i = std::int32_t(std::floor(q.x)), j = std::int32_t(std::floor(q.y)),
+                       k = std::int32_t(std::floor(q.z));
     return find({i >> shift, j >> shift, k >> shift}) >= 0;
   }
 
-  /// Narrow [near, far], lengths [m] from p along the unit vector `dir`, to the bounds of all blocks.
-  void clip(Vec3 p, Vec3 dir, float& near, float& far) const {
+  // Narrow [near, far], lengths [m] from p along the unit vector `dir`, to the bounds of all blocks.
+  void clip(Vec3f p, Vec3f dir, float& near, float& far) const {
     clip_axis(p.x, dir.x, low_.x, high_.x, near, far);
     clip_axis(p.y, dir.y, low_.y, high_.y, near, far);
     clip_axis(p.z, dir.z, low_.z, high_.z, near, far);
   }
 
-  /// Length [m] from p along the unit vector `dir` to the end of the block around p.
-  float exit(Vec3 p, Vec3 dir) const {
-    const Vec3 q = cell_of(p);
+  // Length [m] from p along the unit vector `dir` to the end of the block around p.
+  float exit(Vec3f p, Vec3f dir) const {
+    const Vec3f q = cell_of(p);
     return std::min({exit_axis(q.x, dir.x), exit_axis(q.y, dir.y), exit_axis(q.z, dir.z)}) * h_;
   }
 
  private:
   struct Slot {
     Int3 key;
-    int32_t block;
+    std::int32_t block;
   };
 
-  static uint32_t hash(Int3 b) {
-    const uint32_t a = uint32_t(b.x) * 73856093u ^ uint32_t(b.y) * 19349663u ^ uint32_t(b.z) * 83492791u;
+  static std::uint32_t hash(Int3 b) {
+    const std::uint32_t a =
+        std::uint32_t(b.x) * 73856093u ^ std::uint32_t(b.y) * 19349663u ^ std::uint32_t(b.z) * 83492791u;
     return a ^ a >> 15;
   }
-  Vec3 cell_of(Vec3 p) const { return {p.x * inv_h_ - 0.5f, p.y * inv_h_ - 0.5f, p.z * inv_h_ - 0.5f}; }
-  bool inside(Vec3 p) const {
+  Vec3f cell_of(Vec3f p) const { return {p.x * inv_h_ - 0.5f, p.y * inv_h_ - 0.5f, p.z * inv_h_ - 0.5f}; }
+  bool inside(Vec3f p) const {
     return p.x >= low_.x && p.y >= low_.y && p.z >= low_.z && p.x < high_.x && p.y < high_.y && p.z < high_.z;
   }
   static void clip_axis(float p, float d, float low, float high, float& near, float& far) {
@@ -138,14 +141,14 @@ class Blocks {
     return ((d > 0 ? block + 1 : block) * side - q) / d;
   }
   void insert(Int3 b, int block) {
-    const uint32_t last = uint32_t(table_.size() - 1);
-    uint32_t slot = hash(b) & last;
+    const std::uint32_t last = std::uint32_t(table_.size() - 1);
+    std::uint32_t slot = hash(b) & last;
     while (table_[slot].block >= 0) slot = (slot + 1) & last;
     table_[slot] = {b, block};
   }
   void grow() {
     table_.assign(table_.size() * 2, Slot{{}, -1});
-    for (int b = 0; b < count(); ++b) insert(where_[size_t(b)], b);
+    for (int b = 0; b < count(); ++b) insert(where_[std::size_t(b)], b);
   }
 
   // A side of a block is three bits: which of its x, y, z lie past the block.
@@ -165,8 +168,8 @@ class Blocks {
           values(block)[at(i, j, k)] = 0.0f;
         }
   }
-  /// A sample just before an occupied block reads that block's first cells: it needs a block to read them
-  /// from.
+  // A sample just before an occupied block reads that block's first cells: it needs a block to read them
+  // from.
   void add_borders() {
     for (int b = 0, n = count(); b < n; ++b)
       for (int sides = 1; sides < 8; ++sides) {
@@ -199,7 +202,7 @@ class Blocks {
   std::vector<Slot> table_;
   std::vector<Int3> where_;
   std::vector<float> values_;
-  Vec3 low_{}, high_{};
+  Vec3f low_{}, high_{};
 };
 
 }  // namespace neve::render

@@ -1,6 +1,7 @@
 // From particles to grains on the film: each particle is drawn as a cluster of smaller grains at fixed random
 // places around it, so the picture is finer than the simulation and nothing jumps from frame to frame.
 #pragma once
+
 #include <vector>
 
 #include "render/camera.hpp"
@@ -13,27 +14,27 @@ struct Grain {
   float depth;        // of the centre [m]
   float radius;       // [m]
   float wide;         // radius [samples]
-  uint32_t particle;
-  uint32_t seed;
+  std::uint32_t particle;
+  std::uint32_t seed;
 };
 
-/// How a particle becomes grains. Snow that comes loose falls into more and smaller grains, without a jump.
+// How a particle becomes grains. Snow that comes loose falls into more and smaller grains, without a jump.
 class Cluster {
  public:
   static constexpr int most = 16;  // grains of one particle
 
-  /// spacing: between neighbouring particles of solid snow [m]; n: number of particles.
-  Cluster(float spacing, size_t n, const Camera& camera) {
+  // spacing: between neighbouring particles of solid snow [m]; n: number of particles.
+  Cluster(float spacing, std::size_t n, const Camera& camera) {
     // Grains a pixel or two apart where the camera looks. Of solid snow only the surface is drawn; loose snow
     // shows every particle, and gets no more grains than two cores can draw in time.
     const float pixels = spacing * camera.focal / camera.reach;
     solid_ = int(std::clamp(std::pow(pixels / 1.35f, 3.0f), 1.0f, float(most)));
-    loose_ = int(std::clamp(1.6e6f / float(std::max<size_t>(n, 1)), 1.0f, float(most)));
+    loose_ = int(std::clamp(1.6e6f / float(std::max<std::size_t>(n, 1)), 1.0f, float(most)));
     loose_ = std::min(loose_, 3 * solid_);
     spread_ = solid_ > 1 || loose_ > 1 ? 0.66f * spacing : 0.0f;
     solid_radius_ = 0.68f * spacing / std::cbrt(float(solid_));
     loose_radius_ = 0.68f * spacing / std::cbrt(float(loose_));
-    for (uint32_t o = 0; o < places; ++o) place_[o] = in_ball(o);
+    for (std::uint32_t o = 0; o < places; ++o) place_[o] = in_ball(o);
   }
 
   int grains(float loose) const {
@@ -42,20 +43,22 @@ class Cluster {
   float reach() const {
     return 2.5f * (spread_ + std::max(solid_radius_, loose_radius_));
   }  // no grain lies farther from its particle [m]
-  static uint32_t seed(uint32_t particle, int g) { return scramble(particle * uint32_t(most) + uint32_t(g)); }
+  static std::uint32_t seed(std::uint32_t particle, int g) {
+    return scramble(particle * std::uint32_t(most) + std::uint32_t(g));
+  }
 
-  /// How a loose particle looks, from a clod (0) to a puff of powder (1); most are nearer to clods.
-  static float powder(uint32_t particle) {
+  // How a loose particle looks, from a clod (0) to a puff of powder (1); most are nearer to clods.
+  static float powder(std::uint32_t particle) {
     const float u = unit(scramble(particle ^ 0x5bd1e995u));
     return u * u;
   }
-  /// Place of a grain around its particle [m]. wider: how much the particle's snow has dilated along one
-  /// axis.
-  Vec3 offset(uint32_t seed, float loose, float powder, float wider) const {
+  // Place of a grain around its particle [m]. wider: how much the particle's snow has dilated along one
+  // axis.
+  Vec3f offset(std::uint32_t seed, float loose, float powder, float wider) const {
     return place_[seed & (places - 1)] * (spread_ * wider * mix(1.0f, 0.72f + 1.7f * powder, loose));
   }
-  /// Radius of grain g [m]: it shrinks to nothing where its snow has fewer grains.
-  float radius(uint32_t seed, int g, float loose, float powder) const {
+  // Radius of grain g [m]: it shrinks to nothing where its snow has fewer grains.
+  float radius(std::uint32_t seed, int g, float loose, float powder) const {
     const float u = float(seed >> 24) * (1.0f / 256.0f), uneven = 0.65f + 0.75f * u * u;
     const float in_solid = g < solid_ ? solid_radius_ : 0.0f;
     const float in_loose = g < loose_ ? (0.70f - 0.38f * powder) * loose_radius_ : 0.0f;
@@ -63,9 +66,9 @@ class Cluster {
   }
 
  private:
-  static constexpr uint32_t places = 1024;
+  static constexpr std::uint32_t places = 1024;
 
-  static Vec3 in_ball(uint32_t o) {
+  static Vec3f in_ball(std::uint32_t o) {
     const float z = 2 * unit(scramble(4 * o + 1)) - 1, turn = 6.2831853f * unit(scramble(4 * o + 2));
     const float out = std::cbrt(unit(scramble(4 * o + 3))), flat = out * std::sqrt(1 - z * z);
     return {flat * std::cos(turn), flat * std::sin(turn), out * z};
@@ -74,74 +77,75 @@ class Cluster {
   int solid_, loose_;                  // grains of a particle in solid and in loose snow
   float spread_;                       // radius of a cluster [m]
   float solid_radius_, loose_radius_;  // of their grains [m]
-  Vec3 place_[places];
+  Vec3f place_[places];
 };
 
-/// Say whether so much snow lies between p and the eye that no grain of p can show. here: volume fraction
-/// at p.
-inline bool buried(const Density& snow, Vec3 p, Vec3 eye, float here) {
+// Say whether so much snow lies between p and the eye that no grain of p can show. here: volume fraction
+// at p.
+inline bool buried(const Density& snow, Vec3f p, Vec3f eye, float here) {
   constexpr float full = 0.55f;
   if (here < full) return false;
-  const Vec3 step = normalize(eye - p) * snow.cell_size();
+  const Vec3f step = normalize(eye - p) * snow.cell_size();
   for (float far : {1.0f, 2.2f, 3.4f, 4.6f})
     if (snow.sample(p + step * far) < full) return false;
   return true;
 }
 
-/// The particles' grains on the film.
+// The particles' grains on the film.
 class Projection {
  public:
-  /// samples: per pixel and axis. J_P: empty, or one per particle.
-  Projection(const Density& snow, std::span<const Vec3> x, std::span<const float> J_P, const Camera& camera,
+  // samples: per pixel and axis. J_P: empty, or one per particle.
+  Projection(const Density& snow, std::span<const Vec3f> x, std::span<const float> J_P, const Camera& camera,
              const Cluster& cluster, int samples)
       : snow_(snow), x_(x), J_P_(J_P), camera_(camera), cluster_(cluster), samples_(float(samples)) {}
 
-  /// Return all grains that can show, in the order of the particles.
+  // Return all grains that can show, in the order of the particles.
   std::vector<Grain> grains() const {
-    constexpr size_t chunk = 2048;  // fixed, so that the order does not depend on the threads
-    const size_t chunks = (x_.size() + chunk - 1) / chunk;
+    constexpr std::size_t chunk = 2048;  // fixed, so that the order does not depend on the threads
+    const std::size_t chunks = (x_.size() + chunk - 1) / chunk;
     std::vector<std::vector<Grain>> parts(chunks);
 #pragma omp parallel for schedule(dynamic)
-    for (size_t part = 0; part < chunks; ++part)
-      for (size_t p = part * chunk; p < std::min(x_.size(), (part + 1) * chunk); ++p) add(p, parts[part]);
-    std::vector<size_t> first(chunks + 1, 0);
-    for (size_t part = 0; part < chunks; ++part) first[part + 1] = first[part] + parts[part].size();
+    for (std::size_t part = 0; part < chunks; ++part)
+      for (std::size_t p = part * chunk; p < std::min(x_.size(), (part + 1) * chunk); ++p)
+        add(p, parts[part]);
+    std::vector<std::size_t> first(chunks + 1, 0);
+    for (std::size_t part = 0; part < chunks; ++part) first[part + 1] = first[part] + parts[part].size();
     std::vector<Grain> all(first[chunks]);
 #pragma omp parallel for schedule(static)
-    for (size_t part = 0; part < chunks; ++part)
+    for (std::size_t part = 0; part < chunks; ++part)
       std::copy(parts[part].begin(), parts[part].end(), all.begin() + long(first[part]));
     return all;
   }
 
  private:
-  bool on_film(Vec3 at) const {
+  bool on_film(Vec3f at) const {
     const float margin = camera_.focal * cluster_.reach() / std::max(at.z, 1e-6f);
     const float w = 0.5f * float(camera_.width), h = 0.5f * float(camera_.height);
     // Written so that NaN is not on film.
     return at.z > 0.01f * camera_.reach && std::abs(at.x - w) < w + margin && std::abs(at.y - h) < h + margin;
   }
 
-  void add(size_t p, std::vector<Grain>& out) const {
-    const Vec3 x = x_[p];
+  void add(std::size_t p, std::vector<Grain>& out) const {
+    const Vec3f x = x_[p];
     if (!on_film(camera_.project(x))) return;
     const float here = snow_.sample(x);
     if (buried(snow_, x, camera_.eye, here)) return;
     const float loose = 1.0f - smoothstep(0.12f, 0.5f, here);
     const float wider = J_P_.empty() ? 1.0f : std::clamp(std::cbrt(J_P_[p]), 0.9f, 1.35f);
-    const float powder = Cluster::powder(uint32_t(p));
+    const float powder = Cluster::powder(std::uint32_t(p));
     const int count = cluster_.grains(loose);
     for (int g = 0; g < count; ++g) {
-      const uint32_t seed = Cluster::seed(uint32_t(p), g);
-      const Vec3 at = camera_.project(x + cluster_.offset(seed, loose, powder, wider));
+      const std::uint32_t seed = Cluster::seed(std::uint32_t(p), g);
+      const Vec3f at = camera_.project(x + cluster_.offset(seed, loose, powder, wider));
       if (!(at.z > 0.01f * camera_.reach)) continue;
       const float radius = cluster_.radius(seed, g, loose, powder);
       out.push_back({samples_ * at.x, samples_ * at.y, at.z, radius, samples_ * camera_.focal * radius / at.z,
-                     uint32_t(p), seed});
+                     std::uint32_t(p), seed});
     }
   }
 
   const Density& snow_;
-  std::span<const Vec3> x_;
+  std::span<const Vec3f> x_;
   std::span<const float> J_P_;
   const Camera& camera_;
   const Cluster& cluster_;

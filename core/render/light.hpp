@@ -1,31 +1,32 @@
 // Sun and sky through the snow: how much of each arrives at a point.
 #pragma once
+
 #include <span>
 
-#include "render/bodies.hpp"
 #include "render/density.hpp"
+#include "render/solids.hpp"
 
 namespace neve::render {
 
 struct Light {
-  Vec3 sun;        // unit vector towards the sun
-  Vec3 sun_color;  // irradiance on a surface that faces the sun
-  Vec3 sky_color;  // irradiance of the whole sky on level ground
+  Vec3f sun{};        // unit vector towards the sun
+  Vec3f sun_color{};  // irradiance on a surface that faces the sun
+  Vec3f sky_color{};  // irradiance of the whole sky on level ground
 };
 
 // Optical depth of one cell of solid snow. Grains at half a cell's distance and with as large a radius
 // cross a beam 1.6 times per cell (n pi r^2); we take a little less, so that edges glow.
 constexpr float cell_depth = 1.2f;
 
-/// What the snow between a point and the sun does to its light.
+// What the snow between a point and the sun does to its light.
 struct SunPath {
   float near = 0;  // optical depth of the first cells: the surface's own snow
   float far = 0;   // optical depth of all that follows
 };
 
-/// Walk from p towards the sun until the snow ends or nothing is left of the light.
-/// start, near: where the walk begins and where the snow stops being the point's own [cells].
-inline SunPath sun_path(const Density& snow, Vec3 p, Vec3 sun, float start, float near) {
+// Walk from p towards the sun until the snow ends or nothing is left of the light.
+// start, near: where the walk begins and where the snow stops being the point's own [cells].
+inline SunPath sun_path(const Density& snow, Vec3f p, Vec3f sun, float start, float near) {
   constexpr int step_limit = 160;
   constexpr float dark = 8.0f;
   const float h = snow.cell_size();
@@ -35,7 +36,7 @@ inline SunPath sun_path(const Density& snow, Vec3 p, Vec3 sun, float start, floa
   all.clip(p, sun, t, end);
   for (int step = 0; step < step_limit && t < end && path.near + path.far < dark; ++step) {
     if (t >= inside) {
-      const Vec3 q = p + sun * t;
+      const Vec3f q = p + sun * t;
       const bool occupied = middle.occupied(q);
       inside = t + (occupied || all.occupied(q) ? middle : all).exit(q, sun) + 0.01f * h;
       if (!occupied) {
@@ -44,7 +45,7 @@ inline SunPath sun_path(const Density& snow, Vec3 p, Vec3 sun, float start, floa
       }
     }
     const float width = std::max(1.0f, 0.1f * t / h);  // of the penumbra and the step, in cells
-    const Vec3 between = p + sun * (t + 0.5f * width * h);
+    const Vec3f between = p + sun * (t + 0.5f * width * h);
     const float fraction = width > 1 ? snow.sample_between(between, std::log2(width)) : snow.sample(between);
     (t < near * h ? path.near : path.far) += cell_depth * width * fraction;
     t += width * h;
@@ -55,7 +56,7 @@ inline SunPath sun_path(const Density& snow, Vec3 p, Vec3 sun, float start, floa
 // Directions in which the sky is asked: one up, five around at 40 degrees. Fixed in the world, so that the
 // answers do not shimmer.
 struct SkyCone {
-  Vec3 direction;
+  Vec3f direction{};
   float weight;  // share of the sky's light
 };
 constexpr SkyCone sky_cones[6] = {{{0.0f, 0.0f, 1.0f}, 0.30f},
@@ -65,10 +66,10 @@ constexpr SkyCone sky_cones[6] = {{{0.0f, 0.0f, 1.0f}, 0.30f},
                                   {{-0.6197f, -0.4502f, 0.6428f}, 0.14f},
                                   {{0.2367f, -0.7285f, 0.6428f}, 0.14f}};
 
-/// Return the share of a cone's light that passes the snow: five samples, each about twice as wide and as far
-/// away as the one before. start: of the first [cells]. The samples are narrower than the steps between them,
-/// so that a cone over level snow does not graze it.
-inline float cone_light(const Density& snow, Vec3 p, Vec3 direction, float start) {
+// Return the share of a cone's light that passes the snow: five samples, each about twice as wide and as far
+// away as the one before. start: of the first [cells]. The samples are narrower than the steps between them,
+// so that a cone over level snow does not graze it.
+inline float cone_light(const Density& snow, Vec3f p, Vec3f direction, float start) {
   const float h = snow.cell_size();
   float depth = 0, t = start;
   for (int l = 0; l + 1 < Density::levels; ++l) {
@@ -80,14 +81,14 @@ inline float cone_light(const Density& snow, Vec3 p, Vec3 direction, float start
   return std::exp(-depth);
 }
 
-/// Say whether any snow is near enough to matter to the sky above p.
-inline bool snow_around(const Density& snow, Vec3 p) {
+// Say whether any snow is near enough to matter to the sky above p.
+inline bool snow_around(const Density& snow, Vec3f p) {
   return !snow.empty() && snow.level(Density::levels - 1).occupied(p);
 }
 
-/// Return the sky's light [share of the open sky] on a surface at p with this normal. wrap: how far light
-/// creeps round the edge (0: matt, 1: fully).
-inline float sky_light(const Density& snow, Vec3 p, Vec3 normal, float wrap, float start) {
+// Return the sky's light [share of the open sky] on a surface at p with this normal. wrap: how far light
+// creeps round the edge (0: matt, 1: fully).
+inline float sky_light(const Density& snow, Vec3f p, Vec3f normal, float wrap, float start) {
   float light = 0;
   for (const SkyCone& cone : sky_cones) {
     const float facing = (dot(normal, cone.direction) + wrap) / (1.0f + wrap);
@@ -96,47 +97,48 @@ inline float sky_light(const Density& snow, Vec3 p, Vec3 normal, float wrap, flo
   return 1.333f * light;  // level open ground receives one
 }
 
-/// Return the light [share] that the ground sends up to a surface at p with this normal.
-inline float ground_light(const Density& snow, Vec3 p, Vec3 normal, float start) {
+// Return the light [share] that the ground sends up to a surface at p with this normal.
+inline float ground_light(const Density& snow, Vec3f p, Vec3f normal, float start) {
   const float facing = 0.5f - 0.5f * normal.z;
   if (facing < 0.02f) return 0.0f;
   return facing *
          cone_light(snow, p, normalize({normal.x, normal.y, std::min(normal.z, 0.0f) - 0.5f}), start);
 }
 
-/// Share of the sun left to a grain of snow by all bodies. clear: how far off meshes begin to count [m]: grains
-/// sink into them a little.
-inline float sun_past(std::span<const Body> bodies, Vec3 p, Vec3 sun, float clear) {
+// Share of the sun left to a grain of snow by all solids. clear: how far off meshes begin to count [m]: grains
+// sink into them a little.
+inline float sun_past(std::span<const Solid> solids, Vec3f p, Vec3f sun, float clear) {
   float seen = 1.0f;
-  for (const Body& body : bodies) seen *= sun_past(body, p, sun, clear);
+  for (const Solid& solid : solids) seen *= sun_past(solid, p, sun, clear);
   return seen;
 }
 
-/// Share of the sun left to a point of `self` by all bodies that rest, or by all others. Only meshes throw shadows on
-/// themselves.
-inline float sun_past(std::span<const Body> bodies, bool rest, const Body& self, Vec3 p, const Hit& hit,
-                      Vec3 sun) {
+// Share of the sun left to a point of `self` by all solids that rest, or by all others. Only meshes throw shadows on
+// themselves.
+inline float sun_past(std::span<const Solid> solids, bool is_static, const Solid& self, Vec3f p,
+                      const Hit& hit, Vec3f sun) {
   if (dot(hit.normal, sun) <= 0) return 1.0f;  // it has none to lose
   float seen = 1.0f;
-  for (const Body& body : bodies)
-    if (body.rest == rest && (&body != &self || body.shape == Shape::mesh) && seen > 0.001f)
-      seen *= sun_past(body, p + hit.lift, sun, &body == &self ? 1e-3f * body.mesh->shade() : 0.0f);
+  for (const Solid& solid : solids)
+    if (solid.is_static == is_static && (&solid != &self || solid.mesh) && seen > 0.001f)
+      seen *= sun_past(solid, p + hit.lift, sun, &solid == &self ? 1e-3f * solid.mesh->shade() : 0.0f);
   return seen;
 }
 
-/// Share of the sky left to a grain of snow by all bodies.
-inline float sky_past(std::span<const Body> bodies, Vec3 p, Vec3 normal) {
+// Share of the sky left to a grain of snow by all solids.
+inline float sky_past(std::span<const Solid> solids, Vec3f p, Vec3f normal) {
   float seen = 1.0f;
-  for (const Body& body : bodies) seen *= sky_past(body, p, normal);
+  for (const Solid& solid : solids) seen *= sky_past(solid, p, normal);
   return seen;
 }
 
-/// Share of the sky left to a point of `self` by all bodies that rest, or by all others.
-inline float sky_past(std::span<const Body> bodies, bool rest, const Body& self, Vec3 p, Vec3 normal) {
+// Share of the sky left to a point of `self` by all solids that rest, or by all others.
+inline float sky_past(std::span<const Solid> solids, bool is_static, const Solid& self, Vec3f p,
+                      Vec3f normal) {
   float seen = 1.0f;
-  for (const Body& body : bodies)
-    if (body.rest == rest)
-      seen *= &body == &self ? sky_past_self(body, p, normal) : sky_past(body, p, normal);
+  for (const Solid& solid : solids)
+    if (solid.is_static == is_static)
+      seen *= &solid == &self ? sky_past_self(solid, p, normal) : sky_past(solid, p, normal);
   return seen;
 }
 

@@ -1,66 +1,67 @@
 // Meshes on the film: which triangle lies in front in each sample. Cheaper than a ray per sample, and exact.
 #pragma once
+
 #include <vector>
 
-#include "render/bodies.hpp"
 #include "render/camera.hpp"
+#include "render/solids.hpp"
 
 namespace neve::render {
 
-/// A triangle on the film.
+// A triangle on the film.
 struct Flat {
   double column[3], row[3];  // of its corners [px]
   float inverse[3];          // of depth is inverse[0] + inverse[1] column + inverse[2] row [1/m]
   float near, far;           // depth of its corners [m]
-  uint32_t body, triangle;
+  std::uint32_t solid, triangle;
 };
 
-/// The triangles of meshes that can be on the film, listed by bands of rows.
+// The triangles of meshes that can be on the film, listed by bands of rows.
 class Raster {
  public:
   static constexpr int band = 16;  // pixels
 
   explicit Raster(const Camera& camera) : camera_(camera) {}
 
-  /// rest: take the meshes that rest, or those that may move.
-  Raster(std::span<const Body> bodies, const Camera& camera, bool rest) : camera_(camera) {
-    constexpr size_t chunk = 4096;
+  // is_static: take the meshes that rest, or those that may move.
+  Raster(std::span<const Solid> solids, const Camera& camera, bool is_static) : camera_(camera) {
+    constexpr std::size_t chunk = 4096;
     struct Part {
-      uint32_t body;
-      size_t first, end;
+      std::uint32_t solid;
+      std::size_t first, end;
     };
     std::vector<Part> parts;
-    for (uint32_t b = 0; b < bodies.size(); ++b) {
-      if (bodies[b].shape != Shape::mesh || bodies[b].rest != rest) continue;
-      const size_t n = bodies[b].mesh->triangles().size();
-      for (size_t first = 0; first < n; first += chunk)
+    for (std::uint32_t b = 0; b < solids.size(); ++b) {
+      if (!solids[b].mesh || solids[b].is_static != is_static) continue;
+      const std::size_t n = solids[b].mesh->triangles().size();
+      for (std::size_t first = 0; first < n; first += chunk)
         parts.push_back({b, first, std::min(first + chunk, n)});
     }
     std::vector<std::vector<Flat>> flats(parts.size());
 #pragma omp parallel for schedule(dynamic)
-    for (size_t p = 0; p < parts.size(); ++p)
-      for (size_t t = parts[p].first; t < parts[p].end; ++t)
-        project(bodies[parts[p].body], parts[p].body, uint32_t(t), flats[p]);
-    in_band_.resize(size_t((camera.height + band - 1) / band));
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (std::size_t t = parts[p].first; t < parts[p].end; ++t)
+        project(solids[parts[p].solid], parts[p].solid, std::uint32_t(t), flats[p]);
+    in_band_.resize(std::size_t((camera.height + band - 1) / band));
     for (const auto& part : flats) flat_.insert(flat_.end(), part.begin(), part.end());
-    for (uint32_t f = 0; f < flat_.size(); ++f) {
+    for (std::uint32_t f = 0; f < flat_.size(); ++f) {
       const Flat& flat = flat_[f];
       const auto [low, high] = std::minmax({flat.row[0], flat.row[1], flat.row[2]});
       const int last = std::min(int(std::min(high, 1e6) / band), int(in_band_.size()) - 1);
-      for (int b = int(std::max(low, 0.0) / band); b <= last; ++b) in_band_[size_t(b)].push_back(f);
+      for (int b = int(std::max(low, 0.0) / band); b <= last; ++b) in_band_[std::size_t(b)].push_back(f);
     }
   }
 
   bool empty() const { return flat_.empty(); }
 
-  /// Call put(row, column, depth, body, triangle) for each sample in rows [first, last) that a triangle covers;
-  /// samples lie in the middle of 1/n pixel.
+  // Call put(row, column, depth, solid, triangle) for each sample in rows [first, last) that a triangle covers;
+  // samples lie in the middle of 1/n pixel.
   template <class Put>
   void draw(int first, int last, int n, const Put& put) const {
     if (flat_.empty() || first >= last) return;
     const int from = first / (n * band), to = (last - 1) / (n * band);
     for (int b = from; b <= to; ++b)
-      for (uint32_t f : in_band_[size_t(b)])
+      for (std::uint32_t f : in_band_[std::size_t(b)])
         fill(flat_[f], std::max(first, b * n * band), std::min(last, (b + 1) * n * band), n, put);
   }
 
@@ -69,12 +70,12 @@ class Raster {
     double x, y, z;  // right, down, forward of the eye [m]
   };
 
-  void project(const Body& body, uint32_t b, uint32_t t, std::vector<Flat>& out) const {
-    const Triangle& triangle = body.mesh->triangles()[t];
+  void project(const Solid& solid, std::uint32_t b, std::uint32_t t, std::vector<Flat>& out) const {
+    const Triangle& triangle = solid.mesh->triangles()[t];
     const Point* corners[3] = {&triangle.a, &triangle.b, &triangle.c};
     Corner seen[4];
     for (int k = 0; k < 3; ++k) {
-      const Vec3 d = body.turn.to_world(to_vec(*corners[k])) + (body.position - camera_.eye);
+      const Vec3f d = solid.place.rotation * to_vec(*corners[k]) + (solid.place.centre - camera_.eye);
       seen[k] = {dot(d, camera_.right), dot(d, camera_.down), dot(d, camera_.forward)};
     }
     // Cut off what lies behind the eye or just before it: up to four corners are left.
@@ -91,7 +92,7 @@ class Raster {
     for (int k = 2; k < n; ++k) flatten(kept[0], kept[k - 1], kept[k], b, t, out);
   }
 
-  void flatten(const Corner& a, const Corner& b, const Corner& c, uint32_t body, uint32_t triangle,
+  void flatten(const Corner& a, const Corner& b, const Corner& c, std::uint32_t solid, std::uint32_t triangle,
                std::vector<Flat>& out) const {
     Flat flat{};
     const Corner* corners[3] = {&a, &b, &c};
@@ -115,7 +116,7 @@ class Raster {
     flat.inverse[1] = float(px), flat.inverse[2] = float(py);
     const auto [near, far] = std::minmax({a.z, b.z, c.z});
     flat.near = float(near), flat.far = float(far);
-    flat.body = body, flat.triangle = triangle;
+    flat.solid = solid, flat.triangle = triangle;
     out.push_back(flat);
   }
 
@@ -136,12 +137,12 @@ class Raster {
       const float inverse = flat.inverse[0] + flat.inverse[2] * ((float(r) + 0.5f) * size);
       for (int c = begin; c <= end; ++c) {
         const float at = inverse + flat.inverse[1] * ((float(c) + 0.5f) * size);
-        put(r, c, at > 0 ? std::clamp(1.0f / at, flat.near, flat.far) : flat.far, flat.body, flat.triangle);
+        put(r, c, at > 0 ? std::clamp(1.0f / at, flat.near, flat.far) : flat.far, flat.solid, flat.triangle);
       }
     }
   }
 
-  /// Return where row r enters and leaves the triangle.
+  // Return where row r enters and leaves the triangle.
   static std::pair<double, double> span(const double* x, const double* y, int r, double slack) {
     double left = 1e9, right = -1e9;
     for (int k = 0; k < 3; ++k) {
@@ -160,7 +161,7 @@ class Raster {
 
   Camera camera_;
   std::vector<Flat> flat_;
-  std::vector<std::vector<uint32_t>> in_band_;
+  std::vector<std::vector<std::uint32_t>> in_band_;
 };
 
 }  // namespace neve::render

@@ -1,73 +1,76 @@
 // Light on a grain of snow. What arrives is found once per visible particle; what each pixel sees of it
 // depends on the grain's own roundness.
 #pragma once
+
 #include "render/ground.hpp"
 
 namespace neve::render {
 
-/// Light at one particle.
+// Light at one particle.
 struct Lit {
-  Vec3 normal;  // of the snow's surface around it
-  Vec3 sun;     // sun that arrives past snow and bodies
-  Vec3 around;  // sky, ground and light that has wandered through the snow
+  Vec3f normal{};  // of the snow's surface around it
+  Vec3f sun{};     // sun that arrives past snow and solids
+  Vec3f around{};  // sky, ground and light that has wandered through the snow
   float solid =
       1;  // share of a pixel's background that is snow as well (1 inside a heap, 0 for a lone flake)
 };
 
-/// Find the surface's normal from the density at three scales; a lone flake has none and looks at the sky.
-inline Vec3 snow_normal(const Density& snow, Vec3 p) {
-  const Vec3 slope = snow.slope(p, 0) * 0.5f + snow.slope(p, 1) + snow.slope(p, 2) * 0.6f;
-  return normalize(slope * -1.0f + Vec3{0, 0, 0.03f});
+// Find the surface's normal from the density at three scales; a lone flake has none and looks at the sky.
+inline Vec3f snow_normal(const Density& snow, Vec3f p) {
+  const Vec3f slope = snow.slope(p, 0) * 0.5f + snow.slope(p, 1) + snow.slope(p, 2) * 0.6f;
+  return normalize(slope * -1.0f + Vec3f{0, 0, 0.03f});
 }
 
-inline Lit light_particle(const Density& snow, std::span<const Body> bodies, const Light& light, Vec3 p) {
+inline Lit light_particle(const Density& snow, std::span<const Solid> solids, const Light& light, Vec3f p) {
   const float h = snow.cell_size();
   Lit lit;
   lit.normal = snow_normal(snow, p);
   // Light is asked for just above the surface, and higher for grains that lie deeper.
   const float cover = snow.sample(p);
-  const Vec3 above = p + lit.normal * (h * (0.8f + 0.6f * saturate(cover - 0.3f)));
-  const float past = sun_past(bodies, p, light.sun, h);
+  const Vec3f above = p + lit.normal * (h * (0.8f + 0.6f * saturate(cover - 0.3f)));
+  const float past = sun_past(solids, p, light.sun, h);
   const SunPath path = sun_path(snow, above, light.sun, 0.25f, 1.8f);
   const float direct = std::exp(-path.far - (0.55f - 0.3f * saturate(cover)) * path.near),
               through = std::exp(-0.38f * (path.near + path.far));
   lit.sun = light.sun_color * (direct * past);
-  const float sky = sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(bodies, p, lit.normal);
+  const float sky = sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(solids, p, lit.normal);
   // Snow gives back nearly all light, so its hollows light themselves.
   const float bright = sky / (1.0f - 0.60f * (1.0f - saturate(sky)));
-  lit.around = light.sky_color * Vec3{0.68f, 0.79f, 0.94f} * bright;
+  lit.around = light.sky_color * Vec3f{0.68f, 0.79f, 0.94f} * bright;
   // Where the sky is hidden, it is hidden by snow, which shines as well.
   lit.around +=
-      (light.sun_color * Vec3{0.062f, 0.074f, 0.090f} + light.sky_color * 0.16f) * (1.0f - saturate(sky));
+      (light.sun_color * Vec3f{0.062f, 0.074f, 0.090f} + light.sky_color * 0.16f) * (1.0f - saturate(sky));
   lit.around += (light.sun_color * (0.7f * std::max(light.sun.z, 0.0f)) + light.sky_color) *
                 (0.20f * ground_light(snow, above, lit.normal, 0.5f));
-  lit.around += light.sun_color * Vec3{0.72f, 0.90f, 1.0f} * (0.14f * through * past);
+  lit.around += light.sun_color * Vec3f{0.72f, 0.90f, 1.0f} * (0.14f * through * past);
   lit.solid = saturate(2.0f * snow.sample(p, 1));
   return lit;
 }
 
-/// Fixed random bits of a grain, spelled out.
+// Fixed random bits of a grain, spelled out.
 struct Facet {
-  Vec3 normal;
+  Vec3f normal{};
   float albedo;
 };
-inline Facet facet_of(uint32_t seed) {
-  const uint32_t a = scramble(seed), b = scramble(a + 1);
-  const auto byte = [](uint32_t bits, int shift) { return float(bits >> shift & 255u) * (1.0f / 255.0f); };
+inline Facet facet_of(std::uint32_t seed) {
+  const std::uint32_t a = scramble(seed), b = scramble(a + 1);
+  const auto byte = [](std::uint32_t bits, int shift) {
+    return float(bits >> shift & 255u) * (1.0f / 255.0f);
+  };
   return {normalize({byte(a, 0) - 0.5f, byte(a, 8) - 0.5f, byte(a, 16) - 0.5f}), 0.90f + 0.08f * byte(b, 0)};
 }
 
-/// Light that a grain sends to the eye at a point where its own round surface has the normal `round`.
-inline Vec3 grain_light(const Lit& lit, const Light& light, Vec3 round, Vec3 to_eye, uint32_t seed) {
+// Light that a grain sends to the eye at a point where its own round surface has the normal `round`.
+inline Vec3f grain_light(const Lit& lit, const Light& light, Vec3f round, Vec3f to_eye, std::uint32_t seed) {
   const Facet facet = facet_of(seed);
-  const Vec3 normal = normalize(lit.normal + round * 0.40f + facet.normal * 0.40f);
+  const Vec3f normal = normalize(lit.normal + round * 0.40f + facet.normal * 0.40f);
   const float wrap = 0.12f;
   const float sun = std::max((dot(normal, light.sun) + wrap) / (1.0f + wrap), 0.0f);
   const float rim = 0.80f + 0.20f * saturate(dot(round, to_eye));  // grains shade the gaps between them
   const float open = 0.86f + 0.22f * dot(normal, lit.normal) * (0.6f + 0.4f * normal.z);  // to the sky
-  Vec3 color = (lit.sun * sun + lit.around * open) * (facet.albedo * rim);
+  Vec3f color = (lit.sun * sun + lit.around * open) * (facet.albedo * rim);
   // A few facets lie just so and send the sun into the lens.
-  const Vec3 half = normalize(light.sun + to_eye);
+  const Vec3f half = normalize(light.sun + to_eye);
   const float glint = dot(half, normalize(facet.normal + lit.normal * 0.8f));
   if (glint > 0.985f)
     color += lit.sun * (1.2f * smoothstep(0.985f, 1.0f, glint) * saturate(dot(round, to_eye)));

@@ -1,6 +1,7 @@
 // The z-buffer. Every sample keeps one 64-bit key, depth above index, and the smallest wins: the result
 // does not depend on the order of drawing, nor on the number of threads.
 #pragma once
+
 #include <bit>
 
 #include "render/grains.hpp"
@@ -8,36 +9,38 @@
 
 namespace neve::render {
 
-using Key = uint64_t;
-constexpr uint32_t first_body = 0xffff0000u;  // indices from here on are bodies
+using Key = std::uint64_t;
+constexpr std::uint32_t first_solid = 0xffff0000u;  // indices from here on are solids
 constexpr Key nothing = ~Key(0);
 // Smaller grains are drawn this large [samples], enough to meet a sample wherever they are, and faded
 // instead.
 constexpr float least_radius = 0.71f;
 
-inline Key make_key(float depth, uint32_t index) { return Key(std::bit_cast<uint32_t>(depth)) << 32 | index; }
-inline uint32_t index_of(Key key) { return uint32_t(key); }
+inline Key make_key(float depth, std::uint32_t index) {
+  return Key(std::bit_cast<std::uint32_t>(depth)) << 32 | index;
+}
+inline std::uint32_t index_of(Key key) { return std::uint32_t(key); }
 
 struct Samples {
   static constexpr int per_axis = 2;
   static constexpr int band = 32;  // rows of samples drawn by one thread at a time
   static constexpr int lanes = 8;  // samples drawn at once; rows have room for them past their end
   int width, height;
-  size_t pitch;
+  std::size_t pitch;
   std::vector<Key> key;
 
   explicit Samples(const Camera& camera)
       : width(camera.width * per_axis),
         height(camera.height * per_axis),
-        pitch(size_t(width) + lanes),
-        key(pitch * size_t(height)) {}
+        pitch(std::size_t(width) + lanes),
+        key(pitch * std::size_t(height)) {}
   int bands() const { return (height + band - 1) / band; }
-  Key* row(int r) { return key.data() + size_t(r) * pitch; }
-  const Key* row(int r) const { return key.data() + size_t(r) * pitch; }
+  Key* row(int r) { return key.data() + std::size_t(r) * pitch; }
+  const Key* row(int r) const { return key.data() + std::size_t(r) * pitch; }
 };
 
-/// Cover the samples of the grain's disc in rows [first, last), each as deep as a ball is there.
-inline void splat_grain(Samples& samples, const Grain& grain, uint32_t index, int first, int last) {
+// Cover the samples of the grain's disc in rows [first, last), each as deep as a ball is there.
+inline void splat_grain(Samples& samples, const Grain& grain, std::uint32_t index, int first, int last) {
   constexpr int lanes = Samples::lanes;
   const float wide = std::max(grain.wide, least_radius), inv = 1.0f / wide;
   const int top = std::max(first, int(std::ceil(grain.row - wide - 0.5f)));
@@ -59,81 +62,84 @@ inline void splat_grain(Samples& samples, const Grain& grain, uint32_t index, in
   }
 }
 
-/// Cast a ray at the bodies that rest, or at the others, but not at meshes, through every sample of a row.
-inline void cast_row(Samples& samples, std::span<const Body> bodies, bool rest, const Camera& camera, int r) {
+// Cast a ray at the solids that rest, or at the others, but not at meshes, through every sample of a row.
+inline void cast_row(Samples& samples, std::span<const Solid> solids, bool is_static, const Camera& camera,
+                     int r) {
   constexpr float pixel = 1.0f / Samples::per_axis;
   Key* row = samples.row(r);
-  const Vec3 start = camera.through(0.5f * pixel, (float(r) + 0.5f) * pixel),
-             step = camera.right * (pixel / camera.focal);
-  for (uint32_t b = 0; b < bodies.size(); ++b) {
-    const Body& body = bodies[b];
-    if (body.rest != rest) continue;
-    if (body.shape == Shape::plane) {  // one division per sample
-      const float height = dot(body.turn.z, camera.eye - body.position), fall = -dot(body.turn.z, start);
-      const float change = -dot(body.turn.z, step);
+  const Vec3f start = camera.through(0.5f * pixel, (float(r) + 0.5f) * pixel),
+              step = camera.right * (pixel / camera.focal);
+  for (std::uint32_t b = 0; b < solids.size(); ++b) {
+    const Solid& solid = solids[b];
+    if (solid.is_static != is_static) continue;
+    if (solid.is_plane()) {  // one division per sample
+      const float height = dot(solid.place.rotation.c2, camera.eye - solid.place.centre),
+                  fall = -dot(solid.place.rotation.c2, start);
+      const float change = -dot(solid.place.rotation.c2, step);
       if (height <= 0) continue;
       for (int c = 0; c < samples.width; ++c) {
         const float down = fall + change * float(c), depth = height / down;
-        const Key key = down > 0.0f && depth < 1e20f ? make_key(depth, first_body + b) : nothing;
+        const Key key = down > 0.0f && depth < 1e20f ? make_key(depth, first_solid + b) : nothing;
         row[c] = std::min(row[c], key);
       }
       continue;
     }
-    if (body.shape == Shape::mesh) continue;
-    const Vec3 at = camera.project(body.position);
+    if (solid.mesh) continue;
+    const Vec3f at = camera.project(solid.place.centre);
     float left = 0, right = float(samples.width);
-    if (at.z > 2.0f * body.bound) {  // far enough for its ball to have a width on the film
-      const float wide = 1.2f * camera.focal * body.bound / (at.z - body.bound);
+    if (at.z > 2.0f * solid.bound) {  // far enough for its ball to have a width on the film
+      const float wide = 1.2f * camera.focal * solid.bound / (at.z - solid.bound);
       if (std::abs(at.y - (float(r) + 0.5f) * pixel) > wide) continue;
       left = std::clamp((at.x - wide) / pixel, 0.0f, right),
       right = std::clamp((at.x + wide) / pixel, 0.0f, right);
     }
     for (int c = int(left); c < int(right); ++c) {
-      const Hit hit = meet(body, camera.eye, start + step * float(c));
-      if (hit.t < 1e20f) row[c] = std::min(row[c], make_key(hit.t, first_body + b));
+      const Hit hit = meet(solid, camera.eye, start + step * float(c));
+      if (hit.t < 1e20f) row[c] = std::min(row[c], make_key(hit.t, first_solid + b));
     }
   }
 }
 
-/// Draw the bodies that rest, or the others, into rows [first, last).
-inline void draw_bodies(Samples& samples, std::span<const Body> bodies, bool rest, const Raster& meshes,
+// Draw the solids that rest, or the others, into rows [first, last).
+inline void draw_solids(Samples& samples, std::span<const Solid> solids, bool is_static, const Raster& meshes,
                         const Camera& camera, int first, int last) {
-  for (int r = first; r < last; ++r) cast_row(samples, bodies, rest, camera, r);
-  meshes.draw(first, last, Samples::per_axis, [&](int r, int c, float depth, uint32_t body, uint32_t) {
-    Key& key = samples.row(r)[c];
-    key = std::min(key, make_key(depth, first_body + body));
-  });
+  for (int r = first; r < last; ++r) cast_row(samples, solids, is_static, camera, r);
+  meshes.draw(first, last, Samples::per_axis,
+              [&](int r, int c, float depth, std::uint32_t solid, std::uint32_t) {
+                Key& key = samples.row(r)[c];
+                key = std::min(key, make_key(depth, first_solid + solid));
+              });
 }
 
-/// Draw what rests into an empty z-buffer.
-inline void draw_still(Samples& samples, std::span<const Body> bodies, const Raster& meshes,
+// Draw what rests into an empty z-buffer.
+inline void draw_still(Samples& samples, std::span<const Solid> solids, const Raster& meshes,
                        const Camera& camera) {
 #pragma omp parallel for schedule(dynamic)
   for (int b = 0; b < samples.bands(); ++b) {
     const int first = b * Samples::band, last = std::min(first + Samples::band, samples.height);
     std::fill(samples.row(first), samples.row(last - 1) + samples.pitch, nothing);
-    draw_bodies(samples, bodies, true, meshes, camera, first, last);
+    draw_solids(samples, solids, true, meshes, camera, first, last);
   }
 }
 
-/// Draw grains and the bodies that do not rest over what does.
-inline void draw_samples(Samples& samples, const Samples& still, std::span<const Body> bodies,
+// Draw grains and the solids that do not rest over what does.
+inline void draw_samples(Samples& samples, const Samples& still, std::span<const Solid> solids,
                          const Raster& meshes, std::span<const Grain> grains, const Camera& camera) {
   const int bands = samples.bands();
-  std::vector<std::vector<uint32_t>> in_band(static_cast<size_t>(bands));
-  for (uint32_t g = 0; g < grains.size(); ++g) {
+  std::vector<std::vector<std::uint32_t>> in_band(static_cast<std::size_t>(bands));
+  for (std::uint32_t g = 0; g < grains.size(); ++g) {
     const float wide = std::max(grains[g].wide, least_radius);
     const float from = (grains[g].row - wide) / Samples::band, to = (grains[g].row + wide) / Samples::band;
     if (!(to >= 0 && from < float(bands))) continue;
     for (int b = std::max(0, int(from)); b <= std::min(bands - 1, int(to)); ++b)
-      in_band[size_t(b)].push_back(g);
+      in_band[std::size_t(b)].push_back(g);
   }
 #pragma omp parallel for schedule(dynamic)
   for (int b = 0; b < bands; ++b) {
     const int first = b * Samples::band, last = std::min(first + Samples::band, samples.height);
     std::copy(still.row(first), still.row(last - 1) + still.pitch, samples.row(first));
-    draw_bodies(samples, bodies, false, meshes, camera, first, last);
-    for (uint32_t g : in_band[size_t(b)]) splat_grain(samples, grains[g], g, first, last);
+    draw_solids(samples, solids, false, meshes, camera, first, last);
+    for (std::uint32_t g : in_band[std::size_t(b)]) splat_grain(samples, grains[g], g, first, last);
   }
 }
 

@@ -1,6 +1,7 @@
 // What a picture asks of the triangles of a mesh: normals that are smooth where the surface is, and how closely a ray
 // towards the sun passes by.
 #pragma once
+
 #include <array>
 #include <vector>
 
@@ -9,24 +10,24 @@
 
 namespace neve::render {
 
-inline Point to_point(Vec3 a) { return {a.x, a.y, a.z}; }
-inline Vec3 to_vec(const Point& a) { return {float(a.x), float(a.y), float(a.z)}; }
+inline Point to_point(Vec3f a) { return {a.x, a.y, a.z}; }
+inline Vec3f to_vec(const Point& a) { return {float(a.x), float(a.y), float(a.z)}; }
 
-using Corners3 = std::array<Vec3, 3>;
+using Corners3 = std::array<Vec3f, 3>;
 
-/// Return a normal for each corner of each triangle: the mean of those triangles around the corner that turn away from
-/// this one by less than the crease angle, weighted by their area. Corners at one place are one corner.
+// Return a normal for each corner of each triangle: the mean of those triangles around the corner that turn away from
+// this one by less than the crease angle, weighted by their area. Corners at one place are one corner.
 inline std::vector<Corners3> corner_normals(const std::vector<Triangle>& triangles) {
   constexpr double crease =
       0.80;  // cosine of the largest angle between triangles of one smooth surface: 37 degrees
   struct Corner {
     Point at;
-    uint32_t triangle, corner;
+    std::uint32_t triangle, corner;
   };
   std::vector<Corner> corners;
   std::vector<Point> unit(triangles.size());
   corners.reserve(3 * triangles.size());
-  for (uint32_t t = 0; t < triangles.size(); ++t) {
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& triangle = triangles[t];
     corners.push_back({triangle.a, t, 0});
     corners.push_back({triangle.b, t, 1});
@@ -42,14 +43,14 @@ inline std::vector<Corners3> corner_normals(const std::vector<Triangle>& triangl
   };
   std::sort(corners.begin(), corners.end(), before);
   std::vector<Corners3> normals(triangles.size());
-  for (size_t first = 0, end = 0; first < corners.size(); first = end) {
+  for (std::size_t first = 0, end = 0; first < corners.size(); first = end) {
     const Point at = corners[first].at;
     while (end < corners.size() && corners[end].at.x == at.x && corners[end].at.y == at.y &&
            corners[end].at.z == at.z)
       ++end;
-    for (size_t i = first; i < end; ++i) {
+    for (std::size_t i = first; i < end; ++i) {
       Point sum{};
-      for (size_t j = first; j < end; ++j)
+      for (std::size_t j = first; j < end; ++j)
         if (dot(unit[corners[i].triangle], unit[corners[j].triangle]) >= crease)
           sum = sum + triangles[corners[j].triangle].area_vector();
       normals[corners[i].triangle][corners[i].corner] = to_vec(sum * (1.0 / std::sqrt(dot(sum, sum))));
@@ -58,11 +59,11 @@ inline std::vector<Corners3> corner_normals(const std::vector<Triangle>& triangl
   return normals;
 }
 
-/// How closely a ray passes by triangles.
+// How closely a ray passes by triangles.
 class NearMiss {
  public:
-  /// direction: of unit length; start: where the ray begins to count [m].
-  NearMiss(const TriangleMesh& mesh, Vec3 origin, Vec3 direction, float start)
+  // direction: of unit length; start: where the ray begins to count [m].
+  NearMiss(const TriangleMesh& mesh, Vec3f origin, Vec3f direction, float start)
       : mesh_(mesh),
         ray_(to_point(origin), to_point(direction)),
         origin_(to_point(origin)),
@@ -75,17 +76,19 @@ class NearMiss {
     }
   }
 
-  /// Return the least angle [rad, small] between the ray and anything seen from its origin, at most `widest`: zero if
-  /// the ray meets a triangle or comes closer than a hundredth of that. It is the distance of the nearest miss over
-  /// the way to it.
+  // Return the least angle [rad, small] between the ray and anything seen from its origin, at most `widest`: zero if
+  // the ray meets a triangle or comes closer than a hundredth of that. It is the distance of the nearest miss over
+  // the way to it.
   double angle(double widest) {
     best_ = widest;
     struct Waiting {
-      uint32_t node;
+      std::uint32_t node;
       float enters;
       double best;
     } stack[BvhBuilder::deepest];
-    const auto waiting = [&](uint32_t node) { return Waiting{node, enters(mesh_.nodes()[node]), best_}; };
+    const auto waiting = [&](std::uint32_t node) {
+      return Waiting{node, enters(mesh_.nodes()[node]), best_};
+    };
     int top = 0;
     stack[top++] = waiting(0);
     while (top > 0) {
@@ -94,7 +97,7 @@ class NearMiss {
       if (at.best != best_) at.enters = enters(node);
       if (at.enters > out) continue;
       if (node.leaf()) {
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) visit(mesh_.triangles()[i]);
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) visit(mesh_.triangles()[i]);
         if (best_ < 0.01 * widest) return 0;
         continue;
       }
@@ -109,8 +112,8 @@ class NearMiss {
  private:
   static constexpr float out = 1e30f;
 
-  /// Where the ray enters the node's box [m], widened by all that the best angle spans at its far end: a point that
-  /// is seen closer to the ray lies no farther from it. More than `out` if it does not.
+  // Where the ray enters the node's box [m], widened by all that the best angle spans at its far end: a point that
+  // is seen closer to the ray lies no farther from it. More than `out` if it does not.
   float enters(const BvhNode& node) const {
     float end = 0;
     for (int k = 0; k < 3; ++k)
@@ -135,7 +138,7 @@ class NearMiss {
     pass(t.a, t.b), pass(t.b, t.c), pass(t.c, t.a);
   }
 
-  /// Take in the place of an edge that is nearest to the ray's line.
+  // Take in the place of an edge that is nearest to the ray's line.
   void pass(const Point& a, const Point& b) {
     const Point to = a - origin_, way = b - a;
     const double along = dot(to, direction_), onward = dot(way, direction_);

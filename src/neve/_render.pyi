@@ -1,37 +1,51 @@
-"""Light and draw particles: the compiled part of `neve.render`."""
+"""Light and draw particles: the compiled part of `neve.render`.
+
+Lengths in metres, z up. Colours are linear red, green, blue; 1 is bright sunlit snow. Arrays are read in C
+order and copied: later changes do not show.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
 Triple = tuple[float, float, float]
 
+def surface_materials() -> tuple[str, ...]:
+    """Return the words of what surfaces are made of."""
+
 class Camera:
-    """A pinhole camera. fov: vertical [degrees]; width, height [px]."""
+    """A pinhole camera. fov: vertical [degrees]; width, height [px], 1 to 16384."""
 
     def __init__(
         self, position: Triple, target: Triple, up: Triple, fov: float, width: int, height: int
     ) -> None: ...
     def project(self, point: Triple) -> Triple:
-        """Return column, row [px] and depth [m]."""
+        """Return column, row [px] and depth [m]; the middle of pixel (row 0, column 0) is (0.5, 0.5)."""
 
 class Light:
-    """Sun and sky. sun: direction towards it; colours: light on what faces the sun, on open ground."""
+    """Sun and sky. sun: direction towards it; colours: light on what faces the sun, on open level ground."""
 
     def __init__(self, sun: Triple, sun_color: Triple, sky_color: Triple) -> None: ...
 
 class Mesh:
-    """Triangles, ready to be drawn: closed or not, turned out or in."""
+    """Triangles, ready to be drawn: closed or not, turned out or in.
+
+    vertices (n, 3) [m]; faces (m, 3), rows of vertices.
+    Errors: ValueError for a vertex that is not finite or not there, or no area at all.
+    """
 
     def __init__(self, vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> None: ...
     @staticmethod
     def terrain(heights: NDArray[np.float32], size: tuple[float, float]) -> Mesh:
-        """Make the ground of heights (nx, ny) [m] over a rectangle, and on to the horizon."""
+        """Make the ground of heights (nx, ny) [m] over a rectangle (x, y) [m], and on to the horizon."""
 
-class Body:
-    """A collider, drawn.
+class Solid:
+    """A collider or a body, drawn.
 
-    rotation: nine numbers, row by row; half: its half extents [m]; mesh: for the shape "mesh".
-    stuff: ground, paint, metal, rubber, wood or stone. rest: it is there in every frame, which saves time.
+    shape: a word of `neve._core.geometry.shapes()`; position (x, y, z) [m]; rotation: local to world, nine
+    numbers row by row; half: half edges of a box, (radius, -, half height) of a cylinder, (radius, -, -) of a
+    sphere [m]; mesh: the triangles of a mesh or terrain, for these shapes only; surface_material: a word of
+    `surface_materials()`; is_static: it has the same place in every frame, which saves time.
+    Errors: ValueError for an unknown word, or a mesh that is missing or too many.
     """
 
     def __init__(
@@ -41,32 +55,35 @@ class Body:
         rotation: list[float],
         half: Triple,
         color: Triple,
-        stuff: str = "paint",
+        surface_material: str = "paint",
         mesh: Mesh | None = None,
-        rest: bool = False,
+        is_static: bool = False,
     ) -> None: ...
 
 class Density:
-    """Volume fraction of snow on a pyramid of sparse grids. volume: of one particle [m3]; cell_size [m]."""
+    """Volume fraction of snow on a pyramid of sparse grids, each level twice as coarse as the one before.
+
+    x (n, 3) [m]; volume: of one particle [m3]; cell_size: of level 0 [m].
+    """
 
     def __init__(self, x: NDArray[np.float32], volume: float, cell_size: float) -> None: ...
     def total(self, level: int = 0) -> float:
-        """Volume of the snow on a level [m3]."""
+        """Return the volume of the snow on a level [m3]."""
 
     def blocks(self, level: int = 0) -> int:
-        """Blocks of 4x4x4 cells on a level."""
+        """Return the number of blocks of 4x4x4 cells on a level."""
 
     def sample(self, x: NDArray[np.float32], level: int = 0) -> NDArray[np.float32]:
-        """Volume fraction at the points [1]."""
+        """Return the volume fraction (n,) at the points (n, 3) [1]."""
 
     def sun(self, x: NDArray[np.float32], sun: Triple) -> NDArray[np.float32]:
-        """Share of the sun that reaches the points through the snow [1]."""
+        """Return the share (n,) of the sun that reaches the points (n, 3) through the snow [1]."""
 
     def sky(self, x: NDArray[np.float32], normal: Triple) -> NDArray[np.float32]:
-        """Share of the open sky's light on a surface at the points [1]."""
+        """Return the share (n,) of the open sky's light on a surface at the points (n, 3) [1]."""
 
 class Painter:
-    """Draw one frame after the other with the same camera and light."""
+    """Draw frames with the same camera and light. A frame depends on its own input only."""
 
     def __init__(self, camera: Camera, light: Light) -> None: ...
     def draw(
@@ -75,7 +92,12 @@ class Painter:
         J_P: NDArray[np.float32],
         volume: float,
         cell_size: float,
-        bodies: list[Body],
+        solids: list[Solid],
         threads: int = 0,
     ) -> NDArray[np.uint8]:
-        """Draw particles and bodies; return height x width x 3 bytes."""
+        """Draw particles and solids; return the picture (height, width, 3), sRGB, the top row first.
+
+        x (n, 3) [m], those that are not finite are left out; J_P (n,) or (0,) [1]; volume: of one particle
+        [m3]; cell_size: of the density that light passes through [m]; threads: 0 leaves the choice to OpenMP.
+        Errors: ValueError for sizes that do not fit or are not above zero, or more than 30000 solids.
+        """

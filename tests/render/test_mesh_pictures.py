@@ -152,6 +152,21 @@ def test_a_hill_hides_what_is_behind_and_shades_the_ground():
     assert shade[near].mean() < 0.75 * open_air[near].mean()
 
 
+def test_a_slope_at_the_edge_of_a_terrain_ends_there():
+    """Beyond an edge the edge's height goes on, level across it, however steep the last cell is: ground far
+    from a ridge beside the edge looks as if there were no ridge, within one of rounding."""
+    level, ridge = np.zeros((41, 41)), np.zeros((41, 41))
+    ridge[14:27, 39] = 0.3
+    sun_from_behind = Light(sun_azimuth=90, sun_elevation=35)
+    size = (4.0, 4.0)
+    before, after = (
+        draw([ground_of(h, size, color=RED)], light=sun_from_behind).astype(int) for h in (level, ridge)
+    )
+    lens = _render.Camera(CAMERA.position, CAMERA.target, CAMERA.up, CAMERA.fov, *SIZE)
+    column, row, _ = (int(a) for a in lens.project((0.0, 6.0, 0.0)))
+    assert np.abs(before - after)[row - 2 : row + 3, column - 5 : column + 6].max() <= 1
+
+
 def crowd():
     random = np.random.default_rng(3)
     return random.uniform((-1, -1, 0), (1, 1, 0.4), (4000, 3))

@@ -1,8 +1,7 @@
-"""Draw a frame of a scene: snow in the sun, its ground and its colliders. Needs no GPU and no display."""
+"""Draw a frame of a scene: snow in the sun, its ground and its solids. Needs no GPU and no display."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 import neve._render as _render
+from neve.render.lighting import (
+    STEEL,
+    density_cell,
+    is_ground,
+    particle_volume,
+    sky_color,
+    sun_color,
+    sun_direction,
+)
 
 if TYPE_CHECKING:
     from neve._core import HeightField
@@ -17,13 +25,6 @@ if TYPE_CHECKING:
     from neve.geometry.pose import Pose
     from neve.geometry.sdf import SolidMesh
     from neve.scene.schema.scene import Scene
-
-# Paint of a collider without a colour of its own: grey-blue steel.
-STEEL = (0.20, 0.23, 0.27)
-# What a strength of one means: light on a surface that faces the sun, and on open level ground, in the
-# units in which the film's curve shows 1 as bright sunlit snow.
-SUN = 1.9
-SKY = 0.5
 
 
 class Preview:
@@ -43,64 +44,48 @@ class Preview:
         camera, light, numerics = scene.camera, scene.light, scene.numerics
         self.size = (width, height)
         self.threads = threads
-        self.volume = numerics.dx**3 / numerics.particles_per_cell
-        # Fine enough for shadows of clods, coarse enough that solid snow has no holes.
-        self.cell_size = max(0.75 * numerics.dx, 1.5 * self.volume ** (1 / 3))
-        elevation, azimuth = math.radians(light.sun_elevation), math.radians(light.sun_azimuth)
-        sun = (
-            math.cos(elevation) * math.cos(azimuth),
-            math.cos(elevation) * math.sin(azimuth),
-            math.sin(elevation),
-        )
+        self.volume = particle_volume(numerics)
+        self.cell_size = density_cell(numerics)
         self._meshes: dict[int, tuple[object, _render.Mesh]] = {}
         self._painter = _render.Painter(
             _render.Camera(camera.position, camera.target, camera.up, camera.fov, width, height),
-            _render.Light(
-                sun,
-                _scaled(light.sun_color, SUN * light.sun_strength),
-                _scaled(light.sky_color, SKY * light.sky_strength),
-            ),
+            _render.Light(sun_direction(light), sun_color(light), sky_color(light)),
         )
 
     def draw(
         self,
         x: npt.NDArray[np.floating[Any]],
-        bodies: Sequence[tuple[Solid, Pose]],
+        solids: Sequence[tuple[Solid, Pose]],
         J_P: npt.NDArray[np.floating[Any]] | None = None,
     ) -> npt.NDArray[np.uint8]:
         """Draw one frame.
 
         x: positions (n, 3) [m], of any float type and layout; particles that are not finite are left out.
-        bodies: solids and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow is drawn
-        looser.
+        solids: colliders and bodies, and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow
+        is drawn looser.
         Returns the picture (height, width, 3), sRGB.
         """
         places = np.ascontiguousarray(x, dtype=np.float32)
         ratio = np.ones(0, np.float32) if J_P is None else np.ascontiguousarray(J_P, dtype=np.float32)
-        drawn = [self._body(solid, pose) for solid, pose in bodies if solid.visible]
+        drawn = [self._drawn(solid, pose) for solid, pose in solids if solid.visible]
         picture: npt.NDArray[np.uint8] = self._painter.draw(
             places, ratio, self.volume, self.cell_size, drawn, self.threads
         )
         return picture
 
-    def _body(self, solid: Solid, pose: Pose) -> _render.Body:
+    def _drawn(self, solid: Solid, pose: Pose) -> _render.Solid:
         """Translate a solid and its pose for the renderer."""
-        ground = solid.shape in ("plane", "terrain") and solid.color is None and solid.finish is None
         x, y, z = (float(a) for a in pose.position)
         a, b, c = (float(h) for h in solid.half)
-        rotation = [float(r) for r in np.asarray(pose.rotation).ravel()]
-        stuff = "ground" if ground else solid.finish or "paint"
-        color = solid.color or STEEL
-        mesh = self._mesh(solid) if solid.shape in ("mesh", "terrain") else None
-        return _render.Body(
-            "mesh" if mesh else solid.shape,
+        return _render.Solid(
+            solid.shape,
             (x, y, z),
-            rotation,
+            [float(r) for r in np.asarray(pose.rotation).ravel()],
             (a, b, c),
-            color,
-            stuff,
-            mesh,
-            rest=solid.moved_by == "rest",
+            solid.color or STEEL,
+            "ground" if is_ground(solid) else solid.finish or "paint",
+            self._mesh(solid) if solid.mesh or solid.terrain else None,
+            is_static=solid.moved_by == "rest",
         )
 
     def _mesh(self, solid: Solid) -> _render.Mesh:
@@ -118,7 +103,3 @@ class Preview:
                 raise ValueError(f"{solid.name} is a {solid.shape} without its surface")
             self._meshes[id(what)] = what, mesh
         return self._meshes[id(what)][1]
-
-
-def _scaled(color: tuple[float, float, float], factor: float) -> tuple[float, float, float]:
-    return (color[0] * factor, color[1] * factor, color[2] * factor)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import base64
-import math
 from typing import Any
 
 import numpy as np
 
 from neve.build import material_table
 from neve.colliders.solid import Solid
-from neve.render.preview import SKY, STEEL, SUN
+from neve.render.lighting import STEEL, density_cell, is_ground, sky_color, sun_color, sun_direction
 from neve.scene.reading.files import own_files
 from neve.scene.reading.load import preset_about, presets
 from neve.scene.schema.allowed import shapes
@@ -62,13 +61,12 @@ def drawn(scene: Scene, solids: tuple[Solid, ...]) -> dict[str, Any]:
     Light is in the units of the film (neve.render), whose curve the page uses as well.
     """
     numerics = scene.numerics
-    volume = numerics.dx**3 / numerics.particles_per_cell
     camera = scene.camera
     return {
         "fps": scene.run.fps,
         "dx": numerics.dx,
         "spacing": numerics.spacing,
-        "cell": max(0.75 * numerics.dx, 1.5 * volume ** (1 / 3)),
+        "cell": density_cell(numerics),
         "camera": {
             "position": camera.position, "target": camera.target, "up": camera.up, "fov": camera.fov,
         },
@@ -79,11 +77,10 @@ def drawn(scene: Scene, solids: tuple[Solid, ...]) -> dict[str, Any]:
 
 def light_of(light: Light) -> dict[str, list[float]]:
     """Return direction and colours of sun and sky as the film has them."""
-    up, round_ = math.radians(light.sun_elevation), math.radians(light.sun_azimuth)
     return {
-        "sun": [math.cos(up) * math.cos(round_), math.cos(up) * math.sin(round_), math.sin(up)],
-        "sun_color": [SUN * light.sun_strength * c for c in light.sun_color],
-        "sky_color": [SKY * light.sky_strength * c for c in light.sky_color],
+        "sun": list(sun_direction(light)),
+        "sun_color": list(sun_color(light)),
+        "sky_color": list(sky_color(light)),
     }
 
 
@@ -94,7 +91,7 @@ def _solid(solid: Solid) -> dict[str, Any]:
         "half": [float(h) for h in solid.half],
         "color": list(solid.color or STEEL),
         "visible": solid.visible,
-        "ground": solid.shape in ("plane", "terrain") and solid.color is None,
+        "ground": is_ground(solid),
     }
     if solid.shape == "mesh" and solid.mesh is not None:
         told["mesh"] = _mesh(solid.mesh.vertices, solid.mesh.faces)
