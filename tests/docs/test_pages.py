@@ -44,3 +44,30 @@ def test_relative_links_lead_somewhere(page):
         if not re.match(r"[a-z]+:|#", link) and not ((ROOT / page).parent / link.partition("#")[0]).exists()
     ]
     assert lost == []
+
+
+CODE = re.compile(r"`((?:src|core|tests|tools|docs|examples|benchmarks|web)/[\w./*-]+)(?::[\w.]+)?`")
+"""A file or folder of the repository, with a name in it or without."""
+
+
+def paths(text):
+    """The files and folders that a page names as code, but for those with a word to be filled in: NAME."""
+    named = CODE.findall(re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+    return [path for path in named if not re.search(r"\b[A-Z]{2,}\b", path)]
+
+
+def test_paths_are_found():
+    """Files, folders and functions in files count; names to be filled in do not."""
+    assert paths("`core/mpm` `src/neve/build.py:build` `core/x/NAME.hpp` `a/b`") == [
+        "core/mpm",
+        "src/neve/build.py",
+    ]
+
+
+@pytest.mark.parametrize("page", [page for page in pages() if page != "CHANGELOG.md"])
+def test_paths_in_a_page_exist(page):
+    """Each file and folder of the repository that a page names is there."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    homes = (ROOT, ROOT / "web/drive") if page == "docs/drive.md" else (ROOT,)
+    lost = {path for path in paths(text) if not any(any(home.glob(path.rstrip("/"))) for home in homes)}
+    assert sorted(lost) == []
