@@ -66,7 +66,7 @@ def page(port: int, mode: str, seconds: float, answers) -> None:
 
     async def read():
         async with connect(f"ws://127.0.0.1:{port}/socket", max_size=None, compression=None) as line:
-            await line.send(json.dumps({"do": "look", "mode": mode}))
+            await line.send(json.dumps({"do": "color_mode", "mode": mode}))
             await line.send(json.dumps({"do": "speed", "factor": 100}))
             await line.send(json.dumps({"do": "play"}))
             count = total = seen = 0
@@ -76,7 +76,7 @@ def page(port: int, mode: str, seconds: float, answers) -> None:
                 if isinstance(message, str):
                     continue
                 seen += 1
-                await line.send(json.dumps({"do": "got", "version": seen}))
+                await line.send(json.dumps({"do": "acknowledge", "version": seen}))
                 if seen == 3:  # the first come while processes start
                     began = time.perf_counter()
                     answers.put(None)

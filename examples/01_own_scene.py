@@ -11,19 +11,19 @@ from pathlib import Path
 
 import neve
 from neve.scene.reading.load import to_toml
-from neve.scene.schema.scene import Box, Numerics, Plane, Run, Snow, SnowLayer, SnowText
+from neve.scene.schema.scene import Collider, Numerics, Run, Snow, Source
 
 scene = neve.Scene(
     about="Letters of snow fall on a soft layer beside a step.",
     numerics=Numerics(dx=0.06),
     snow=Snow(kind="packed"),
     sources=(
-        SnowText(text="Neve", height=0.7, depth=0.3, center=(0.0, 0.0, 1.4)),
-        SnowLayer(center=(0.0, 0.0), size=(3.0, 1.2), depth=0.3),
+        Source.of("text", text="Neve", height=0.7, depth=0.3, center=(0.0, 0.0, 1.4)),
+        Source.of("layer", center=(0.0, 0.0), size=(3.0, 1.2), depth=0.3),
     ),
     colliders=(
-        Plane(mu_c=0.4),
-        Box(center=(0.8, 0.0, 0.4), size=(0.5, 1.2, 0.2)),
+        Collider.of("plane", mu_c=0.4),
+        Collider.of("box", center=(0.8, 0.0, 0.4), size=(0.5, 1.2, 0.2)),
     ),
     run=Run(duration=1.0),
 )

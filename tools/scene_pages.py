@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,35 +12,30 @@ from pydantic.fields import FieldInfo
 from neve.scene.reading.load import PRESETS
 from neve.scene.reading.validation_errors import shown
 from neve.scene.schema.allowed import allowed, choices, part, source, unit
-from neve.scene.schema.bodies import (
-    Control,
-    Motor,
-    RigidBody,
-    RigidBox,
-    RigidCylinder,
-    RigidMesh,
-    RigidSphere,
-    Robot,
-    Target,
-)
-from neve.scene.schema.colliders import Body, Box, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
-from neve.scene.schema.meshes import MeshFile
 from neve.scene.schema.outputs import OutputOptions, Scheduled, kinds
-from neve.scene.schema.scene import Camera, Light, Numerics, Run, Scene, World
-from neve.scene.schema.snow import Snow
-from neve.scene.schema.sources import (
+from neve.scene.schema.roles import SHAPES
+from neve.scene.schema.scene import (
+    Body,
+    Camera,
+    Collider,
+    Control,
+    Keyframe,
+    Light,
+    Motor,
+    Numerics,
     Profile,
-    SnowBox,
-    SnowCylinder,
-    SnowLayer,
-    SnowMesh,
-    SnowSource,
-    SnowSphere,
-    SnowText,
+    Robot,
+    Run,
+    Scene,
+    Snow,
+    Source,
+    Target,
     Variation,
+    World,
 )
 from neve.scene.schema.zoo import as_table
 
+LISTS = {"source": "sources", "collider": "colliders", "body": "bodies"}
 PATH = Path("docs") / "scene_format.md"  # from the root of the checkout
 SNOWS_PATH = Path("docs") / "snows.md"
 BEGIN, END = (
@@ -87,22 +83,8 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ("[snow]", "The snow of every source that does not say otherwise in `snow`.", Snow),
     (
         "[[sources]]",
-        "Where snow is at the start. All sources have these keys, and those of their shape.",
-        SnowSource,
-    ),
-    ('[[sources]] with shape = "box"', "A box.", SnowBox),
-    ('[[sources]] with shape = "sphere"', "A ball.", SnowSphere),
-    ('[[sources]] with shape = "cylinder"', "A cylinder around its own z axis.", SnowCylinder),
-    ('[[sources]] with shape = "layer"', "A flat layer with upright sides.", SnowLayer),
-    (
-        '[[sources]] with shape = "text"',
-        "Letters that stand upright in the source's own x-z plane, to be read looking along +y.",
-        SnowText,
-    ),
-    (
-        '[[sources]] with shape = "mesh"',
-        "A closed mesh full of snow. Its other keys are those of mesh files, below.",
-        SnowMesh,
+        "Where snow is at the start. Each source has these keys, and those of its shape.",
+        Source,
     ),
     (
         "[sources.variation]",
@@ -110,35 +92,17 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         Variation,
     ),
     ("[sources.profile]", "Snow that differs with depth or height: a crust, a soft core, layers.", Profile),
-    ("[[colliders]]", "Bodies that snow meets. All have these keys, and those of their shape.", Body),
-    ('[[colliders]] with shape = "plane"', "A half-space.", Plane),
-    ('[[colliders]] with shape = "box"', "A box or a plate, such as the blade of a plow.", Box),
-    ('[[colliders]] with shape = "sphere"', "A ball.", Sphere),
-    ('[[colliders]] with shape = "cylinder"', "A cylinder around its own z axis.", Cylinder),
     (
-        '[[colliders]] with shape = "mesh"',
-        "A body from a mesh file. Its other keys are those of mesh files, below.",
-        Mesh,
-    ),
-    ('[[colliders]] with shape = "terrain"', "Ground from a height map.", Terrain),
-    (
-        'shape = "mesh"',
-        "Keys of everything with this shape ([meshes](meshes.md)). A path is relative to the scene file.",
-        MeshFile,
+        "[[colliders]]",
+        "Solids that snow meets, at rest or moved by a script. Each has these keys, and those of its shape.",
+        Collider,
     ),
     ("[[colliders.keyframes]]", "A scripted motion.", Keyframe),
     (
         "[[bodies]]",
-        "Bodies that snow moves. All have these keys, and those of their shape.",
-        RigidBody,
-    ),
-    ('[[bodies]] with shape = "box"', "A box or a plate.", RigidBox),
-    ('[[bodies]] with shape = "sphere"', "A ball.", RigidSphere),
-    ('[[bodies]] with shape = "cylinder"', "A cylinder around its own z axis.", RigidCylinder),
-    (
-        '[[bodies]] with shape = "mesh"',
-        "A body from a closed mesh. Its other keys are those of mesh files.",
-        RigidMesh,
+        "Solids that snow and other forces move. Each has these keys, and those of its shape, which say "
+        "where it is at the start.",
+        Body,
     ),
     ("[bodies.motor]", "What drives the joint of a body.", Motor),
     ("[[bodies.motor.keyframes]]", "What a motor aims at, and when.", Target),
@@ -166,18 +130,25 @@ def document() -> str:
     example = (PRESETS / "throw_ball.toml").read_text(encoding="utf-8")
     parts = [INTRODUCTION.format(example=example)]
     parts += [f"## Top\n\n{_table([('about', Scene.model_fields['about'])])}"]
-    for heading, sentence, model in SECTIONS:
-        rows = [(name, field) for name, field in model.model_fields.items() if not _shared(name, model)]
+    for heading, sentence, model in (*SECTIONS, *_shapes()):
+        rows = [(name, field) for name, field in model.model_fields.items() if not _in_heading(name, model)]
         parts.append(f"## `{heading}`\n\n{sentence}\n" + (f"\n{_table(rows)}" if rows else ""))
     return "\n".join(parts)
 
 
-def _shared(name: str, model: type[BaseModel]) -> bool:
-    """Return whether the key is described in the section of all shapes, or in the heading."""
-    if name == "shape" or (name == "kind" and issubclass(model, OutputOptions)):
-        return True
-    bases: tuple[type[BaseModel], ...] = (SnowSource, Body, RigidBody, MeshFile, Scheduled)
-    return any(issubclass(model, b) and model is not b and name in b.model_fields for b in bases)
+def _in_heading(name: str, model: type[BaseModel]) -> bool:
+    """Return whether the key is described in the heading, or in the section of all kinds of outputs."""
+    if not issubclass(model, OutputOptions):
+        return name == "shape"
+    return name == "kind" or (model is not Scheduled and name in Scheduled.model_fields)
+
+
+def _shapes() -> Iterator[tuple[str, str, type[BaseModel]]]:
+    """Yield heading, sentence and model of every shape."""
+    for word, shape in SHAPES.items():
+        lists = ", ".join(f"`[[{LISTS[role]}]]`" for role in shape.roles)
+        about = shape.model_fields["shape"].description
+        yield f'shape = "{word}"', f"{about} For {lists}.", shape
 
 
 def _table(rows: list[tuple[str, FieldInfo]]) -> str:

@@ -98,7 +98,7 @@ class Model:
 def _fastest(solid: Solid, now: Pose) -> float:
     """Return a bound on the speed of the solid's surface [m/s]; of an endless one, the speed of its point."""
     speed = math.hypot(*now.velocity)
-    if solid.shape in ("plane", "terrain"):
+    if solid.endless:
         return speed
     return speed + math.hypot(*now.omega) * solid.reach
 

@@ -175,6 +175,7 @@ RULES = [
     (r"neve (view (?!.*--replay)|drive)", serve),
     (r"neve (bench|validate)|neve stress$", parse_neve),
     (r"neve ", runs),
+    (r"python examples/\d\d_\S+\.py", files_exist),  # tests/docs/test_examples.py runs them
     (r"python (-\w )?\S+\.py", parse_script),
     (r"python -m venv ", files_exist),
     (r"python -m ", runs),

@@ -50,6 +50,17 @@ def sweep(place, text):
     assert (np.diff([xi, height, J_P], axis=1) > 0).all()
 
 
+def own_output(place, text):
+    """Each table has the frames of its schedule; more snow lies below 99 % of its height than below half."""
+    tables = {
+        name: np.genfromtxt(place / f"runs/own_output/{name}.csv", delimiter=",", names=True)
+        for name in ("height", "middle")
+    }
+    assert list(tables["height"]["frame"]) == [0, 3]
+    assert list(tables["middle"]["frame"]) == [0, 1, 2, 3]
+    assert (tables["height"]["height"] > tables["middle"]["height"][::3]).all()
+
+
 def read_frames(place, text):
     """Time runs from frame to frame; snow that has not been hit is as dense as it was."""
     time, _, density = numbers(text[text.index("time [s]") :]).T
@@ -62,6 +73,7 @@ CHECKS = {
     "01_own_scene": own_scene,
     "02_energy_plot": energy_plot,
     "04_sweep": sweep,
+    "05_own_output": own_output,
     "06_read_frames": read_frames,
 }
 

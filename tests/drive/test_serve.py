@@ -10,6 +10,7 @@ import pytest
 
 from neve.cli import main
 from neve.drive import DriveError, serve
+from neve.serving import TRIES
 
 
 @pytest.fixture
@@ -107,7 +108,7 @@ def test_taken_port_is_told(page):
 def test_next_free_port_is_taken(page):
     """Without a wish, the first free port from the usual one is used."""
     with serve.listening("127.0.0.1", None, page) as one, serve.listening("127.0.0.1", None, page) as two:
-        assert serve.PORT <= one.server_address[1] < two.server_address[1] < serve.PORT + serve.TRIES
+        assert serve.PORT <= one.server_address[1] < two.server_address[1] < serve.PORT + TRIES
 
 
 def test_command_without_page_fails_with_one_sentence(monkeypatch, tmp_path, capsys):

@@ -11,7 +11,7 @@ from neve import _render
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose, rotation_matrix
 from neve.render.preview import Preview
-from neve.scene.schema.scene import Camera, Light, Numerics, Scene, SnowSphere
+from neve.scene.schema.scene import Camera, Light, Numerics, Scene, Source
 
 SIZE = (320, 180)
 SMALL = (160, 90)
@@ -47,7 +47,7 @@ def ground_of(heights, size=(8.0, 8.0), color=None):
 
 def draw(bodies, x=NONE, threads=0, light=LIGHT, size=SIZE):
     numerics = Numerics(dx=0.1)
-    stage = Scene(sources=(SnowSphere(),), camera=CAMERA, light=light, numerics=numerics)
+    stage = Scene(sources=(Source.of("sphere"),), camera=CAMERA, light=light, numerics=numerics)
     return Preview(stage, *size, threads=threads).draw(x, bodies)
 
 
@@ -188,7 +188,7 @@ def test_same_bytes_for_any_number_of_threads(threads):
 def test_a_picture_does_not_depend_on_the_one_before(moved_by):
     """A ball passes before a box of triangles: what is kept from earlier frames does not show, and that of
     bodies at rest is dropped when they are found elsewhere after all."""
-    stage = Scene(sources=(SnowSphere(),), camera=CAMERA, light=LIGHT, numerics=Numerics(dx=0.1))
+    stage = Scene(sources=(Source.of("sphere"),), camera=CAMERA, light=LIGHT, numerics=Numerics(dx=0.1))
     box, ball = mesh_solid(BOX), mesh_solid(SMALL_BALL, color=(0.1, 0.1, 0.6), moved_by=moved_by)
     preview = Preview(stage, *SMALL)
     for x, fall in ((-1.0, 0.3), (0.2, 0.2), (0.2, 0.1), (0.3, 0.0)):

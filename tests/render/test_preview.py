@@ -7,11 +7,11 @@ from neve import _render
 from neve.build import solids
 from neve.colliders.motion import pose
 from neve.render.preview import Preview
-from neve.scene.schema.scene import Box, Camera, Cylinder, Light, Numerics, Plane, Scene, SnowSphere, Sphere
+from neve.scene.schema.scene import Camera, Collider, Light, Numerics, Scene, Source
 
 SIZE = (320, 180)
 CAMERA = Camera(position=(0.0, -6.0, 1.5), target=(0.0, 0.0, 0.5), fov=35)
-GROUND = Plane()
+GROUND = Collider.of("plane")
 DX = 0.1
 NONE = np.zeros((0, 3), np.float32)
 
@@ -19,7 +19,9 @@ NONE = np.zeros((0, 3), np.float32)
 def scene(*colliders, camera=CAMERA, light=None, dx=DX):
     light = light or Light(sun_azimuth=200)
     numerics = Numerics(dx=dx)
-    return Scene(sources=(SnowSphere(),), colliders=colliders, camera=camera, light=light, numerics=numerics)
+    return Scene(
+        sources=(Source.of("sphere"),), colliders=colliders, camera=camera, light=light, numerics=numerics
+    )
 
 
 def placed(scene, t=0.0):
@@ -119,7 +121,7 @@ def test_a_box_shades_snow():
     """Snow behind a box, seen from the sun, is darker than without the box."""
     x = ball((0, 0, 0.5), 0.5)
     light = Light(sun_azimuth=180, sun_elevation=20)
-    wall = Box(center=(-2.0, 0.0, 1.0), size=(0.1, 3.0, 2.0), visible=True)
+    wall = Collider.of("box", center=(-2.0, 0.0, 1.0), size=(0.1, 3.0, 2.0), visible=True)
     open_air, shaded = (draw(scene(*bodies, light=light), x) for bodies in ([GROUND], [GROUND, wall]))
     spot = (-0.2, -0.45, 0.6)
     assert patch(shaded, spot).mean() < 0.85 * patch(open_air, spot).mean()
@@ -127,10 +129,10 @@ def test_a_box_shades_snow():
 
 RED = (0.8, 0.02, 0.02)
 BODIES = [
-    Box(center=(0.0, 0.0, 0.5), size=(0.8, 0.8, 0.8), rotation=(0, 0, 30), color=RED),
-    Sphere(center=(0.0, 0.0, 0.5), radius=0.4, color=RED),
-    Cylinder(center=(0.0, 0.0, 0.5), radius=0.4, height=0.8, color=RED),
-    Plane(point=(0.0, 0.0, 0.0), normal=(0, -1, 0), color=RED),
+    Collider.of("box", center=(0.0, 0.0, 0.5), size=(0.8, 0.8, 0.8), rotation=(0, 0, 30), color=RED),
+    Collider.of("sphere", center=(0.0, 0.0, 0.5), radius=0.4, color=RED),
+    Collider.of("cylinder", center=(0.0, 0.0, 0.5), radius=0.4, height=0.8, color=RED),
+    Collider.of("plane", point=(0.0, 0.0, 0.0), normal=(0, -1, 0), color=RED),
 ]
 
 
@@ -147,13 +149,16 @@ def test_what_is_nearer_hides_what_is_behind(body):
 
 
 def test_a_body_that_is_not_visible_is_not_drawn():
-    hidden = Box(center=(0.0, 0.0, 0.5), color=RED, visible=False)
+    hidden = Collider.of("box", center=(0.0, 0.0, 0.5), color=RED, visible=False)
     assert np.array_equal(draw(scene(GROUND, hidden), NONE), draw(scene(GROUND), NONE))
 
 
 def test_a_body_is_drawn_where_its_pose_is():
     """A box that moves at 1 m/s is 0.8 m farther at t = 0.8 s, although the ground's pixels are kept."""
-    stage = scene(GROUND, Box(center=(-0.8, 0.0, 0.3), size=(0.4, 0.4, 0.6), velocity=(1, 0, 0), color=RED))
+    stage = scene(
+        GROUND,
+        Collider.of("box", center=(-0.8, 0.0, 0.3), size=(0.4, 0.4, 0.6), velocity=(1, 0, 0), color=RED),
+    )
     preview = Preview(stage, *SIZE)
     first, second = (preview.draw(NONE, placed(stage, t)) for t in (0.0, 0.8))
     here, there = (-0.8, -0.2, 0.3), (0.0, -0.2, 0.3)

@@ -11,27 +11,19 @@ from neve.build import build
 from neve.sampling import fill
 from neve.sampling.regions import region
 from neve.scene.reading.load import scene_from
-from neve.scene.schema.scene import (
-    Numerics,
-    Profile,
-    SnowBox,
-    SnowCylinder,
-    SnowLayer,
-    SnowSource,
-    SnowSphere,
-    SnowText,
-    Variation,
-)
+from neve.scene.schema.file_shapes import Text
+from neve.scene.schema.scene import Numerics, Profile, Source, Variation
+from neve.scene.schema.shapes import Layer
 
 NAMES = ("stiffness", "strength", "density")
 SPACING = 0.02
 TURN = (20.0, -35.0, 50.0)
-SHAPES: list[SnowSource] = [
-    SnowBox(size=(0.6, 0.3, 0.2), rotation=TURN),
-    SnowSphere(radius=0.3),
-    SnowCylinder(radius=0.2, height=0.5, rotation=TURN),
-    SnowLayer(size=(0.6, 0.5), depth=0.3, base=1.5),
-    SnowText(text="E", height=0.5, depth=0.2, rotation=(0.0, 30.0, 0.0)),
+SHAPES: list[Source] = [
+    Source.of("box", size=(0.6, 0.3, 0.2), rotation=TURN),
+    Source.of("sphere", radius=0.3),
+    Source.of("cylinder", radius=0.2, height=0.5, rotation=TURN),
+    Source.of("layer", size=(0.6, 0.5), depth=0.3, base=1.5),
+    Source.of("text", text="E", height=0.5, depth=0.2, rotation=(0.0, 30.0, 0.0)),
 ]
 IDS = [type(shape).__name__ for shape in SHAPES]
 
@@ -42,7 +34,7 @@ def noisy(**amplitudes: float) -> Variation:
 
 
 @pytest.mark.parametrize("source", SHAPES, ids=IDS)
-def test_depth_is_the_distance_to_the_surface(source: SnowSource) -> None:
+def test_depth_is_the_distance_to_the_surface(source: Source) -> None:
     """Steps shorter than the depth stay inside in any direction; longer ones leave in some direction.
 
     Tried with 400 directions at 300 points. One of them lies within 0.35 rad of the normal, but for a chance
@@ -57,10 +49,10 @@ def test_depth_is_the_distance_to_the_surface(source: SnowSource) -> None:
     assert len(points) == 300
     depth = space.depth(points)
     assert depth.min() >= 0.0
-    if isinstance(source, SnowLayer):
+    if isinstance(source, Layer):
         assert depth == pytest.approx(0.5 * source.depth - points[:, 2], abs=1e-12)
         return
-    slack = 2 * SPACING / 8 if isinstance(source, SnowText) else 0.0
+    slack = 2 * SPACING / 8 if isinstance(source, Text) else 0.0
     ways = rng.standard_normal((400, 3))
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
 
@@ -77,7 +69,7 @@ def test_depth_is_the_distance_to_the_surface(source: SnowSource) -> None:
 
 
 @pytest.mark.parametrize("source", SHAPES, ids=IDS)
-def test_height_counts_from_the_lowest_point(source: SnowSource) -> None:
+def test_height_counts_from_the_lowest_point(source: Source) -> None:
     """No particle is lower than the lowest point, and the lowest is within two spacings of it.
 
     A tilted letter touches the box around it along an edge, as the box does.
@@ -91,7 +83,7 @@ def test_height_counts_from_the_lowest_point(source: SnowSource) -> None:
 def test_profile_is_piecewise_linear(by: Any) -> None:
     """Factors follow the straight lines of the table, and are constant beyond its ends."""
     table = Profile(by=by, at=(0.1, 0.2), stiffness=(4.0, 1.0), strength=(1.0, 2.0), density=(0.5, 0.5))
-    source = SnowLayer(size=(0.4, 0.4), depth=0.4, base=2.0, profile=table)
+    source = Source.of("layer", size=(0.4, 0.4), depth=0.4, base=2.0, profile=table)
     made = fill(source, Numerics(dx=0.04), 0)
     place = made.x[:, 2] - 2.0 if by == "height" else 2.4 - made.x[:, 2]
     t = np.clip((place - 0.1) / 0.1, 0.0, 1.0)
@@ -105,7 +97,9 @@ def test_one_field_moves_all_factors() -> None:
 
     The noise lies in [-1, 1] with median 0: in a box of some 300 features the median is nought within 0.1.
     """
-    made = fill(SnowBox(variation=noisy(stiffness=1.2, strength=0.3, density=0.4)), Numerics(dx=0.05), 0)
+    made = fill(
+        Source.of("box", variation=noisy(stiffness=1.2, strength=0.3, density=0.4)), Numerics(dx=0.05), 0
+    )
     noise = np.log(made.stiffness) / 1.2
     assert noise.min() >= -1.0
     assert noise.max() <= 1.0
@@ -118,10 +112,14 @@ def test_one_field_moves_all_factors() -> None:
 
 def test_amplitudes_do_not_disturb_each_other() -> None:
     """Stiffness is the same to the bit with other amplitudes beside it; no amplitude is a factor of 1."""
-    alone = fill(SnowBox(variation=noisy(stiffness=0.5)), Numerics(), 0)
-    both = fill(SnowBox(variation=noisy(stiffness=0.5, strength=0.2, density=0.3)), Numerics(), 0)
+    alone = fill(Source.of("box", variation=noisy(stiffness=0.5)), Numerics(), 0)
+    both = fill(Source.of("box", variation=noisy(stiffness=0.5, strength=0.2, density=0.3)), Numerics(), 0)
     assert np.array_equal(alone.stiffness, both.stiffness)
-    for made in (alone, fill(SnowBox(variation=noisy()), Numerics(), 0), fill(SnowBox(), Numerics(), 0)):
+    for made in (
+        alone,
+        fill(Source.of("box", variation=noisy()), Numerics(), 0),
+        fill(Source.of("box"), Numerics(), 0),
+    ):
         assert np.array_equal(np.unique(made.density), [1.0])
         assert np.array_equal(np.unique(made.strength), [1.0])
 
@@ -130,9 +128,10 @@ def test_noise_and_profile_multiply() -> None:
     """The factor with both is the product of the factors with each."""
     profile = Profile(at=(0.0, 0.1), stiffness=(3.0, 1.0), density=(1.5, 1.0))
     variation = noisy(stiffness=0.5, density=0.2)
-    both = fill(SnowBox(variation=variation, profile=profile), Numerics(), 0)
+    both = fill(Source.of("box", variation=variation, profile=profile), Numerics(), 0)
     first, second = (
-        fill(SnowBox(**one), Numerics(), 0) for one in ({"variation": variation}, {"profile": profile})
+        fill(Source.of("box", **one), Numerics(), 0)
+        for one in ({"variation": variation}, {"profile": profile})
     )
     for name in NAMES:
         assert getattr(both, name) == pytest.approx(getattr(first, name) * getattr(second, name))

@@ -13,15 +13,15 @@ from neve.sampling import fill
 from neve.sampling.filling import measured_volume, mesh_space
 from neve.sampling.regions import region
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.schema.scene import Numerics, Profile, SnowBox, SnowMesh, SnowSphere
+from neve.scene.schema.scene import Numerics, Profile, Source
 
 SAMPLINGS: list[Any] = ["jittered", "poisson", "regular"]
 FINE = Numerics(dx=0.05)
 
 
-def source(mesh: Any, folder: Path, **keys: Any) -> SnowMesh:
+def source(mesh: Any, folder: Path, **keys: Any) -> Source:
     """Return a source of the snow in a mesh of trimesh."""
-    return SnowMesh(file=meshes.written(mesh, folder / "snow.ply"), **keys)
+    return Source.of("mesh", file=meshes.written(mesh, folder / "snow.ply"), **keys)
 
 
 @pytest.mark.parametrize("sampling", SAMPLINGS)
@@ -48,7 +48,7 @@ def test_the_same_snow_as_a_box(tmp_path: Path) -> None:
     }
     profile = Profile(at=(0.0, 0.2), stiffness=(1.0, 3.0))
     snow = source(meshes.box(0.5, 0.8, 0.6), tmp_path, center=(3.0, 2.0, 1.0), profile=profile, **place)
-    own = SnowBox(size=(0.5, 0.8, 0.6), center=(3.0, 2.0, 1.0), profile=profile, **place)
+    own = Source.of("box", size=(0.5, 0.8, 0.6), center=(3.0, 2.0, 1.0), profile=profile, **place)
     a, b = fill(snow, FINE, 0), fill(own, FINE, 0)
     assert len(a.x) == len(b.x)
     assert a.x == pytest.approx(b.x, abs=1e-6)
@@ -141,4 +141,4 @@ def test_seeds_and_shapes_beside_meshes(tmp_path: Path) -> None:
     snow = source(meshes.ball(0.3), tmp_path)
     a, b = fill(snow, FINE, 0), fill(snow, FINE, 0)
     assert np.array_equal(a.x, b.x)
-    assert np.linalg.norm(fill(SnowSphere(radius=0.3), FINE, 0).x - [0, 0, 0.5], axis=1).max() <= 0.3
+    assert np.linalg.norm(fill(Source.of("sphere", radius=0.3), FINE, 0).x - [0, 0, 0.5], axis=1).max() <= 0.3

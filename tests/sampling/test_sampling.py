@@ -12,22 +12,13 @@ import pytest
 from neve.sampling import fill
 from neve.sampling.points import TILE, poisson, poisson_tile, regular, touching_tiles
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import (
-    Numerics,
-    SnowBox,
-    SnowCylinder,
-    SnowLayer,
-    SnowSource,
-    SnowSphere,
-    SnowText,
-    Variation,
-)
+from neve.scene.schema.scene import Numerics, Source, Variation
 
-SHAPES: list[tuple[SnowSource, float]] = [
-    (SnowBox(size=(1.0, 0.7, 0.5), rotation=(10.0, 20.0, 30.0)), 0.35),
-    (SnowSphere(radius=0.5), 4 / 3 * pi * 0.125),
-    (SnowCylinder(radius=0.4, height=0.9, rotation=(0.0, 90.0, 0.0)), pi * 0.16 * 0.9),
-    (SnowLayer(size=(2.0, 1.0), depth=0.2), 0.4),
+SHAPES: list[tuple[Source, float]] = [
+    (Source.of("box", size=(1.0, 0.7, 0.5), rotation=(10.0, 20.0, 30.0)), 0.35),
+    (Source.of("sphere", radius=0.5), 4 / 3 * pi * 0.125),
+    (Source.of("cylinder", radius=0.4, height=0.9, rotation=(0.0, 90.0, 0.0)), pi * 0.16 * 0.9),
+    (Source.of("layer", size=(2.0, 1.0), depth=0.2), 0.4),
 ]
 IDS = ["box", "sphere", "cylinder", "layer"]
 RANDOM: list[Any] = ["jittered", "poisson"]
@@ -57,7 +48,7 @@ def least_distance(x: np.ndarray, limit: float) -> float:
 
 @pytest.mark.parametrize("sampling", SAMPLINGS)
 @pytest.mark.parametrize(("source", "volume"), SHAPES, ids=IDS)
-def test_volume_and_count(source: SnowSource, volume: float, sampling: Any) -> None:
+def test_volume_and_count(source: Source, volume: float, sampling: Any) -> None:
     """The particles' volumes add up to the shape's, and n = 8 V / dx^3 within 5 % (rounding at surfaces)."""
     numerics = Numerics(dx=0.04, sampling=sampling)
     samples = fill(source, numerics, 0)
@@ -70,14 +61,14 @@ def test_volume_and_count(source: SnowSource, volume: float, sampling: Any) -> N
 @pytest.mark.parametrize("per_cell", [1, 5, 8, 27])
 def test_particles_per_cell(per_cell: int, sampling: Any) -> None:
     """Any number of particles per cell is met, a cube number or not."""
-    samples = fill(SnowBox(), Numerics(dx=0.05, particles_per_cell=per_cell, sampling=sampling), 0)
+    samples = fill(Source.of("box"), Numerics(dx=0.05, particles_per_cell=per_cell, sampling=sampling), 0)
     assert len(samples.x) == pytest.approx(8000 * per_cell, rel=0.03)
 
 
 @pytest.mark.parametrize("sampling", SAMPLINGS)
 def test_points_are_inside_and_fill_the_shape(sampling: Any) -> None:
     """All lie inside; mean and variance are those of a uniform ball, the centre and r^2 / 5 along an axis."""
-    ball = SnowSphere(center=(3.0, -2.0, 1.0), radius=0.5)
+    ball = Source.of("sphere", center=(3.0, -2.0, 1.0), radius=0.5)
     x = fill(ball, Numerics(dx=0.03, sampling=sampling), 0).x - ball.center
     assert np.linalg.norm(x, axis=1).max() <= 0.5
     assert np.abs(x.mean(axis=0)).max() < 2e-3
@@ -87,13 +78,17 @@ def test_points_are_inside_and_fill_the_shape(sampling: Any) -> None:
 def test_rotated_shapes_are_where_they_should_be() -> None:
     """A rod along x turned by 90 degrees about z lies along y; a cylinder about y lies along x."""
     rod = fill(
-        SnowBox(center=(5.0, 0.0, 0.0), size=(2.0, 0.2, 0.2), rotation=(0.0, 0.0, 90.0)), Numerics(), 0
+        Source.of("box", center=(5.0, 0.0, 0.0), size=(2.0, 0.2, 0.2), rotation=(0.0, 0.0, 90.0)),
+        Numerics(),
+        0,
     ).x
     assert np.abs(rod - [5.0, 0.0, 0.0]).max(axis=0) == pytest.approx([0.1, 1.0, 0.1], abs=0.03)
-    roll = fill(SnowCylinder(center=(0, 0, 0), radius=0.2, height=2, rotation=(0, 90, 0)), Numerics(), 0).x
+    roll = fill(
+        Source.of("cylinder", center=(0, 0, 0), radius=0.2, height=2, rotation=(0, 90, 0)), Numerics(), 0
+    ).x
     assert np.abs(roll).max(axis=0) == pytest.approx([1.0, 0.2, 0.2], abs=0.03)
     assert np.hypot(roll[:, 1], roll[:, 2]).max() <= 0.2
-    layer = fill(SnowLayer(center=(1.0, 2.0), size=(2.0, 1.0), depth=0.2, base=0.3), Numerics(), 0).x
+    layer = fill(Source.of("layer", center=(1.0, 2.0), size=(2.0, 1.0), depth=0.2, base=0.3), Numerics(), 0).x
     assert layer.min(axis=0) == pytest.approx([0.0, 1.5, 0.3], abs=0.02)
     assert layer.max(axis=0) == pytest.approx([2.0, 2.5, 0.5], abs=0.02)
 
@@ -102,14 +97,14 @@ def test_rotated_shapes_are_where_they_should_be() -> None:
 def test_least_distance(sampling: Any, least: float) -> None:
     """No two particles are nearer than 0.3 (jittered) or 0.83 (Poisson) lattice spacings, over many tiles."""
     numerics = Numerics(dx=0.06, sampling=sampling)
-    x = fill(SnowBox(size=(1.4, 1.3, 1.2)), numerics, 0).x
+    x = fill(Source.of("box", size=(1.4, 1.3, 1.2)), numerics, 0).x
     spacing = 0.06 / 2.0
     assert spacing * least <= least_distance(x, spacing)
 
 
 def test_regular_is_a_lattice() -> None:
     """Eight particles a cell stand at (i + 1/2) dx / 2 from the faces, whatever the seed: float rounding."""
-    box = SnowBox(center=(0.0, 0.0, 0.0), size=(0.4, 0.2, 0.1))
+    box = Source.of("box", center=(0.0, 0.0, 0.0), size=(0.4, 0.2, 0.1))
     x = fill(box, Numerics(dx=0.1, sampling="regular", seed=3), 0).x
     assert x == pytest.approx(regular(np.array(box.size), 0.05), abs=1e-15)
     for axis, size in enumerate(box.size):
@@ -155,7 +150,7 @@ def test_poisson_tile_is_periodic_and_full() -> None:
 @pytest.mark.parametrize(("sampling", "spread"), [("jittered", 0.3), ("poisson", 0.3)])
 def test_density_is_even(sampling: Any, spread: float) -> None:
     """Particles in cells of dx^3 vary by less than 0.3 of the mean; independent points would vary by 0.35."""
-    x = fill(SnowBox(center=(0, 0, 0), size=(2, 2, 2)), Numerics(dx=0.1, sampling=sampling), 0).x
+    x = fill(Source.of("box", center=(0, 0, 0), size=(2, 2, 2)), Numerics(dx=0.1, sampling=sampling), 0).x
     counts, _ = np.histogramdd(x, bins=[np.linspace(-0.95, 0.95, 20)] * 3)
     assert counts.mean() == pytest.approx(8.0, rel=0.02)
     assert counts.std() / 8.0 < spread
@@ -164,7 +159,7 @@ def test_density_is_even(sampling: Any, spread: float) -> None:
 @pytest.mark.parametrize("sampling", RANDOM)
 def test_seeds(sampling: Any) -> None:
     """Equal seed and index give equal bits; another seed or another index gives other points."""
-    ball = SnowSphere(variation=Variation(stiffness=0.5))
+    ball = Source.of("sphere", variation=Variation(stiffness=0.5))
     first, again = (fill(ball, Numerics(sampling=sampling, seed=4), 1) for _ in range(2))
     for name in ("x", "v", "volume", "stiffness"):
         assert np.array_equal(getattr(first, name), getattr(again, name))
@@ -179,29 +174,35 @@ def test_seeds(sampling: Any) -> None:
 
 def test_velocity_and_spin() -> None:
     """v = velocity + spin x (x - center); the momentum is that of the centre, up to the sampling's offset."""
-    ball = SnowSphere(center=(1.0, 2.0, 3.0), velocity=(4.0, 0.0, -1.0), spin=(0.0, 0.0, 2.0))
+    ball = Source.of("sphere", center=(1.0, 2.0, 3.0), velocity=(4.0, 0.0, -1.0), spin=(0.0, 0.0, 2.0))
     samples = fill(ball, Numerics(), 0)
     x, y, _ = (samples.x - ball.center).T
     assert samples.v == pytest.approx(np.stack([4.0 - 2.0 * y, 2.0 * x, np.full(len(x), -1.0)], axis=1))
-    layer = fill(SnowLayer(center=(5.0, 0.0), base=1.0, depth=0.4, spin=(1.0, 0.0, 0.0)), Numerics(), 0)
+    layer = fill(
+        Source.of("layer", center=(5.0, 0.0), base=1.0, depth=0.4, spin=(1.0, 0.0, 0.0)), Numerics(), 0
+    )
     assert layer.v[:, 1] == pytest.approx(-(layer.x[:, 2] - 1.2))
 
 
 def test_stiffness() -> None:
     """1 without noise; otherwise within exp(-a) and exp(a), median near 1, and fixed to the source."""
-    assert np.array_equal(np.unique(fill(SnowBox(), Numerics(), 0).stiffness), [1.0])
+    assert np.array_equal(np.unique(fill(Source.of("box"), Numerics(), 0).stiffness), [1.0])
     noise = Variation(stiffness=0.8, feature_size=0.15)
-    here = fill(SnowBox(variation=noise), Numerics(dx=0.03), 0).stiffness
+    here = fill(Source.of("box", variation=noise), Numerics(dx=0.03), 0).stiffness
     assert np.exp(-0.8) <= here.min() < 0.6
     assert 1.6 < here.max() <= np.exp(0.8)
     assert np.median(here) == pytest.approx(1.0, abs=0.1)
-    there = fill(SnowBox(center=(50.0, 0.0, 0.0), rotation=(0, 0, 45), variation=noise), Numerics(dx=0.03), 0)
+    there = fill(
+        Source.of("box", center=(50.0, 0.0, 0.0), rotation=(0, 0, 45), variation=noise), Numerics(dx=0.03), 0
+    )
     assert np.array_equal(here, there.stiffness)
 
 
 def test_letters_have_the_asked_size() -> None:
     """A capital H is `height` high and `depth` thick, stands upright, and reads along x."""
-    samples = fill(SnowText(text="HI", height=0.8, depth=0.3, center=(0, 0, 2)), Numerics(dx=0.03), 0)
+    samples = fill(
+        Source.of("text", text="HI", height=0.8, depth=0.3, center=(0, 0, 2)), Numerics(dx=0.03), 0
+    )
     low, high = samples.x.min(axis=0), samples.x.max(axis=0)
     assert (high - low)[1:] == pytest.approx([0.3, 0.8], abs=0.02)
     assert 0.5 * (low + high) == pytest.approx([0.0, 0.0, 2.0], abs=0.02)
@@ -214,8 +215,8 @@ def test_letters_have_the_asked_size() -> None:
 
 def test_lines_of_text_are_stacked() -> None:
     """A line break starts a line below; the block is centred."""
-    one = fill(SnowText(text="HH", center=(0, 0, 0)), Numerics(), 0)
-    two = fill(SnowText(text="HH\nHH", center=(0, 0, 0)), Numerics(), 0)
+    one = fill(Source.of("text", text="HH", center=(0, 0, 0)), Numerics(), 0)
+    two = fill(Source.of("text", text="HH\nHH", center=(0, 0, 0)), Numerics(), 0)
     assert two.volume.sum() == pytest.approx(2 * one.volume.sum(), rel=0.01)
     assert 2.0 < np.ptp(two.x[:, 2]) < 2.8
     assert np.abs(two.x[:, 2]).min() > 0.02, "the lines do not touch"
@@ -224,7 +225,7 @@ def test_lines_of_text_are_stacked() -> None:
 
 def test_volume_of_letters_does_not_depend_on_dx() -> None:
     """The picture of the letters is fine enough at any dx: the same volume within 1 %."""
-    word = SnowText(text="Snow & ice")
+    word = Source.of("text", text="Snow & ice")
     coarse, fine = (fill(word, Numerics(dx=dx), 0).volume.sum() for dx in (0.12, 0.04))
     assert coarse == pytest.approx(fine, rel=0.01)
 
@@ -234,8 +235,8 @@ def test_letter_that_the_font_lacks() -> None:
     with pytest.raises(
         SceneError, match=r"^sources\.2\.text: the bundled font has no glyph for 雪 山; name a font"
     ):
-        fill(SnowText(text="a 雪山"), Numerics(), 2)
-    fill(SnowText(text="Àé ñ ß 123!?"), Numerics(), 0)
+        fill(Source.of("text", text="a 雪山"), Numerics(), 2)
+    fill(Source.of("text", text="Àé ñ ß 123!?"), Numerics(), 0)
 
 
 def test_font_that_is_no_font(tmp_path: Path) -> None:
@@ -243,14 +244,14 @@ def test_font_that_is_no_font(tmp_path: Path) -> None:
     path = tmp_path / "a.ttf"
     path.write_text("not a font")
     with pytest.raises(SceneError, match=r"sources\.0\.font = .* is not a font that can be read"):
-        fill(SnowText(font=str(path)), Numerics(), 0)
+        fill(Source.of("text", font=str(path)), Numerics(), 0)
 
 
 def test_too_small_and_too_large() -> None:
     """A source without a single particle, and one that would fill the memory."""
     with pytest.raises(SceneError, match=r"sources\.1 would take .* numerics\.dx = 0\.0001, more than"):
-        fill(SnowBox(), Numerics(dx=1e-4), 1)
-    tiny = SnowBox(size=(1e-5, 1e-5, 1e-5))
+        fill(Source.of("box"), Numerics(dx=1e-4), 1)
+    tiny = Source.of("box", size=(1e-5, 1e-5, 1e-5))
     with pytest.raises(SceneError, match=r"sources\.0 is too small for a single particle"):
         fill(tiny, Numerics(sampling="poisson"), 0)
     assert len(fill(tiny, Numerics(), 0).x) == 1

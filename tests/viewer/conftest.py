@@ -46,14 +46,14 @@ def recorded(tmp_path, finished):
 
 
 class Page:
-    """A page without a browser: sends wishes, collects what comes."""
+    """A page without a browser: sends commands, collects what comes."""
 
     def __init__(self, socket, draws=True):
         self.socket, self.draws = socket, draws
-        self.states, self.words = [], []
+        self.states, self.messages = [], []
 
-    async def wish(self, **wish):
-        await self.socket.send(json.dumps(wish))
+    async def send(self, **command):
+        await self.socket.send(json.dumps(command))
 
     async def until(self, found, seconds=60.0):
         """Read until `found(self)` is true, and return what it returns."""
@@ -62,18 +62,18 @@ class Page:
             while not (answer := found(self)):
                 message = await self.socket.recv()
                 if isinstance(message, str):
-                    self.words.append(json.loads(message))
+                    self.messages.append(json.loads(message))
                 else:
                     self.states.append(unframed(message))
                     if self.draws:
-                        await self.wish(do="got", version=len(self.states))
+                        await self.send(do="acknowledge", version=len(self.states))
             return answer
 
         return await asyncio.wait_for(read(), seconds)
 
-    def word(self, kind):
-        """The last word of a kind, or None."""
-        return next((word for word in reversed(self.words) if word["kind"] == kind), None)
+    def message(self, kind):
+        """The last message of a kind, or None."""
+        return next((message for message in reversed(self.messages) if message["kind"] == kind), None)
 
     @property
     def head(self):
@@ -90,7 +90,7 @@ def converse(server, talk):
             url = f"ws://127.0.0.1:{port}/socket"
             async with connect(url, max_size=None, origin=f"http://127.0.0.1:{port}") as line:
                 page = Page(line)
-                await page.until(lambda p: p.states and p.word("scene"))
+                await page.until(lambda p: p.states and p.message("scene"))
                 return await talk(page, port)
 
     return asyncio.run(main())

@@ -32,6 +32,10 @@ WIDTH, HEIGHT = 760, 480
 PATIENCE = 120_000  # ms: the processor draws a picture in a second if others leave it one
 
 
+# The end of the gizmo's upward arrow, in JavaScript.
+TIP = "(([x, y, z]) => [x, y, z + neve.gizmo.size([x, y, z])])(neve.gizmo.place())"
+
+
 def program(chromium):
     """The browser to start; None if there is none."""
     named = os.environ.get("NEVE_BROWSER")
@@ -172,10 +176,10 @@ def test_a_value_in_the_panel_changes_the_simulation(page, live):
 
 def test_a_click_throws_a_snowball_that_arrives(page, live):
     """The throw tool adds snow, which flies to where the click was and shows."""
-    before, n = look(page), int(page.evaluate("() => neve.moment.n"))
+    before, n = look(page), int(page.evaluate("() => neve.state.n"))
     page.keyboard.press("2")
     page.mouse.click(WIDTH / 2, HEIGHT / 2)
-    until(page, f"() => neve.moment.n > {n}", "the ball is there")
+    until(page, f"() => neve.state.n > {n}", "the ball is there")
     assert live.player._sim.state.count > n
     assert changed_pixels(before, look(page)) > 0.01
     page.click("#play")
@@ -199,12 +203,12 @@ def test_colours_have_a_legend_and_solids_a_gizmo(page, live):
     drawn(page)
     page.mouse.click(*on_screen(page, "[0.9, 0, 0.45]"))
     until(page, "() => neve.selected === 'colliders.1'", "the box is chosen")
-    tip = on_screen(page, "V.mad(neve.gizmo.place(), [0, 0, 1], neve.gizmo.size(neve.gizmo.place()))")
+    tip = on_screen(page, TIP)
     page.mouse.move(*tip)
     page.mouse.down()
     page.mouse.move(tip[0], tip[1] - 60, steps=4)
     page.mouse.up()
-    until(page, "() => neve.moment.bodies[1][2] > 0.35", "the box is higher")
+    until(page, "() => neve.state.bodies[1][2] > 0.35", "the box is higher")
     assert live.player.scene.colliders[1].center[2] > 0.35
 
 
@@ -228,7 +232,7 @@ def test_a_run_has_a_timeline(page, recorded):
         page.goto(address)
         first = look(page)
         page.locator(".timeline").fill("5")
-        until(page, "() => neve.moment.frame === 5", "frame 5 is shown")
+        until(page, "() => neve.state.frame === 5", "frame 5 is shown")
         assert changed_pixels(first, look(page)) > 0.003
         assert page.is_hidden("#tools")
 

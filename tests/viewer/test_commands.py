@@ -9,12 +9,12 @@ from neve.scene.reading.load import load, presets
 from neve.scene.schema.scene import Scene, Variation
 from neve.scene.schema.snow import used
 from neve.viewer import safety
-from neve.viewer.protocol import commands, panel
-from neve.viewer.tools import edit
+from neve.viewer.protocol import commands
+from neve.viewer.tools import change, edit, panel
 
 GOOD = [
     {"do": "play"},
-    {"do": "got", "version": 3},
+    {"do": "acknowledge", "version": 3},
     {"do": "set", "path": "snow.xi", "value": 12.5},
     {"do": "set", "path": "world.gravity", "value": [0, 0, -1.6]},
     {"do": "throw", "origin": [0, 0, 1], "direction": [1, 0, 0], "speed": 9, "radius": 0.2},
@@ -31,12 +31,12 @@ RUBBISH = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("wish", GOOD, ids=lambda wish: wish["do"])
-def test_commands_are_read(wish):
+@pytest.mark.parametrize("sent", GOOD, ids=lambda sent: sent["do"])
+def test_commands_are_read(sent):
     """Each comes back as the command of its name with its values."""
-    command = commands.read(json.dumps(wish))
+    command = commands.read(json.dumps(sent))
     assert command is not None
-    assert command.do == wish["do"]
+    assert command.do == sent["do"]
 
 
 @pytest.mark.parametrize("message", RUBBISH, ids=range(len(RUBBISH)))
@@ -75,7 +75,7 @@ def test_panel_values_can_be_set_back():
     for section in panel.panel(scene):
         for field in section["fields"]:
             if field["path"] not in ("snow.kind", "snow.law"):
-                assert panel.changed(scene, field["path"], field["value"]) == scene
+                assert change.changed(scene, field["path"], field["value"]) == scene
 
 
 def test_wrong_values_get_the_sentence_of_the_scene():
@@ -92,7 +92,7 @@ def test_wrong_values_get_the_sentence_of_the_scene():
         ("..", 3.0, "is not in this scene"),
     ]:
         with pytest.raises(SceneError) as error:
-            panel.changed(scene, path, value)
+            change.changed(scene, path, value)
         assert told in str(error.value)
         assert "\n" not in str(error.value)
 
@@ -100,18 +100,18 @@ def test_wrong_values_get_the_sentence_of_the_scene():
 def test_another_kind_of_snow_brings_its_constants():
     """kind and law replace the whole table, as in a file that names nothing else."""
     scene = load("throw_ball")
-    assert panel.changed(scene, "snow.kind", "powder").snow.kind == "powder"
-    assert panel.changed(scene, "snow.law", "cam_clay").snow.rho0 == 250.0
+    assert change.changed(scene, "snow.kind", "powder").snow.kind == "powder"
+    assert change.changed(scene, "snow.law", "cam_clay").snow.rho0 == 250.0
 
 
 def test_what_acts_at_once():
     """Constants, friction, gravity and transfer act on a run; what the state was made of waits."""
     assert all(
-        panel.is_live(path)
+        change.is_live(path)
         for path in ("snow.E0", "colliders.0.mu_c", "world.gravity", "numerics.transfer", "sources.0.snow.xi")
     )
     assert not any(
-        panel.is_live(path) for path in ("numerics.dx", "numerics.seed", "sources.0.radius", "run.fps")
+        change.is_live(path) for path in ("numerics.dx", "numerics.seed", "sources.0.radius", "run.fps")
     )
 
 
@@ -124,14 +124,14 @@ def test_entries_are_added_moved_and_deleted():
         ("sources", "cylinder"),
         ("sources", "layer"),
     ]:
-        wish, source = edit.added(scene, commands.Add(do="add", kind=kind, shape=shape, at=(1, 2, 0)))
+        new_scene, source = edit.added(scene, commands.Add(do="add", kind=kind, shape=shape, at=(1, 2, 0)))
         assert (source is not None) == (kind == "sources")
-        name = f"{kind}.{len(getattr(wish, kind)) - 1}"
-        assert getattr(wish, kind)[-1].center[:2] == (1.0, 2.0)
-        assert edit.deleted(wish, name) == scene
-    wish, _ = edit.added(scene, commands.Add(do="add", kind="colliders", shape="box", at=(0, 0, 0)))
+        name = f"{kind}.{len(getattr(new_scene, kind)) - 1}"
+        assert getattr(new_scene, kind)[-1].center[:2] == (1.0, 2.0)
+        assert edit.deleted(new_scene, name) == scene
+    new_scene, _ = edit.added(scene, commands.Add(do="add", kind="colliders", shape="box", at=(0, 0, 0)))
     move = commands.Move(do="move", name="colliders.1", position=(3, 0, 1), rotation=(0, 0, 30))
-    moved = edit.placed(wish, move).colliders[1]
+    moved = edit.placed(new_scene, move).colliders[1]
     assert moved.center == (3.0, 0.0, 1.0)
     assert moved.rotation == (0.0, 0.0, 30.0)
     for bad in ("colliders.9", "camera.0", "colliders", "colliders.-1", "../x"):
@@ -152,19 +152,19 @@ def test_tables_in_entries_are_shown_made_and_taken_away():
     told = {s["path"]: s for s in panel.panel(grown)}
     assert (told[path]["parent"], told[path]["can"]) == ("colliders.1", "add")
     assert (told[f"{path}.1"]["parent"], told[f"{path}.1"]["can"]) == (path, "delete")
-    set_ = panel.changed(grown, f"{path}.1.position", [0, 0, 2])
+    set_ = change.changed(grown, f"{path}.1.position", [0, 0, 2])
     assert set_.colliders[1].keyframes[1].position == (0.0, 0.0, 2.0)
     assert edit.deleted(edit.deleted(grown, f"{path}.1"), f"{path}.0") == scene
 
     even = edit.deleted(scene, "sources.0.variation")
     assert even.sources[0].variation is None
     assert edit.enlarged(even, "sources.0.variation").sources[0].variation == Variation()
-    factors = panel.changed(
-        panel.changed(edit.enlarged(scene, "sources.0.profile"), "sources.0.profile.at", [0.0, 0.1]),
+    factors = change.changed(
+        change.changed(edit.enlarged(scene, "sources.0.profile"), "sources.0.profile.at", [0.0, 0.1]),
         "sources.0.profile.stiffness", [1, 2],
     )  # fmt: skip
     assert factors.sources[0].profile.stiffness == (1.0, 2.0)
-    assert panel.changed(scene, "sources.0.snow.kind", "powder").sources[0].snow.kind == "powder"
+    assert change.changed(scene, "sources.0.snow.kind", "powder").sources[0].snow.kind == "powder"
     for bad in ("colliders.1.size", "colliders.1", "numerics.dx", "colliders.1.nothing", "sources.9.profile"):
         with pytest.raises(SceneError, match=r"not in this scene|not a table"):
             edit.enlarged(scene, bad)

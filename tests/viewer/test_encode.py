@@ -4,10 +4,16 @@ import json
 
 import numpy as np
 import pytest
+from viewer.conftest import SMALL
 
+from neve.scene.reading.load import scene_from
+from neve.simulation import Simulation
+from neve.viewer.encode import encode
 from neve.viewer.modes import MODES, Scale, measure, rounded
 from neve.viewer.players.snapshot import Snapshot, by_birth
-from neve.viewer.protocol.state import MOST, encode, framed, pack, unframed
+from neve.viewer.protocol.state import MOST, framed, pack, unframed
+
+BLOCK = {"shape": "box", "center": [0.0, 0.0, 0.21], "size": [0.4, 0.4, 0.4], "velocity": [1.0, 0.5, -2.0]}
 
 
 def cloud(n=1000, size=(4.0, 2.0, 0.5)):
@@ -74,11 +80,11 @@ def test_message_has_head_and_aligned_body():
 
 
 def test_snapshot_becomes_a_state():
-    """A page finds n x 8 bytes, the legend, the bodies and what the server adds."""
+    """A page finds n x 8 bytes, the legend, the bodies and the number of the state."""
     x = cloud(10)
     bodies = ((np.array([1.0, 2.0, 3.0]), np.eye(3)),)
     snapshot = Snapshot(x, {"speed": np.arange(10, dtype=np.float32)}, bodies, 0.5, 15, {"steps": 3}, 2)
-    head, body = unframed(encode(snapshot, "speed", Scale(), {"version": 7}))
+    head, body = unframed(encode(snapshot, "speed", Scale(), 7))
     q = np.frombuffer(body, "<u2").reshape(10, 4)
     assert head["n"] == 10
     assert head["version"] == 7
@@ -91,7 +97,7 @@ def test_snapshot_becomes_a_state():
 
 def test_a_mode_that_the_snapshot_lacks_is_snow():
     """Between the choice of a mode and the next moment there are no values: the snow is shown plain."""
-    head, _ = unframed(encode(Snapshot(cloud(5), {}, (), 0.0, 0), "stress", Scale(), {}))
+    head, _ = unframed(encode(Snapshot(cloud(5), {}, (), 0.0, 0), "stress", Scale(), 0))
     assert head["mode"] == "snow"
 
 
@@ -123,25 +129,46 @@ def test_snow_at_rest_has_a_legend_too():
 
 def test_stress_is_von_mises_of_the_cauchy_stress():
     """Simple shear tau_xy = 7 with F = 2 I: sqrt(3) 7 / 8; pressure alone gives 0."""
-    tau = np.zeros((2, 6))
-    tau[0, 1] = 7.0
-    tau[1, [0, 3, 5]] = -5.0
+    tau = np.zeros((2, 6))  # xx yy zz xy xz yz
+    tau[0, 3] = 7.0
+    tau[1, :3] = -5.0
     columns = {"tau": lambda: tau, "F_E": lambda: np.tile(2 * np.eye(3), (2, 1, 1))}
-    value = measure("stress", columns, np.ones(1, np.float32), 0.1)
+    value = measure("stress", columns, 0.1)
     np.testing.assert_allclose(value, [np.sqrt(3) * 7 / 8, 0.0], rtol=1e-6)
 
 
-def test_pieces_get_names_that_last():
+def test_stress_reads_the_state_as_the_core_writes_it():
+    """After some steps of a falling block: sqrt(3/2 s:s) / J_E with tau of the law itself, (n, 3, 3)."""
+    sim = Simulation(scene_from(SMALL | {"sources": [BLOCK]}), threads=1)
+    sim.advance(0.05)
+    state = sim.state
+    F = np.asarray(state.F_E, np.float64)
+    tau = np.zeros((len(F), 3, 3))
+    for column, (i, j) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]):
+        tau[:, i, j] = tau[:, j, i] = np.asarray(state.tau)[:, column]
+    # An isotropic law's stress has the principal axes of F F^T: the two commute.
+    b = F @ F.transpose(0, 2, 1) - np.eye(3)
+    assert np.abs(tau).max() > 0
+    np.testing.assert_allclose(tau @ b, b @ tau, atol=1e-4 * np.abs(tau).max() * np.abs(b).max())
+    s = tau - np.trace(tau, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    expected = np.sqrt(1.5 * (s * s).sum(axis=(1, 2))) / np.linalg.det(F)
+    columns = {"tau": lambda: state.tau, "F_E": lambda: state.F_E}
+    np.testing.assert_allclose(
+        measure("stress", columns, 0.1), expected, rtol=1e-4, atol=1e-6 * expected.max()
+    )
+
+
+def test_fragments_get_names_that_last():
     """Two balls apart are two names; each keeps its name when the other has fallen to powder."""
     rng = np.random.default_rng(2)
     x = rng.random((400, 3)) * 0.3
     x[200:, 0] += 2.0
     J_P = np.ones(400)
-    one = measure("fragment", {"x": lambda: x, "J_P": lambda: J_P}, np.ones(1, np.float32), 0.1)
+    one = measure("fragment", {"x": lambda: x, "J_P": lambda: J_P}, 0.1)
     assert len(set(one[:200])) == 1
     assert len(set(one[200:])) == 1
     assert one[0] != one[399]
     J_P = np.where(np.arange(400) < 200, 2.0, 1.0)
-    other = measure("fragment", {"x": lambda: x, "J_P": lambda: J_P}, np.ones(1, np.float32), 0.1)
+    other = measure("fragment", {"x": lambda: x, "J_P": lambda: J_P}, 0.1)
     assert set(other[:200]) == {0.0}
     assert other[399] == one[399]

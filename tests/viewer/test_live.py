@@ -31,7 +31,7 @@ def places(page):
 
 def told(page, path):
     """The value at `path` in the panel that the page was told last."""
-    fields = {f["path"]: f for s in page.word("scene")["panel"] for f in s["fields"]}
+    fields = {f["path"]: f for s in page.message("scene")["panel"] for f in s["fields"]}
     return fields[path]["value"]
 
 
@@ -44,13 +44,13 @@ def test_play_moves_the_snow_and_pause_stops_it(server):
 
     async def talk(page, port):
         assert page.head["time"] == 0.0
-        await page.wish(do="speed", factor=100.0)
-        await page.wish(do="play")
+        await page.send(do="speed", factor=100.0)
+        await page.send(do="play")
         await page.until(lambda p: p.head["time"] > 0.05)
-        await page.wish(do="pause")
-        await page.until(lambda p: p.word("player") and not p.word("player")["playing"])
-        await page.wish(do="look", mode="speed")
-        await page.wish(do="frame")
+        await page.send(do="pause")
+        await page.until(lambda p: p.message("player") and not p.message("player")["playing"])
+        await page.send(do="color_mode", mode="speed")
+        await page.send(do="frame")
         await page.until(lambda p: p.head["mode"] == "speed")
         t = page.head["time"]
         assert places(page)[:, 2].mean() == pytest.approx(0.5 - 0.5 * 9.81 * t * t, abs=0.01)
@@ -65,10 +65,10 @@ def test_one_frame_ends_at_the_frame(server):
     """`frame` simulates to the next multiple of 1 / fps exactly, and pauses."""
 
     async def talk(page, port):
-        await page.wish(do="frame")
+        await page.send(do="frame")
         await page.until(lambda p: p.head["frame"] == 1)
         assert page.head["time"] == pytest.approx(1 / 30, rel=1e-9)
-        await page.until(lambda p: p.word("player") and not p.word("player")["playing"])
+        await page.until(lambda p: p.message("player") and not p.message("player")["playing"])
 
     converse(server, talk)
 
@@ -77,13 +77,13 @@ def test_a_value_changes_the_simulation_and_a_wrong_one_does_not(server):
     """Gravity upward makes the ball rise; a wrong value comes back as a sentence with its key."""
 
     async def talk(page, port):
-        await page.wish(do="set", path="world.gravity", value=[0, 0, 20.0])
+        await page.send(do="set", path="world.gravity", value=[0, 0, 20.0])
         await page.until(lambda p: told(p, "world.gravity") == [0.0, 0.0, 20.0])
-        await page.wish(do="set", path="snow.nu", value=0.7)
-        await page.until(lambda p: p.word("refused"))
-        assert page.word("refused")["path"] == "snow.nu"
-        assert "less than 0.5" in page.word("refused")["sentence"]
-        await page.wish(do="frame")
+        await page.send(do="set", path="snow.nu", value=0.7)
+        await page.until(lambda p: p.message("refused"))
+        assert page.message("refused")["path"] == "snow.nu"
+        assert "less than 0.5" in page.message("refused")["sentence"]
+        await page.send(do="frame")
         await page.until(lambda p: p.head["frame"] == 1)
         assert places(page)[:, 2].mean() > 0.505
 
@@ -96,33 +96,33 @@ def test_a_thrown_ball_arrives(server):
 
     async def talk(page, port):
         before = page.head["n"]
-        await page.wish(do="throw", origin=[0, 0, 2], direction=[0, 0, -2], speed=10.0, radius=0.2)
+        await page.send(do="throw", origin=[0, 0, 2], direction=[0, 0, -2], speed=10.0, radius=0.2)
         await page.until(lambda p: p.head["n"] > before)
         ball = places(page)[before:]
         np.testing.assert_allclose(ball.mean(axis=0), [0, 0, 1.6], atol=0.03)
-        await page.wish(do="frame")
+        await page.send(do="frame")
         await page.until(lambda p: p.head["frame"] == 1)
         assert places(page)[before:, 2].mean() == pytest.approx(1.6 - 10 / 30, abs=0.03)
-        await page.wish(do="restart")
+        await page.send(do="restart")
         await page.until(lambda p: p.head["n"] == before and p.head["time"] == 0.0)
 
     converse(server, talk)
     assert len(server.player.scene.sources) == 1
 
 
-def test_the_hand_moves_snow(server):
-    """Snow that is grabbed goes with the hand; the rest does not."""
+def test_grabbed_snow_follows(server):
+    """Snow that is grabbed goes with the pointer."""
 
     async def talk(page, port):
-        await page.wish(do="set", path="world.gravity", value=[0, 0, 0])
-        await page.wish(do="play")
+        await page.send(do="set", path="world.gravity", value=[0, 0, 0])
+        await page.send(do="play")
         for _ in range(400):
-            await page.wish(do="touch", tool="grab", point=[0, 0, 0.5], velocity=[2.0, 0, 0], radius=0.5)
+            await page.send(do="touch", tool="grab", point=[0, 0, 0.5], velocity=[2.0, 0, 0], radius=0.5)
             count = len(page.states)
             await page.until(lambda p, count=count: len(p.states) > count)
             if places(page)[:, 0].mean() > 0.02:
                 return
-        raise AssertionError("the snow did not follow the hand")
+        raise AssertionError("the snow did not follow the pointer")
 
     converse(server, talk)
 
@@ -131,25 +131,25 @@ def test_solids_move_and_come_and_go(server):
     """A dragged box goes to its place, at rest or while the snow moves; a sphere is added and deleted."""
 
     async def talk(page, port):
-        await page.wish(
+        await page.send(
             do="move", name="colliders.1", position=[1.0, 0.2, 0.4], rotation=[0, 0, 90], done=True
         )
         await page.until(lambda p: p.head["bodies"][1][:3] == [1.0, 0.2, 0.4])
         np.testing.assert_allclose(
             np.array(page.head["bodies"][1][3:]).reshape(3, 3)[0], [0, -1, 0], atol=1e-12
         )
-        await page.wish(do="play")
-        await page.wish(do="speed", factor=100.0)
-        await page.wish(do="move", name="colliders.1", position=[1.1, 0.2, 0.4], done=True)
+        await page.send(do="play")
+        await page.send(do="speed", factor=100.0)
+        await page.send(do="move", name="colliders.1", position=[1.1, 0.2, 0.4], done=True)
         await page.until(lambda p: abs(p.head["bodies"][1][0] - 1.1) < 1e-3)
-        await page.wish(do="pause")
-        await page.wish(do="add", kind="colliders", shape="sphere", at=[2, 0, 0])
+        await page.send(do="pause")
+        await page.send(do="add", kind="colliders", shape="sphere", at=[2, 0, 0])
         await page.until(lambda p: len(p.head["bodies"]) == 3)
-        await page.wish(do="delete", name="colliders.2")
+        await page.send(do="delete", name="colliders.2")
         await page.until(lambda p: len(p.head["bodies"]) == 2)
-        await page.wish(do="delete", name="sources.0")
-        await page.until(lambda p: p.word("refused"))
-        assert "sources" in page.word("refused")["sentence"]
+        await page.send(do="delete", name="sources.0")
+        await page.until(lambda p: p.message("refused"))
+        assert "sources" in page.message("refused")["sentence"]
 
     converse(server, talk)
     assert server.player.scene.colliders[1].center == (1.1, 0.2, 0.4)
@@ -160,18 +160,18 @@ def test_record_film_picture_scene(server, tmp_path):
     """A recording is a run that can be read; film, picture and scene lie in the session's folder only."""
 
     async def talk(page, port):
-        await page.wish(do="film", camera=EYE)
-        await page.until(lambda p: p.word("refused"))
-        assert "record" in page.word("refused")["sentence"]
-        await page.wish(do="record", on=True)
+        await page.send(do="film", camera=EYE)
+        await page.until(lambda p: p.message("refused"))
+        assert "record" in page.message("refused")["sentence"]
+        await page.send(do="record", on=True)
         for frame in (1, 2):
-            await page.wish(do="frame")
+            await page.send(do="frame")
             await page.until(lambda p, frame=frame: p.head["frame"] == frame)
-        await page.wish(do="record", on=False)
-        for wish in ("picture", "film", "save"):
-            await page.wish(do=wish, camera=EYE)
-        await page.until(lambda p: sum(w["kind"] == "file" for w in p.words) == 3)
-        return [w["name"] for w in page.words if w["kind"] == "file"]
+        await page.send(do="record", on=False)
+        for kind in ("picture", "film", "save"):
+            await page.send(do=kind, camera=EYE)
+        await page.until(lambda p: sum(m["kind"] == "file" for m in p.messages) == 3)
+        return [m["name"] for m in page.messages if m["kind"] == "file"]
 
     assert converse(server, talk) == ["picture-1.png", "film-1.mp4", "scene-1.toml"]
     out = tmp_path / "out"
@@ -190,12 +190,12 @@ def test_another_scene_is_opened_by_name_only(server):
     """A scene that comes with Neve begins; a path is refused."""
 
     async def talk(page, port):
-        await page.wish(do="open", scene="../../etc/passwd")
-        await page.until(lambda p: p.word("refused"))
-        assert "no scene that comes with Neve" in page.word("refused")["sentence"]
-        await page.wish(do="open", scene="throw_ball")
-        await page.until(lambda p: p.word("scene")["name"] == "throw_ball", 120)
-        assert page.word("scene")["camera"]["fov"] == 42.0
+        await page.send(do="open", scene="../../etc/passwd")
+        await page.until(lambda p: p.message("refused"))
+        assert "no scene that comes with Neve" in page.message("refused")["sentence"]
+        await page.send(do="open", scene="throw_ball")
+        await page.until(lambda p: p.message("scene")["name"] == "throw_ball", 120)
+        assert page.message("scene")["camera"]["fov"] == 42.0
 
     converse(server, talk)
 
@@ -225,10 +225,10 @@ def test_rubbish_and_silence_change_nothing(server):
         lazy = await connect(url, max_size=None)
         lost = await connect(url, max_size=None)
         lost.transport.abort()
-        await page.wish(do="play")
+        await page.send(do="play")
         await page.until(lambda p: p.head["frame"] >= 2)
-        await page.wish(do="pause")
-        sent = next(g for g in server._guests if g.got == 0 and g.sent)
+        await page.send(do="pause")
+        sent = next(g for g in server._clients if g.drawn == 0 and g.sent)
         assert sent.sent <= 3  # the window: no more is sent to a page that does not draw
         await lazy.close()
 
@@ -239,7 +239,7 @@ def test_what_fails_is_told_and_changes_nothing(server):
     """A ball of millions of particles, a file, a name without sense: the player goes on."""
 
     async def talk(page, port):
-        for wish, told in [
+        for command, told in [
             ({"do": "throw", "origin": [0, 0, 1], "direction": [0, 0, 1], "radius": 9.0}, "smaller"),
             ({"do": "throw", "origin": [0, 0, -3], "direction": [0, 0, -1]}, "wholly inside"),
             ({"do": "add", "kind": "colliders", "shape": "mesh:../rock", "at": [0, 0, 0]}, "no mesh"),
@@ -249,26 +249,26 @@ def test_what_fails_is_told_and_changes_nothing(server):
             ({"do": "move", "name": "sources.0", "position": [0, 0, 0]}, "grab"),
             ({"do": "seek", "frame": 1}, ""),
         ]:
-            page.words.clear()
-            await page.wish(**wish)
+            page.messages.clear()
+            await page.send(**command)
             if told:
-                await page.until(lambda p: p.word("refused"))
-                assert told in page.word("refused")["sentence"]
-        await page.wish(do="frame")
+                await page.until(lambda p: p.message("refused"))
+                assert told in page.message("refused")["sentence"]
+        await page.send(do="frame")
         await page.until(lambda p: p.head["frame"] == 1)
 
     converse(server, talk)
 
 
-def test_pieces_are_not_looked_for_all_the_time(server):
-    """The first moment finds the pieces; those that follow within a second show the same ones."""
+def test_fragments_are_not_looked_for_all_the_time(server):
+    """The first moment finds the fragments; those that follow within a second show the same ones."""
 
     async def talk(page, port):
-        await page.wish(do="look", mode="fragment")
+        await page.send(do="color_mode", mode="fragment")
         await page.until(lambda p: p.head["mode"] == "fragment")
-        pieces = server.player._pieces
-        assert len(set(pieces)) == 1
-        await page.wish(do="frame")
+        fragments = server.player._slow["fragment"].values
+        assert len(set(fragments)) == 1
+        await page.send(do="frame")
         await page.until(lambda p: p.head["frame"] == 1)
         assert page.head["mode"] == "fragment"
 
@@ -292,10 +292,10 @@ def test_a_body_follows_the_pointer_and_the_other_falls_on(tmp_path):
     path.write_text(to_toml(scene_from(SMALL | {"bodies": [box, flying]})), encoding="utf-8")
 
     async def talk(page, port):
-        await page.wish(do="speed", factor=100.0)
-        await page.wish(do="play")
+        await page.send(do="speed", factor=100.0)
+        await page.send(do="play")
         for _ in range(200):
-            await page.wish(do="move", name="bodies.0", position=[-1.0, 0.5, 0.8])
+            await page.send(do="move", name="bodies.0", position=[-1.0, 0.5, 0.8])
             count = len(page.states)
             await page.until(lambda p, count=count: len(p.states) > count)
             here, other = page.head["bodies"][2][:3], page.head["bodies"][3][:3]
@@ -305,7 +305,7 @@ def test_a_body_follows_the_pointer_and_the_other_falls_on(tmp_path):
             raise AssertionError("the body did not come")
         assert other[1] == pytest.approx(page.head["time"], abs=1e-6)
         for _ in range(200):  # a collider of the scene too, which the engine must then move
-            await page.wish(do="move", name="colliders.1", position=[0.9, 0.4, 0.3])
+            await page.send(do="move", name="colliders.1", position=[0.9, 0.4, 0.3])
             count = len(page.states)
             await page.until(lambda p, count=count: len(p.states) > count)
             if abs(page.head["bodies"][1][1] - 0.4) < 0.03:
@@ -313,12 +313,12 @@ def test_a_body_follows_the_pointer_and_the_other_falls_on(tmp_path):
         else:
             raise AssertionError("the collider did not come")
         assert page.head["bodies"][3][1] == pytest.approx(page.head["time"], abs=1e-6)
-        assert page.word("refused") is None
+        assert page.message("refused") is None
 
     converse(prepare(str(path), out=str(tmp_path / "out"), threads=1), talk)
 
 
-def test_moments_are_shown_and_wishes_heard_between_two_steps(small):
+def test_snapshots_are_shown_and_commands_heard_between_two_steps(small):
     """A piece of many steps is shown while it is computed, and ends early if a page wants something.
 
     Asking after each step changes no bit; to say "enough" ends the work after that step.

@@ -10,7 +10,17 @@ import pytest
 
 from neve.io.frames import read_frame
 from neve.io.run_folder import RunFolder
-from neve.viewer.exports.replay import FINENESS, HIDDEN, choose_keys, fold, pack, predicted, replay_of
+from neve.viewer.exports.replay import (
+    FINENESS,
+    HIDDEN,
+    MAIN,
+    choose_keys,
+    fold,
+    modules,
+    pack,
+    predicted,
+    replay_of,
+)
 
 HEAD, DATA = rb'id="head">(.*?)</script>', rb'id="data">(.*?)</script>'
 
@@ -81,9 +91,17 @@ def test_replay_holds_the_run(recorded):
     assert head["step"][0] == pytest.approx(0.05 / FINENESS)
     text = page.decode()
     assert not re.search(r"""(?:src|href)=["'](?!data:)""", text)
-    assert "fetch(" not in text
-    assert "WebSocket" not in text
-    assert not re.search(r"/\*(STYLE|SCRIPT|HEAD|DATA)\*/", text)
+    assert not re.search(r"/\*(STYLE|MODULES|MAIN|HEAD|DATA)\*/", text)
+    code = modules(MAIN)
+    assert set(re.findall(r'type="module">import "([^"]+)"', text)) <= set(code)
+    for url in code.values():
+        kind, _, body = url.partition(";base64,")
+        assert kind == "data:text/javascript"
+        script = base64.b64decode(body).decode()
+        assert "fetch(" not in script
+        assert "WebSocket" not in script
+        named = re.findall(r'^import\b[^;]*?"([^"]+)";', script, re.MULTILINE)
+        assert set(named) <= set(code)
 
 
 def test_command_line_writes_a_replay(recorded, tmp_path, capsys):

@@ -2,6 +2,7 @@
 
 import asyncio
 import io
+import posixpath
 import re
 import socket
 import warnings
@@ -33,19 +34,28 @@ def server(recorded):
 
 
 def test_page_and_its_files_are_served(server):
-    """The page names only files that are served, and none from elsewhere; they come with a strict policy."""
+    """The page and its modules name only files that are served, with a strict policy, none from elsewhere."""
 
     async def talk(page, port):
         status, head, body = await get(port, "/")
         assert status == 200
         assert "default-src 'self'" in head
         text = body.decode()
-        named = re.findall(r'(?:src|href)="([^"]+)"', text)
-        assert len(named) > 10
-        for name in named:
-            assert name.startswith("/page/") or name == "data:,"
-            if name.startswith("/page/"):
-                assert (await get(port, name))[0] == 200
+        named = set(re.findall(r'(?:src|href)="([^"]+)"', text)) - {"data:,"}
+        assert all(name.startswith("/page/") for name in named)
+        seen = set()
+        while waiting := named - seen:
+            name = waiting.pop()
+            seen.add(name)
+            status, head, body = await get(port, name)
+            assert status == 200, name
+            if name.endswith(".js"):  # a browser runs a module only under this type
+                assert "Content-Type: text/javascript" in head
+                imported = re.findall(r'^import\b[^;]*?"(\.[^"]+)";', body.decode(), re.MULTILINE)
+                named |= {
+                    posixpath.normpath(posixpath.join(posixpath.dirname(name), path)) for path in imported
+                }
+        assert len(seen) > 10
         assert not re.search(
             r"https?://",
             "".join(p.read_text() for p in PAGE.rglob("*.*")).replace("http://www.w3.org/2000/svg", ""),
@@ -89,25 +99,25 @@ def test_a_run_plays_with_its_timeline(server, recorded):
     """Seek shows the frame asked for; colours that a frame has are shown, others are not offered."""
 
     async def talk(page, port):
-        scene = page.word("scene")
+        scene = page.message("scene")
         assert scene["live"] is False
         assert scene["player"]["frames"] == 6
         assert "stress" not in {m["name"] for m in scene["modes"]}
         assert [s["path"] for s in scene["panel"]] == ["light"]
-        await page.wish(do="seek", frame=3)
+        await page.send(do="seek", frame=3)
         await page.until(lambda p: p.head["frame"] == 3)
         assert page.head["time"] == pytest.approx(0.1)
-        await page.wish(do="look", mode="speed")
+        await page.send(do="color_mode", mode="speed")
         await page.until(lambda p: p.head["mode"] == "speed")
-        await page.wish(do="seek", frame=10**6)
+        await page.send(do="seek", frame=10**6)
         await page.until(lambda p: p.head["frame"] == 5)
-        await page.wish(do="play")
+        await page.send(do="play")
         await page.until(lambda p: p.head["frame"] < 5)  # in a circle
-        await page.wish(do="throw", origin=[0, 0, 2], direction=[0, 0, -1])
-        await page.until(lambda p: p.word("refused"))
-        assert "recorded" in page.word("refused")["sentence"]
-        await page.wish(do="set", path="light.sun_elevation", value=60.0)
-        await page.until(lambda p: p.word("scene")["light"]["sun"][2] > 0.8)
+        await page.send(do="throw", origin=[0, 0, 2], direction=[0, 0, -1])
+        await page.until(lambda p: p.message("refused"))
+        assert "recorded" in page.message("refused")["sentence"]
+        await page.send(do="set", path="light.sun_elevation", value=60.0)
+        await page.until(lambda p: p.message("scene")["light"]["sun"][2] > 0.8)
 
     before = sorted((p.name, p.stat().st_mtime_ns) for p in recorded.rglob("*"))
     converse(server, talk)
@@ -123,10 +133,10 @@ def test_many_pages_watch_one_run(server):
 
         async with connect(f"ws://127.0.0.1:{port}/socket", max_size=None) as line:
             other = Page(line)
-            await other.until(lambda p: p.states and p.word("scene"))
-            await other.wish(do="look", mode="J_P")
+            await other.until(lambda p: p.states and p.message("scene"))
+            await other.send(do="color_mode", mode="J_P")
             await other.until(lambda p: p.head["mode"] == "J_P")
-            await page.wish(do="seek", frame=2)
+            await page.send(do="seek", frame=2)
             for each in (page, other):
                 await each.until(lambda p: p.head["frame"] == 2)
             assert page.head["mode"] == "snow"

@@ -14,8 +14,7 @@ from neve import _core
 from neve.bench.spread import Spread
 from neve.mpm.solver import STAGES
 from neve.scene.errors import SceneWarning
-from neve.scene.schema.bodies import RigidMesh
-from neve.scene.schema.scene import Camera, Numerics, Plane, Scene, SnowBox
+from neve.scene.schema.scene import Body, Camera, Collider, Numerics, Scene, Source
 from neve.simulation import Simulation
 
 DX, DT = 0.02, 1e-4
@@ -77,10 +76,11 @@ def boots(cells: tuple[int, int, int], count: int, **numerics: Any) -> Scene:
     places = (np.arange(count) + 0.5) * x / max(count, 1) - 0.5 * x
     return Scene(
         numerics=Numerics(**{"dx": DX, "dt": DT, **numerics}),
-        sources=(SnowBox(center=(0.0, 0.0, z / 2), size=(x, y, z)),),
-        colliders=(Plane(),),
+        sources=(Source.of("box", center=(0.0, 0.0, z / 2), size=(x, y, z)),),
+        colliders=(Collider.of("plane"),),
         bodies=tuple(
-            RigidMesh(
+            Body.of(
+                "mesh",
                 file=FILE,
                 center=(float(place), 0.0, z - SUNK),
                 rotation=(0.0, 0.0, 90.0),

@@ -21,7 +21,7 @@ from neve.bench.bodies import Share, measure_bodies
 from neve.bench.spread import Spread
 from neve.mpm.solver import STAGES
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Camera, Numerics, Plane, Scene, SnowBox
+from neve.scene.schema.scene import Camera, Collider, Numerics, Scene, Source
 from neve.simulation import Simulation
 from neve.spelling import hint, nearest
 
@@ -80,8 +80,8 @@ def landing_block(cells: tuple[int, int, int], **numerics: Any) -> Scene:
     size = (cells[0] * DX, cells[1] * DX, cells[2] * DX)
     return Scene(
         numerics=Numerics(**{"dx": DX, "dt": DT, "initial_volume": "sampled", **numerics}),
-        sources=(SnowBox(center=(0.0, 0.0, size[2] / 2), size=size, velocity=(0.0, 0.0, -SPEED)),),
-        colliders=(Plane(),),
+        sources=(Source.of("box", center=(0.0, 0.0, size[2] / 2), size=size, velocity=(0.0, 0.0, -SPEED)),),
+        colliders=(Collider.of("plane"),),
         camera=Camera(position=(2 * size[0], -4 * size[0], 2 * size[0]), target=(0.0, 0.0, size[2] / 2)),
     )
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.geometry.pose import Pose, rotation_matrix, rotation_to_normal, rotation_vector
-from neve.scene.schema.scene import Collider, Keyframe, Plane, Sphere
+from neve.scene.schema.scene import Collider, Keyframe
 
 Array = NDArray[np.float64]
 
@@ -44,11 +44,10 @@ def _between_keyframes(collider: Collider, t: float) -> Pose:
 def _position(collider: Collider, key: Keyframe | None = None) -> Array:
     if key is not None and key.position is not None:
         return np.array(key.position)
-    return np.array(collider.point if isinstance(collider, Plane) else collider.center)
+    return np.array(collider.origin)
 
 
 def _rotation(collider: Collider, key: Keyframe | None = None) -> Array:
-    own = (0.0, 0.0, 0.0) if isinstance(collider, (Plane, Sphere)) else collider.rotation
-    vector = own if key is None or key.rotation is None else key.rotation
+    vector = collider.turned if key is None or key.rotation is None else key.rotation
     R = rotation_matrix(np.radians(vector))
-    return R @ rotation_to_normal(np.array(collider.normal)) if isinstance(collider, Plane) else R
+    return R if collider.facing is None else R @ rotation_to_normal(np.array(collider.facing))

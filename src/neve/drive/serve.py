@@ -16,21 +16,12 @@ from http import HTTPStatus
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+from neve.serving import address, content_type, is_local, port_error, ports
+
 PAGE = Path(__file__).parent / "page"
 PORT = 8440
-TRIES = 20
-"""Ports after the first that are tried when it is taken, unless one was asked for."""
 
 HOW_TO_BUILD = "npm ci && npm run build in web/drive of the source builds it (Node 20.19 or newer)"
-TYPES = {
-    ".html": "text/html; charset=utf-8",
-    ".js": "text/javascript; charset=utf-8",
-    ".css": "text/css; charset=utf-8",
-    ".wasm": "application/wasm",
-    ".svg": "image/svg+xml",
-    ".png": "image/png",
-    ".jpg": "image/jpeg",
-}
 
 
 class DriveError(RuntimeError):
@@ -45,13 +36,12 @@ def drive(
 ) -> None:
     """Serve the page until Ctrl-C. browse: open it here. Errors: DriveError, one sentence."""
     with listening(host, port) as server:
-        place, actual = server.server_address[:2]
-        shown = f"[{host}]" if ":" in host else host
-        tell(f"http://{shown}:{actual} is the car on snow; Ctrl-C ends.")
-        if place not in ("127.0.0.1", "::1"):
+        url = address(host, server.server_address[1])
+        tell(f"{url} is the car on snow; Ctrl-C ends.")
+        if not is_local(host):
             tell(f"warning: {host} can be reached from other machines; they can read the page, nothing else.")
         if browse:
-            webbrowser.open(f"http://{shown}:{actual}")
+            webbrowser.open(url)
         with contextlib.suppress(KeyboardInterrupt):  # the way to end it
             server.serve_forever()
 
@@ -64,15 +54,12 @@ def listening(host: str, port: int | None, page: Path = PAGE) -> Iterator[http.s
         raise DriveError(f"this copy of Neve does not carry the page of neve drive: {HOW_TO_BUILD}.")
     files["/"] = files["/index.html"]
     handler = functools.partial(_Handler, files)
-    first = PORT if port is None else port
-    for number in range(first, first + (TRIES if port is None else 1)):
+    for number in (tries := list(ports(port, PORT))):
         try:
             server = _Server6((host, number), handler) if ":" in host else _Server((host, number), handler)
         except OSError as error:
-            if number == first + TRIES - 1 or port is not None:
-                raise DriveError(
-                    f"port {number} of {host} cannot be used: {error.strerror or error}; choose another."
-                ) from error
+            if number == tries[-1]:
+                raise DriveError(port_error(host, number, error)) from error
             continue
         with server:
             yield server
@@ -116,7 +103,7 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             )
         else:
             body, status = path.read_bytes(), HTTPStatus.OK
-            kind = TYPES.get(path.suffix, "application/octet-stream")
+            kind = content_type(path)
         self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(body)))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from neve.geometry.triangles import Triangles, tidied
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.files import where
-from neve.scene.schema.meshes import MeshFile
+from neve.scene.schema.file_shapes import Mesh
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ DOUBTFUL_SHARE = 0.03
 """Share of doubtful points from which on a mesh bounds no body."""
 
 
-def read_mesh(part: MeshFile, name: str) -> Triangles:
+def read_mesh(part: Mesh, name: str) -> Triangles:
     """Return the surface in the file of `part` [m], in the axes of the body: the file's origin is 0, z is up.
 
     `name` tells the part in messages. Warns with SceneWarning of a mesh with small holes: they are closed.
@@ -56,7 +56,7 @@ def read_mesh(part: MeshFile, name: str) -> Triangles:
     return surface
 
 
-def warn_if_small(surface: Triangles, part: MeshFile, dx: float, name: str) -> None:
+def warn_if_small(surface: Triangles, part: Mesh, dx: float, name: str) -> None:
     """Warn with SceneWarning of a mesh that is smaller than two cells along each axis."""
     length = float((surface.high - surface.low).max()) + part.thickness
     if length < 2 * dx * (1 - 1e-9):
@@ -69,7 +69,7 @@ def warn_if_small(surface: Triangles, part: MeshFile, dx: float, name: str) -> N
         )
 
 
-def _require_inside(surface: Triangles, part: MeshFile, name: str) -> None:
+def _require_inside(surface: Triangles, part: Mesh, name: str) -> None:
     """Refuse a surface that has no inside: whose winding number is in doubt at too many points around it.
 
     Where a surface has no boundary the winding number is whole anywhere (Jacobson et al. 2013, section 3).
@@ -101,7 +101,7 @@ def doubtful_share(surface: Triangles) -> float:
     return float(np.mean(np.abs(winding - np.rint(winding)) > DOUBT))
 
 
-def _told(part: MeshFile, name: str) -> str:
+def _told(part: Mesh, name: str) -> str:
     return f"{name}.file = {json.dumps(part.file, ensure_ascii=False)}"
 
 

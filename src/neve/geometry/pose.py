@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,12 @@ class Pose:
     rotation: Array
     velocity: Array
     omega: Array
+
+    @classmethod
+    def at_rest(cls, position: NDArray[Any], rotation: NDArray[Any]) -> Pose:
+        """Return the pose of a solid that is drawn: `position` [m] and `rotation` [1], of any float type."""
+        still = np.zeros(3)
+        return cls(np.asarray(position, np.float64), np.asarray(rotation, np.float64), still, still)
 
 
 def rotation_matrix(vector: Array) -> Array:

@@ -19,7 +19,7 @@ from neve.geometry import cache
 from neve.geometry.mesh import read_mesh, warn_if_small
 from neve.geometry.triangles import Triangles
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.schema.meshes import MeshFile
+from neve.scene.schema.file_shapes import Mesh
 
 if TYPE_CHECKING:
     from neve._core import SdfGrid
@@ -78,7 +78,7 @@ class SolidMesh:
         return self.thickness or 2.0 * self.surface.tree.volume / self.surface.area
 
 
-def solid_mesh(part: MeshFile, dx: float, name: str) -> SolidMesh:
+def solid_mesh(part: Mesh, dx: float, name: str) -> SolidMesh:
     """Return the body in the file of `part`, as fine as a snow grid of spacing `dx` [m] asks for.
 
     `name` tells the part in messages. Warns with SceneWarning of small holes, of a body smaller than two
@@ -153,7 +153,7 @@ def grid_bytes(surface: Triangles, spacing: float, band: float, thickness: float
     return bricks * BRICK_BYTES + float(np.prod(size / edge + 2)) * NODE_BYTES
 
 
-def _spacing(surface: Triangles, part: MeshFile, dx: float, name: str) -> float:
+def _spacing(surface: Triangles, part: Mesh, dx: float, name: str) -> float:
     """Return the spacing of the samples [m]: `detail`, or half a cell, less for thin parts, if affordable."""
 
     def needed(spacing: float) -> float:

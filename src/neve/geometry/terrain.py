@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from neve import _core
 from neve.scene.errors import SceneError
 from neve.scene.reading.files import where
-from neve.scene.schema.scene import Terrain
+from neve.scene.schema.file_shapes import Terrain
 
 if TYPE_CHECKING:
     from neve._core import HeightField

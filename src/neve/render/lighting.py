@@ -51,8 +51,8 @@ def density_cell(numerics: Numerics) -> float:
 
 
 def is_ground(solid: Solid) -> bool:
-    """Say whether a solid is drawn as frozen ground: a plane or terrain without colour and finish."""
-    return solid.shape in ("plane", "terrain") and solid.color is None and solid.finish is None
+    """Say whether a solid is drawn as frozen ground: an endless one without colour and finish."""
+    return solid.endless and solid.color is None and solid.finish is None
 
 
 def _scaled(color: Triple, factor: float) -> Triple:

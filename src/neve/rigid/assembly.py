@@ -19,8 +19,8 @@ from neve.rigid.inertia import bulk_of
 from neve.rigid.robot_solids import Place
 from neve.rigid.robots import Loaded, add_robot, place_joints
 from neve.scene.errors import SceneError
-from neve.scene.schema.bodies import DENSITY, Motor, RigidBody
-from neve.scene.schema.scene import Collider, Rigid, Scene
+from neve.scene.schema.bodies import DENSITY, Motor
+from neve.scene.schema.scene import Body, Collider, Scene
 
 Array = NDArray[np.float64]
 
@@ -131,20 +131,13 @@ def _compiled(spec: Any) -> Any:
 
 def _geom(spec: Any, solid: Solid) -> dict[str, Any]:
     """Return type and size of the engine's geom for `solid`; a mesh or height field is added to `spec`."""
-    mujoco = engine()
-    kinds = mujoco.mjtGeom
-    a, _, c = (float(h) for h in solid.half)
-    if solid.shape == "plane":
-        return {"type": kinds.mjGEOM_PLANE, "size": [0.0, 0.0, 1.0]}
-    if solid.shape == "box":
-        return {"type": kinds.mjGEOM_BOX, "size": solid.half}
-    if solid.shape == "sphere":
-        return {"type": kinds.mjGEOM_SPHERE, "size": [a, 0.0, 0.0]}
-    if solid.shape == "cylinder":
-        return {"type": kinds.mjGEOM_CYLINDER, "size": [a, c, 0.0]}
-    if solid.shape == "terrain":
+    kinds = engine().mjtGeom
+    if solid.mesh:
+        return {"type": kinds.mjGEOM_MESH, "meshname": add_mesh(spec, solid)}
+    if solid.terrain:
         return {"type": kinds.mjGEOM_HFIELD, "hfieldname": add_terrain(spec, solid)}
-    return {"type": kinds.mjGEOM_MESH, "meshname": add_mesh(spec, solid)}
+    kind = getattr(kinds, f"mjGEOM_{solid.form.geom}")
+    return {"type": kind, "size": solid.form.geom_size(solid.half)}
 
 
 def _add_geom(
@@ -181,7 +174,7 @@ def _add_collider(spec: Any, collider: Collider, solid: Solid) -> None:
     _add_geom(spec, body, solid, (np.zeros(3), np.eye(3)), 0.0, True)
 
 
-def _add_body(spec: Any, body: Rigid, solid: Solid, frames: Sequence[_Frame]) -> _Frame:
+def _add_body(spec: Any, body: Body, solid: Solid, frames: Sequence[_Frame]) -> _Frame:
     """Add a body with its joint and motor, and return the frame that the engine gives it."""
     bulk = bulk_of(solid)
     density = DENSITY if body.density is None else body.density
@@ -194,7 +187,7 @@ def _add_body(spec: Any, body: Rigid, solid: Solid, frames: Sequence[_Frame]) ->
             f"the rigid-body engine needs {LIGHTEST:g} at least, so make it larger or heavier"
         )
     R = rotation_matrix(np.radians(body.rotation))
-    center = np.array(body.center)
+    center = np.array(body.origin)
     frame = _Frame(center + R @ bulk.center, R @ axes)
     if body.parent is None:
         host, place = spec.worldbody, (frame.position, frame.rotation)
@@ -215,14 +208,14 @@ def _add_body(spec: Any, body: Rigid, solid: Solid, frames: Sequence[_Frame]) ->
     return frame
 
 
-def _add_joint(spec: Any, made: Any, body: RigidBody, frame: _Frame, name: str) -> None:
+def _add_joint(spec: Any, made: Any, body: Body, frame: _Frame, name: str) -> None:
     mujoco = engine()
     if body.joint == "free":
         made.add_freejoint(name=name, align=False)
         return
     hinge = body.joint == "hinge"
     axis = np.array(body.axis) / np.linalg.norm(body.axis)
-    anchor = np.array(body.anchor if body.anchor is not None else body.center)  # type: ignore[attr-defined]
+    anchor = np.array(body.anchor if body.anchor is not None else body.origin)
     kinds = mujoco.mjtJoint
     joint = made.add_joint(
         name=name,
@@ -243,10 +236,10 @@ def _add_joint(spec: Any, made: Any, body: RigidBody, frame: _Frame, name: str) 
 
 
 def _find_places(
-    made: Assembly, solids: Sequence[Solid], bodies: Sequence[Rigid], frames: Sequence[_Frame]
+    made: Assembly, solids: Sequence[Solid], bodies: Sequence[Body], frames: Sequence[_Frame]
 ) -> None:
     for solid, body, frame in zip(solids, bodies, frames, strict=True):
-        place = frame.inside(np.array(body.center), rotation_matrix(np.radians(body.rotation)))
+        place = frame.inside(np.array(body.origin), rotation_matrix(np.radians(body.rotation)))
         made.places.append(Place(made.model.body(solid.name).id, *place))
 
 
@@ -258,7 +251,7 @@ def _find_scripted(made: Assembly, colliders: Sequence[Collider], solids: Sequen
 
 
 def _motors(
-    bodies: Sequence[Rigid], solids: Sequence[Solid], robots: Sequence[Loaded]
+    bodies: Sequence[Body], solids: Sequence[Solid], robots: Sequence[Loaded]
 ) -> Iterator[tuple[str, Motor]]:
     """Yield the full name of each joint that has a motor here, which is also that of its actuator."""
     for body, solid in zip(bodies, solids, strict=True):
@@ -302,7 +295,7 @@ def _set_gain(actuator: Any, motor: Motor, inertia: float) -> None:
 
 
 def _controls(
-    model: Any, bodies: Sequence[Rigid], solids: Sequence[Solid], robots: Sequence[Loaded]
+    model: Any, bodies: Sequence[Body], solids: Sequence[Solid], robots: Sequence[Loaded]
 ) -> Iterator[Control]:
     """Yield what the motors of bodies and the actuators of robots are told."""
     for body, solid in zip(bodies, solids, strict=True):
@@ -317,14 +310,14 @@ def _controls(
             yield Control(int(model.actuator(f"{loaded.name}.{name}").id), times, values)
 
 
-def _speeds(model: Any, bodies: Sequence[Rigid], solids: Sequence[Solid], frames: Sequence[_Frame]) -> Array:
+def _speeds(model: Any, bodies: Sequence[Body], solids: Sequence[Solid], frames: Sequence[_Frame]) -> Array:
     """Return the velocities of all degrees of freedom at the start; of a joint, relative to its parent."""
     speeds = np.zeros(model.nv)
     for body, solid, frame in zip(bodies, solids, frames, strict=True):
         first = int(model.joint(solid.name).dofadr[0])
         velocity, spin = np.array(body.velocity), np.array(body.spin)
         if body.joint == "free":
-            arm = frame.position - np.array(body.center)
+            arm = frame.position - np.array(body.origin)
             speeds[first : first + 3] = velocity + np.cross(spin, arm)
             speeds[first + 3 : first + 6] = frame.rotation.T @ spin
         else:

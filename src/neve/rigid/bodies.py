@@ -33,8 +33,8 @@ FARTHEST = 1e10
 class RigidBodies:
     """Hold the bodies of a scene in the rigid-body engine.
 
-    A solid's frame is that of its shape in the scene: the centre of a box, sphere or cylinder, the file's
-    origin of a mesh; not the centre of mass. Its velocity is that of the frame's origin. All vectors are in
+    A solid's frame is that of its shape in the scene, such as the centre of a box or the origin of a mesh
+    file; not the centre of mass. Its velocity is that of the frame's origin. All vectors are in
     world axes.
     """
 

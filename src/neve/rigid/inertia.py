@@ -46,25 +46,19 @@ class Bulk:
 
 
 def bulk_of(solid: Solid) -> Bulk:
-    """Return volume, centre of mass and inertia of a box, sphere, cylinder or mesh.
+    """Return volume, centre of mass and inertia of a solid that has bounds.
 
     Errors: SceneError for a mesh without an inside.
     """
-    a, b, c = (float(h) for h in solid.half)
     if solid.mesh:
         if solid.mesh.thickness > 0:
             return bulk_of_sheet(solid.mesh.vertices, solid.mesh.faces, solid.mesh.thickness)
         if not _winds_once(solid.mesh.surface):
             return measured_bulk(solid.mesh.surface, solid.name)
         return bulk_of_mesh(solid.mesh.vertices, solid.mesh.faces)
-    if solid.shape == "box":
-        volume, squares = 8 * a * b * c, np.array([a * a, b * b, c * c]) / 3
-    elif solid.shape == "sphere":
-        volume, squares = 4 / 3 * math.pi * a**3, np.full(3, a * a / 5)
-    elif solid.shape == "cylinder":
-        volume, squares = 2 * math.pi * a * a * c, np.array([a * a / 4, a * a / 4, c * c / 3])
-    else:
+    if solid.endless:
         raise ValueError(f"{solid.name}: a {solid.shape} has no mass")
+    volume, squares = solid.form.volume_of(solid.half), solid.form.mean_squares(solid.half)
     return Bulk(volume, np.zeros(3), volume * np.diag(squares.sum() - squares))
 
 

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
-from neve.colliders.solid import Shape, Solid
+from neve.colliders.solid import Solid
 from neve.geometry.mesh import DOUBTFUL_SHARE, doubtful_share
 from neve.geometry.sdf import SolidMesh, filled
 from neve.geometry.triangles import tidied
 from neve.rigid.engine import engine
 from neve.rigid.robots import Loaded
+from neve.scene.schema.roles import SHAPES
 
 if TYPE_CHECKING:
     from neve._core import HeightField
@@ -75,19 +76,16 @@ def _solid(model: Any, index: int, loaded: Loaded, name: str, dx: float) -> Soli
     )
 
 
-def _simple(model: Any, index: int) -> tuple[Shape, Array]:
+def _simple(model: Any, index: int) -> tuple[str, Array]:
     """Return the shape of a geom and its `Solid.half`."""
     kinds = engine().mjtGeom
-    a, b, c = (float(s) for s in model.geom_size[index])
-    known: dict[int, tuple[Shape, list[float]]] = {
-        int(kinds.mjGEOM_PLANE): ("plane", [0.0, 0.0, 0.0]),
-        int(kinds.mjGEOM_BOX): ("box", [a, b, c]),
-        int(kinds.mjGEOM_SPHERE): ("sphere", [a, a, a]),
-        int(kinds.mjGEOM_CYLINDER): ("cylinder", [a, a, b]),
-        int(kinds.mjGEOM_HFIELD): ("terrain", [0.0, 0.0, 0.0]),
-    }
-    shape, half = known.get(int(model.geom_type[index]), ("mesh", [0.0, 0.0, 0.0]))
-    return shape, np.array(half)
+    kind = int(model.geom_type[index])
+    if kind == kinds.mjGEOM_HFIELD:
+        return "terrain", np.zeros(3)
+    for word, form in SHAPES.items():
+        if form.geom and kind == getattr(kinds, f"mjGEOM_{form.geom}"):
+            return word, np.array(form.half_of_geom(model.geom_size[index]))
+    return "mesh", np.zeros(3)
 
 
 def _mesh(model: Any, index: int, dx: float) -> SolidMesh:

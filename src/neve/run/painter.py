@@ -63,9 +63,6 @@ class Painter:
 
         positions, rotations: of each solid, (3,) [m] and (3, 3); those of further bodies are left out
         """
-        still = np.zeros(3)
-        bodies = [
-            (solid, Pose(np.asarray(position, np.float64), np.asarray(rotation, np.float64), still, still))
-            for solid, position, rotation in zip(self._solids, positions, rotations, strict=False)
-        ]
+        places = zip(self._solids, positions, rotations, strict=False)
+        bodies = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in places]
         return self._preview.draw(x, bodies, J_P=J_P)

@@ -11,7 +11,7 @@ from neve.sampling.factors import factors
 from neve.sampling.points import jittered, poisson, regular
 from neve.sampling.regions import region
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Numerics, SnowSource
+from neve.scene.schema.scene import Numerics, Source
 
 __all__ = ["MOST", "Samples", "fill"]
 
@@ -46,7 +46,7 @@ class Samples:
         return Samples(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
 
-def fill(source: SnowSource, numerics: Numerics, index: int) -> Samples:
+def fill(source: Source, numerics: Numerics, index: int) -> Samples:
     """Place particles in `source`, the scene's source number `index`.
 
     On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and

@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from neve.sampling.noise import clods, fractal
 from neve.sampling.regions import Region
-from neve.scene.schema.scene import SnowSource
+from neve.scene.schema.scene import Source
 from neve.scene.schema.sources import Variation
 
 Array = NDArray[np.float64]
 
 
-def factors(source: SnowSource, space: Region, local: Array, seed: int, index: int) -> dict[str, Array]:
+def factors(source: Source, space: Region, local: Array, seed: int, index: int) -> dict[str, Array]:
     """Return factors [1] (n,) of particles at `local` [m] (n, 3), in the own axes of source number `index`.
 
     There is one on `stiffness` (Young's modulus), one on `strength` (theta_c and theta_s, cohesion, p0) and

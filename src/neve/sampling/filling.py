@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from neve.geometry.inside import windings
 from neve.geometry.sdf import SolidMesh, solid_mesh
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Numerics, SnowMesh
+from neve.scene.schema.file_shapes import Mesh
+from neve.scene.schema.scene import Numerics
 
 Array = NDArray[np.float64]
 
@@ -48,7 +49,7 @@ class MeshSpace:
         return np.asarray(phi, dtype=np.float64)
 
 
-def mesh_space(source: SnowMesh, numerics: Numerics, name: str) -> MeshSpace:
+def mesh_space(source: Mesh, numerics: Numerics, name: str) -> MeshSpace:
     """Return the space inside the mesh of `source`; `name` tells it in messages.
 
     Errors: SceneError for a mesh that cannot be used; see `neve.geometry.mesh.read_mesh`.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import SnowText
+from neve.scene.schema.file_shapes import Text
 
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont
@@ -79,7 +79,7 @@ class Letters:
         return i, j
 
 
-def letters(source: SnowText, spacing: float, name: str) -> Letters:
+def letters(source: Text, spacing: float, name: str) -> Letters:
     """Draw the text of `source` with pixels fine enough for particles `spacing` [m] apart.
 
     Errors: SceneError if the font cannot be read or lacks a letter; `name` tells the source.
@@ -104,7 +104,7 @@ def letters(source: SnowText, spacing: float, name: str) -> Letters:
     return Letters(solid, source.height / _capital(source.text, font))
 
 
-def _open(source: SnowText, size: float, name: str) -> FreeTypeFont:
+def _open(source: Text, size: float, name: str) -> FreeTypeFont:
     from PIL import ImageFont
 
     try:
@@ -115,7 +115,7 @@ def _open(source: SnowText, size: float, name: str) -> FreeTypeFont:
         ) from None
 
 
-def _check_glyphs(source: SnowText, font: FreeTypeFont, name: str) -> None:
+def _check_glyphs(source: Text, font: FreeTypeFont, name: str) -> None:
     box = _picture(NO_CHARACTER, font)
     lacking = [c for c in dict.fromkeys(source.text) if not c.isspace() and _picture(c, font) in (box, None)]
     if lacking:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from math import pi, sqrt
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +11,9 @@ from numpy.typing import NDArray
 from neve.geometry.pose import rotation_matrix
 from neve.sampling.filling import MeshSpace, mesh_space
 from neve.sampling.lettering import Letters, letters
-from neve.scene.schema.scene import (
-    Numerics,
-    SnowBox,
-    SnowCylinder,
-    SnowLayer,
-    SnowMesh,
-    SnowSource,
-    SnowSphere,
-    SnowText,
-)
+from neve.scene.schema.file_shapes import Mesh, Text
+from neve.scene.schema.scene import Numerics, Source
+from neve.scene.schema.shapes import Shape
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -53,56 +45,46 @@ class Region:
     middle: Array = field(default_factory=lambda: np.zeros(3))
 
 
-def region(source: SnowSource, numerics: Numerics, name: str) -> Region:
+def region(source: Source, numerics: Numerics, name: str) -> Region:
     """Return the space that `source` fills, with details finer than the particles' distance.
 
-    `name` tells the source in errors.
+    `name`: used in messages.
 
     Errors: SceneError for letters that the font does not have, or a mesh that cannot be filled.
     """
-    if isinstance(source, SnowBox):
-        return _box(source.center, source.rotation, source.size)
-    if isinstance(source, SnowLayer):
-        (x, y), (a, b) = source.center, source.size
-        sheet = _box((x, y, source.base + 0.5 * source.depth), (0.0, 0.0, 0.0), (a, b, source.depth))
-        return replace(sheet, depth=lambda p: np.asarray(0.5 * source.depth - p[:, 2]))
-    if isinstance(source, SnowSphere):
-        return _sphere(source.center, source.radius)
-    if isinstance(source, SnowCylinder):
-        return _cylinder(source.center, source.rotation, source.radius, source.height)
-    if isinstance(source, SnowMesh):
+    if isinstance(source, Mesh):
         return _mesh(source, mesh_space(source, numerics, name))
-    assert isinstance(source, SnowText)
-    sign = letters(source, numerics.spacing, name)
-    block = _box(source.center, source.rotation, (sign.width, source.depth, sign.height))
-    volume = sign.area * source.depth
-    return replace(block, volume=volume, inside=sign.covers, depth=_below_letters(sign, source.depth))
+    if isinstance(source, Text):
+        return _letters(source, letters(source, numerics.spacing, name))
+    half = np.array(source.half_extents())
+    axes, center = _axes(source), np.array(source.origin)
+    return Region(
+        center=center,
+        rotation=axes,
+        size=2.0 * half,
+        volume=source.volume_of(half),
+        inside=lambda x: source.covers(half, x),
+        depth=lambda x: source.depth_of(half, x),
+        lowest=source.lowest_of(half, float(center[2]), axes[2]),
+    )
 
 
-def _sphere(center: tuple[float, ...], r: float) -> Region:
-    middle, size = np.array(center), np.full(3, 2.0 * r)
-    return Region(middle, np.eye(3), size, 4.0 / 3.0 * pi * r**3, _ball(r), _below_ball(r), center[2] - r)
+def _letters(source: Text, sign: Letters) -> Region:
+    axes, center = _axes(source), np.array(source.origin)
+    half = 0.5 * np.array((sign.width, source.depth, sign.height))
+    return Region(
+        center=center,
+        rotation=axes,
+        size=2.0 * half,
+        volume=sign.area * source.depth,
+        inside=sign.covers,
+        depth=lambda x: np.minimum(sign.depth(x), half[1] - np.abs(x[:, 1])),
+        lowest=source.lowest_of(half, float(center[2]), axes[2]),
+    )
 
 
-def _cylinder(center: tuple[float, ...], rotation: tuple[float, ...], r: float, h: float) -> Region:
-    axes, size = _axes(rotation), np.array([2.0 * r, 2.0 * r, h])
-    up = min(abs(float(axes[2, 2])), 1.0)
-    lowest = center[2] - 0.5 * h * up - r * sqrt(1.0 - up * up)
-    return Region(np.array(center), axes, size, pi * r * r * h, _disc(r), _below_disc(r, h), lowest)
-
-
-def _box(center: tuple[float, ...], rotation: tuple[float, ...], size: tuple[float, ...]) -> Region:
-    middle, edges, axes = np.array(center), np.array(size), _axes(rotation)
-
-    def depth(x: Array) -> Array:
-        return np.asarray((0.5 * edges - np.abs(x)).min(axis=1))
-
-    lowest = float(middle[2] - 0.5 * np.abs(axes[2]) @ edges)
-    return Region(middle, axes, edges, float(np.prod(edges)), _everywhere, depth, lowest)
-
-
-def _mesh(source: SnowMesh, space: MeshSpace) -> Region:
-    axes, middle, center = _axes(source.rotation), 0.5 * (space.low + space.high), np.array(source.center)
+def _mesh(source: Mesh, space: MeshSpace) -> Region:
+    axes, middle, center = _axes(source), 0.5 * (space.low + space.high), np.array(source.origin)
     return Region(
         center=center,
         rotation=axes,
@@ -115,29 +97,5 @@ def _mesh(source: SnowMesh, space: MeshSpace) -> Region:
     )
 
 
-def _axes(rotation: tuple[float, ...]) -> Array:
-    return rotation_matrix(np.radians(rotation))
-
-
-def _everywhere(x: Array) -> Mask:
-    return np.ones(len(x), dtype=bool)
-
-
-def _ball(radius: float) -> Callable[[Array], Mask]:
-    return lambda x: np.einsum("ij,ij->i", x, x) <= radius**2
-
-
-def _below_ball(radius: float) -> Callable[[Array], Array]:
-    return lambda x: np.asarray(radius - np.linalg.norm(x, axis=1))
-
-
-def _disc(radius: float) -> Callable[[Array], Mask]:
-    return lambda x: x[:, 0] ** 2 + x[:, 1] ** 2 <= radius**2
-
-
-def _below_disc(radius: float, height: float) -> Callable[[Array], Array]:
-    return lambda x: np.minimum(radius - np.hypot(x[:, 0], x[:, 1]), 0.5 * height - np.abs(x[:, 2]))
-
-
-def _below_letters(sign: Letters, depth: float) -> Callable[[Array], Array]:
-    return lambda x: np.minimum(sign.depth(x), 0.5 * depth - np.abs(x[:, 1]))
+def _axes(source: Shape) -> Array:
+    return rotation_matrix(np.radians(source.turned))

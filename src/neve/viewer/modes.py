@@ -1,4 +1,4 @@
-"""What the snow's colours can show, with its unit and its legend."""
+"""What the snow's colours can show: each mode with its measure, its unit and its legend."""
 
 from __future__ import annotations
 
@@ -9,40 +9,45 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.build import material_table
+from neve.scene.schema.scene import Scene
+from neve.viewer.protocol.messages import LegendName
+from neve.viewer.protocol.messages import Mode as ModeMessage
+
 Array = NDArray[np.float32]
 Columns = Mapping[str, Callable[[], Any]]
-"""Columns of the particles by name, made when they are asked for."""
+"""Columns of the particles by name, each made when it is asked for."""
+
+Palette = tuple[tuple[int, int, int], ...]
+"""Colours from the least to the greatest value, red, green and blue from 0 to 255."""
+
+ICE: Palette = ((34, 60, 122), (36, 104, 160), (58, 160, 190), (160, 222, 205), (250, 250, 210))
+FIRE: Palette = ((58, 34, 104), (122, 34, 104), (190, 54, 68), (246, 132, 42), (252, 236, 150))
+DIVERGING: Palette = ((26, 62, 140), (110, 160, 214), (238, 238, 238), (232, 150, 96), (150, 34, 28))
+
+MOST_FRAGMENTS = 400_000
+"""Particles above which fragments are not looked for: it would take longer than a snapshot lasts."""
 
 
 @dataclass(frozen=True)
 class Mode:
     """Describe a colour mode.
 
-    needs: columns without which it cannot be shown. limits: of the legend; None: found from the values.
-    palette: of the page. classes: the values are names, not amounts.
+    measure: return what it shows of each particle, (n,), rows in the order of the columns, from the columns
+    and the spacing [m] of particles in snow at rest; None: the lit look without figures. needs: columns
+    without which it cannot be shown. limits: of the legend; None: found from the values. names: of a mode
+    whose values are names, not amounts: the lines of its legend, given the scene. slow: measuring takes
+    longer than a time step, so a live run measures it about once a second.
     """
 
     label: str
     unit: str
     needs: tuple[str, ...]
+    measure: Callable[[Columns, float], Array] | None
     limits: tuple[float, float] | None = None
-    palette: str = "ice"
-    classes: bool = False
-
-
-MODES: Mapping[str, Mode] = {
-    "snow": Mode("snow", "", (), (0.0, 1.0)),
-    "speed": Mode("speed", "m/s", ("v",)),
-    "J_P": Mode("compaction J_P", "1", ("J_P",), (0.7, 1.3), "swing"),
-    "density": Mode("density", "kg/m3", ("density",), (0.0, 1000.0)),
-    "stress": Mode("von Mises stress", "Pa", ("tau", "F_E"), None, "fire"),
-    "material": Mode("material", "", ("material",), (0.0, 65535.0), "names", True),
-    "fragment": Mode("fragment", "", ("x", "J_P"), (0.0, 65535.0), "names", True),
-}
-"""Name -> mode. "snow" is the lit look without figures. No solver lets snow sleep, so none shows that."""
-
-MOST_FRAGMENTS = 400_000
-"""Particles above which pieces are not looked for: it would take longer than a moment lasts."""
+    palette: Palette = ICE
+    names: Callable[[Scene], list[LegendName]] | None = None
+    slow: bool = False
 
 
 def available(columns: set[str]) -> list[str]:
@@ -50,36 +55,68 @@ def available(columns: set[str]) -> list[str]:
     return [name for name, mode in MODES.items() if set(mode.needs) <= columns]
 
 
-def measure(mode: str, columns: Columns, rho0: Array, spacing: float) -> Array:
+def measure(mode: str, columns: Columns, spacing: float) -> Array:
     """Return what `mode` shows of each particle, (n,), rows in the order of the columns.
 
-    rho0: density of each row of the material table [kg/m3]. spacing: of particles in snow at rest [m].
+    spacing: of particles in snow at rest [m].
     """
-    if mode == "speed":
-        v = np.asarray(columns["v"](), np.float32)
-        return np.asarray(np.sqrt(np.einsum("ni,ni->n", v, v)), np.float32)
-    if mode == "J_P":
-        return np.asarray(columns["J_P"](), np.float32)
-    if mode == "density":
-        return np.asarray(columns["density"](), np.float32)
-    if mode == "material":
-        return np.asarray(columns["material"](), np.float32)
-    if mode == "stress":
-        return _von_mises(columns)
-    if mode == "fragment":
-        return _fragments(columns, spacing)
-    return np.zeros(len(columns["J_P"]()), np.float32)
+    function = MODES[mode].measure
+    if function is None:
+        raise ValueError(f"the colour mode {mode} measures nothing")
+    return function(columns, spacing)
 
 
-def _von_mises(columns: Columns) -> Array:
+def described(names: list[str], scene: Scene) -> list[ModeMessage]:
+    """Return what a page is told of the modes `names`."""
+    told: list[ModeMessage] = []
+    for name in names:
+        mode = MODES[name]
+        told.append(
+            {
+                "name": name,
+                "label": mode.label,
+                "unit": mode.unit,
+                "classes": mode.names is not None,
+                "stops": list(mode.palette),
+                "names": mode.names(scene) if mode.names else [],
+            }
+        )
+    return told
+
+
+def _column(name: str) -> Callable[[Columns, float], Array]:
+    """Return a measure that shows a column as it stands."""
+    return lambda columns, spacing: np.asarray(columns[name](), np.float32)
+
+
+def _speed(columns: Columns, spacing: float) -> Array:
+    """Return |v| [m/s]."""
+    v = np.asarray(columns["v"](), np.float32)
+    return np.asarray(np.sqrt(np.einsum("ni,ni->n", v, v)), np.float32)
+
+
+def _material_names(scene: Scene) -> list[LegendName]:
+    """Return what the legend calls each row of the material table: its kind, and whose snow it is."""
+    rows = material_table(scene)
+    names: list[LegendName] = []
+    for i, snow in enumerate(rows):
+        whose = [str(k) for k, source in enumerate(scene.sources) if scene.snow_of(source) == snow]
+        text = snow.kind if len(rows) == 1 else f"{snow.kind}, of sources {', '.join(whose[:6])}"
+        names.append({"value": i, "text": text})
+    return names
+
+
+def _fragment_names(scene: Scene) -> list[LegendName]:
+    """Return two lines: fragments are too many to name each."""
+    return [{"value": 0, "text": "powder"}, {"value": None, "text": "any other colour: a fragment"}]
+
+
+def _von_mises(columns: Columns, spacing: float) -> Array:
     """Return sqrt(3/2 s:s) / J_E of the Kirchhoff stress's deviator s: of the Cauchy stress per elastic
     volume [Pa].
     """
     tau, F = np.asarray(columns["tau"](), np.float32), np.asarray(columns["F_E"](), np.float32)
-    if tau.ndim == 2:  # xx, xy, xz, yy, yz, zz
-        xx, xy, xz, yy, yz, zz = tau.T
-    else:
-        xx, xy, xz, yy, yz, zz = (tau[:, i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
+    xx, yy, zz, xy, xz, yz = tau.T
     square = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + xz**2 + yz**2)
     J_E = np.abs(_determinant(F))
     return np.asarray(np.sqrt(square) / np.maximum(J_E, 1e-3), np.float32)
@@ -92,7 +129,7 @@ def _determinant(F: NDArray[Any]) -> NDArray[Any]:
 
 
 def _fragments(columns: Columns, spacing: float) -> Array:
-    """Return a number for each piece that keeps while its first particle stays in it; 0 is powder."""
+    """Return a number for each fragment, kept while its first particle stays in it; 0 is powder."""
     from neve.fragments import find
 
     x, J_P = np.asarray(columns["x"]()), np.asarray(columns["J_P"]())
@@ -108,8 +145,24 @@ def _fragments(columns: Columns, spacing: float) -> Array:
     return np.asarray(name[label], np.float32)
 
 
+MODES: Mapping[str, Mode] = {
+    "snow": Mode("snow", "", (), None, (0.0, 1.0)),
+    "speed": Mode("speed", "m/s", ("v",), _speed),
+    "J_P": Mode("compaction J_P", "1", ("J_P",), _column("J_P"), (0.7, 1.3), DIVERGING),
+    "density": Mode("density", "kg/m3", ("density",), _column("density"), (0.0, 1000.0)),
+    "stress": Mode("von Mises stress", "Pa", ("tau", "F_E"), _von_mises, None, FIRE),
+    "material": Mode(
+        "material", "", ("material",), _column("material"), (0.0, 65535.0), names=_material_names
+    ),
+    "fragment": Mode(
+        "fragment", "", ("x", "J_P"), _fragments, (0.0, 65535.0), names=_fragment_names, slow=True
+    ),
+}
+"""Name -> mode: an entry here is all that a new mode needs. "snow" is the lit look without figures."""
+
+
 class Scale:
-    """Choose the ends of a legend: round numbers that hold nearly all values, and that do not flicker."""
+    """Choose the ends of a legend: round numbers that span nearly all values and do not flicker."""
 
     def __init__(self) -> None:
         self._most: dict[str, float] = {}

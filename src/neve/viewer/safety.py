@@ -6,6 +6,8 @@ import ipaddress
 import socket
 from collections.abc import Sequence
 
+from neve.serving import is_local
+
 HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; "
@@ -16,16 +18,6 @@ HEADERS = {
     "X-Frame-Options": "DENY",
 }
 """Sent with every answer: the page loads nothing from elsewhere, and no other page may show or read it."""
-
-
-def is_local(host: str) -> bool:
-    """Whether `host` is reached from this machine alone."""
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def host_allowed(header: str, host: str) -> bool:

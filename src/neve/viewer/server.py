@@ -11,19 +11,21 @@ import asyncio
 import contextlib
 import json
 import logging
-import mimetypes
 from collections.abc import AsyncIterator
 from http import HTTPStatus
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from neve.serving import content_type
 from neve.viewer import safety
+from neve.viewer.describe import describe
+from neve.viewer.encode import encode
 from neve.viewer.exports.exports import Exports
 from neve.viewer.modes import MODES, Scale
 from neve.viewer.players.player import Player
 from neve.viewer.protocol import commands
-from neve.viewer.protocol.describe import describe
-from neve.viewer.protocol.state import encode, finite
+from neve.viewer.protocol.messages import Message
+from neve.viewer.protocol.state import finite
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import Server as Socket
@@ -35,20 +37,20 @@ WINDOW = 3
 """States that may be on their way to a page: enough for 30 a second over 100 ms."""
 
 
-class Guest:
-    """One page that watches."""
+class Client:
+    """Hold one page that watches."""
 
     def __init__(self, connection: ServerConnection) -> None:
         self.connection = connection
         self.mode = "snow"
-        self.sent = self.got = 0
+        self.sent = self.drawn = 0
         self.room = asyncio.Event()
-        self.words: asyncio.Queue[str] = asyncio.Queue(maxsize=256)
+        self.messages: asyncio.Queue[str] = asyncio.Queue(maxsize=256)
 
     def tell(self, text: str) -> None:
         """Put a message in the queue of this page; one that has stopped reading misses it."""
         with contextlib.suppress(asyncio.QueueFull):
-            self.words.put_nowait(text)
+            self.messages.put_nowait(text)
 
 
 class Server:
@@ -57,8 +59,8 @@ class Server:
     def __init__(self, player: Player, exports: Exports, host: str) -> None:
         self.player, self.exports, self.host = player, exports, host
         self.eager = False
-        """Whether to play as soon as the first page is there."""
-        self._guests: set[Guest] = set()
+        """Whether to play as soon as the first page has connected."""
+        self._clients: set[Client] = set()
         self._version = 0
         self._begun = False
         self._encoded: dict[str, tuple[int, asyncio.Future[bytes]]] = {}
@@ -71,10 +73,11 @@ class Server:
         from websockets.asyncio.server import serve
 
         loop = self._loop = asyncio.get_running_loop()
-        self.player.on_moment = lambda: self._from_thread(loop, self._moment)
-        self.player.on_word = lambda word: self._from_thread(loop, self._word, word)
+        self.player.on_snapshot = lambda: self._from_thread(loop, self._wake)
+        self.player.on_scene = lambda: self._from_thread(loop, self._tell_scene)
+        self.player.on_message = lambda message: self._from_thread(loop, self._broadcast, message)
         self.player.on_failure = lambda error: self._from_thread(loop, self._fail, error)
-        self.exports.on_word = self.player.on_word
+        self.exports.on_message = self.player.on_message
         self.failed: asyncio.Future[None] = loop.create_future()
         silent = logging.getLogger("neve.viewer.socket")
         silent.addHandler(logging.NullHandler())
@@ -107,17 +110,20 @@ class Server:
         if not self.failed.done():
             self.failed.set_exception(error)
 
-    def _moment(self) -> None:
-        """Wake all pages that have room for the new moment."""
+    def _wake(self) -> None:
+        """Wake the senders of all pages that have room for the new snapshot."""
         self._version += 1
-        for guest in self._guests:
-            guest.room.set()
+        for client in self._clients:
+            client.room.set()
 
-    def _word(self, word: dict[str, Any]) -> None:
-        self._begun = self._begun or word["kind"] == "scene"
-        text = json.dumps(finite(describe(self.player) if word["kind"] == "scene" else word))
-        for guest in self._guests:
-            guest.tell(text)
+    def _tell_scene(self) -> None:
+        self._begun = True
+        self._broadcast(describe(self.player))
+
+    def _broadcast(self, message: Message) -> None:
+        text = json.dumps(finite(message))
+        for client in self._clients:
+            client.tell(text)
 
     def _request(self, connection: ServerConnection, request: Request) -> Response | None:
         """Answer a request for a file; let that for the socket pass if it comes from the page."""
@@ -144,46 +150,45 @@ class Server:
             body = file.read_bytes()
         except OSError:
             return answer(HTTPStatus.NOT_FOUND, b"This file is gone.\n")
-        kind = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
-        return answer(HTTPStatus.OK, body, f"{kind}; charset=utf-8" if kind.startswith("text/") else kind)
+        return answer(HTTPStatus.OK, body, content_type(file))
 
     async def _meet(self, connection: ServerConnection) -> None:
         """Serve one page until it goes, however it goes."""
         from websockets.exceptions import ConnectionClosed
 
-        guest = Guest(connection)
-        if self._begun:  # else the first word about the scene is still to come, and reaches this page too
-            guest.tell(json.dumps(finite(describe(self.player))))
-        self._guests.add(guest)
+        client = Client(connection)
+        if self._begun:  # else the first message of the scene is still to come, and reaches this page too
+            client.tell(json.dumps(finite(describe(self.player))))
+        self._clients.add(client)
         if self.eager:
             self.eager = False
             self.player.submit(commands.Play(do="play"))
-        guest.room.set()
-        tasks = [asyncio.create_task(part(guest)) for part in (self._send_states, self._send_words)]
+        client.room.set()
+        tasks = [asyncio.create_task(part(client)) for part in (self._send_states, self._send_messages)]
         try:
             async for message in connection:
                 command = commands.read(message)
                 if command is not None:
-                    self._take(guest, command)
+                    self._take(client, command)
         except ConnectionClosed:
             pass
         finally:
-            self._guests.discard(guest)
+            self._clients.discard(client)
             self._update_modes()
             for task in tasks:
                 task.cancel()
             for ended in await asyncio.gather(*tasks, return_exceptions=True):
                 if isinstance(ended, Exception) and not isinstance(ended, ConnectionClosed):
-                    logging.getLogger("neve").error("a page was served no longer", exc_info=ended)
+                    logging.getLogger("neve").error("serving a page failed", exc_info=ended)
 
-    def _take(self, guest: Guest, command: commands.Command) -> None:
+    def _take(self, client: Client, command: commands.Command) -> None:
         match command:
-            case commands.Got():
-                guest.got = max(guest.got, min(command.version, guest.sent))
-                guest.room.set()
-            case commands.Look():
+            case commands.Acknowledge():
+                client.drawn = max(client.drawn, min(command.version, client.sent))
+                client.room.set()
+            case commands.ColorMode():
                 if command.mode in MODES:
-                    guest.mode = command.mode
+                    client.mode = command.mode
                     self._update_modes()
                     self.player.submit(command)
             case commands.Picture() | commands.Film() | commands.Replay() | commands.Save():
@@ -192,31 +197,31 @@ class Server:
                 self.player.submit(command)
 
     def _update_modes(self) -> None:
-        self.player.modes = {guest.mode for guest in self._guests} - {"snow"}
+        self.player.modes = {client.mode for client in self._clients} - {"snow"}
 
-    async def _send_words(self, guest: Guest) -> None:
+    async def _send_messages(self, client: Client) -> None:
         while True:
-            await guest.connection.send(await guest.words.get())
+            await client.connection.send(await client.messages.get())
 
-    async def _send_states(self, guest: Guest) -> None:
-        """Send the latest moment whenever there is a newer one and the page has drawn what it got."""
+    async def _send_states(self, client: Client) -> None:
+        """Send the latest snapshot whenever there is a newer one and the page has drawn what it got."""
         shown = 0
         while True:
-            await guest.room.wait()
-            guest.room.clear()
-            while self._version > shown and guest.sent - guest.got < WINDOW:
+            await client.room.wait()
+            client.room.clear()
+            while self._version > shown and client.sent - client.drawn < WINDOW:
                 shown = self._version
-                message = await self._message(guest.mode)
-                guest.sent += 1
-                await guest.connection.send(message)
+                message = await self._message(client.mode)
+                client.sent += 1
+                await client.connection.send(message)
 
     async def _message(self, mode: str) -> bytes:
-        """Return the latest moment in a colour mode, encoded once for all pages that ask."""
+        """Return the latest snapshot in a colour mode, encoded once for all pages that ask."""
         version = self._version
         found = self._encoded.get(mode)
         if found is None or found[0] != version:
             snapshot = self.player.latest
-            work = asyncio.to_thread(encode, snapshot, mode, self._scale, {"version": version})  # type: ignore[arg-type]
+            work = asyncio.to_thread(encode, snapshot, mode, self._scale, version)  # type: ignore[arg-type]
             found = (version, asyncio.ensure_future(work))
             self._encoded[mode] = found
         return await asyncio.shield(found[1])

@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from neve.serving import address, is_local, port_error, ports
+
 if TYPE_CHECKING:
     from neve.viewer.server import Server
 
 PORT = 8420
-TRIES = 20
-"""Ports after the first that are tried when it is taken, unless one was asked for."""
 
 
 class ViewError(RuntimeError):
@@ -39,8 +39,6 @@ def view(
     Errors: ViewError, SceneError, RunError, one sentence each.
     """
     server = prepare(what, changes, out, host, threads)
-    from neve.viewer.safety import is_local
-
     if not is_local(host):
         tell(
             f"warning: {host} can be reached from other machines: whoever connects can steer this run and "
@@ -105,22 +103,18 @@ def _is_run(run: object) -> bool:
 async def _serve(
     server: Server, host: str, port: int | None, browse: bool, tell: Callable[[str], None]
 ) -> None:
-    first = PORT if port is None else port
-    for number in range(first, first + (TRIES if port is None else 1)):
+    for number in (tries := list(ports(port, PORT))):
         try:
             async with server.serve(number) as socket:
-                actual = socket.sockets[0].getsockname()[1]
-                shown = f"[{host}]" if ":" in host else host
-                tell(f"http://{shown}:{actual} shows it; Ctrl-C ends.")
+                url = address(host, socket.sockets[0].getsockname()[1])
+                tell(f"{url} shows it; Ctrl-C ends.")
                 if browse:
                     import webbrowser
 
-                    webbrowser.open(f"http://{shown}:{actual}")
+                    webbrowser.open(url)
                 with contextlib.suppress(asyncio.CancelledError):  # Ctrl-C
                     await server.failed
                 return
         except OSError as error:
-            if number == first + TRIES - 1 or port is not None:
-                raise ViewError(
-                    f"port {number} of {host} cannot be used: {error.strerror or error}; choose another."
-                ) from error
+            if number == tries[-1]:
+                raise ViewError(port_error(host, number, error)) from error

@@ -11,7 +11,7 @@ from neve.sampling import fill
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import scene_from, to_toml
 from neve.scene.schema.fields import rounded_down, rounded_up
-from neve.scene.schema.scene import Profile, Scene, SnowBox, SnowLayer, Variation
+from neve.scene.schema.scene import Profile, Scene, Source, Variation
 from neve.scene.schema.snow import ELASTIC_LAWS, USES, Overrides, Snow, problem, used
 from neve.scene.schema.snows import SNOWS, Kind
 
@@ -166,7 +166,7 @@ def test_better_values_are_rounded_to_the_safe_side(value: float) -> None:
 
 def test_scene_default_is_a_scene_of_one_box() -> None:
     """A scene built in Python takes snow as an object, too."""
-    scene = Scene(sources=(SnowBox(snow=Overrides(xi=5.0)),), snow=Snow(kind="wet"))
+    scene = Scene(sources=(Source.of("box", snow=Overrides(xi=5.0)),), snow=Snow(kind="wet"))
     assert scene.snow_of(scene.sources[0]) == Snow(kind="wet", xi=5.0)
 
 
@@ -187,6 +187,6 @@ def test_kind_brings_its_variation_and_profile() -> None:
     assert first.variation == Variation.model_validate(SNOWS["crust"].variation)
     assert (second.profile, second.variation) == (Profile(), Variation(density=0.1))
     assert (third.profile, third.variation) == (None, None)
-    hard = fill(scene.completed(SnowLayer(depth=0.3)), scene.numerics, 0)
+    hard = fill(scene.completed(Source.of("layer", depth=0.3)), scene.numerics, 0)
     top = hard.x[:, 2] > 0.26
     assert hard.stiffness[top].mean() > 3.0 * hard.stiffness[~top].mean()

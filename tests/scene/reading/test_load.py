@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 
 from neve.scene.reading.load import load, preset_about, presets, scene_from, to_toml
-from neve.scene.schema.scene import Plane, Scene, SnowBox, SnowText, Variation
+from neve.scene.schema.file_shapes import Text
+from neve.scene.schema.roles import forms
+from neve.scene.schema.scene import Collider, Scene, Source, Variation
+from neve.scene.schema.shapes import Box
 
 BOX = '[[sources]]\nshape = "box"\n'
 
@@ -32,10 +35,10 @@ def test_written_scene_spells_out_every_default() -> None:
     assert set(written) == set(Scene.model_fields)
     assert set(written["numerics"]) == set(type(scene.numerics).model_fields)
     assert set(written["snow"]) == set(type(scene.snow).model_fields)
-    assert set(written["sources"][0]) == set(SnowBox.model_fields) - {"variation", "profile"}, (
+    assert set(written["sources"][0]) == set(forms(Source)["box"].model_fields) - {"variation", "profile"}, (
         "left out, they follow the kind of the snow"
     )
-    assert set(written["colliders"][0]) == set(Plane.model_fields) - {"color", "finish"}, (
+    assert set(written["colliders"][0]) == set(forms(Collider)["plane"].model_fields) - {"color", "finish"}, (
         "a colour or finish left out stays left out"
     )
 
@@ -73,7 +76,7 @@ def test_overrides_reach_every_kind_of_key(tmp_path: Path) -> None:
     ]
     scene = load(path, changes)
     box = scene.sources[0]
-    assert isinstance(box, SnowBox)
+    assert isinstance(box, Box)
     assert (scene.numerics.dx, scene.numerics.transfer, scene.numerics.dt) == (0.03, "flip", 1e-4)
     assert scene.world.gravity == (0.0, 0.0, -1.62)
     assert (box.size, box.spin) == ((1.0, 0.5, 3.0), (2.0, 0.0, 0.0))
@@ -100,8 +103,8 @@ def test_font_is_relative_to_the_scene_file(tmp_path: Path, monkeypatch: pytest.
     (folder / "a.toml").write_text('[[sources]]\nshape = "text"\nfont = "a.ttf"\n')
     monkeypatch.chdir(elsewhere)
     own, other = load(folder / "a.toml").sources[0], load("text_fall", ["sources.0.font=a.ttf"]).sources[0]
-    assert isinstance(own, SnowText)
-    assert isinstance(other, SnowText)
+    assert isinstance(own, Text)
+    assert isinstance(other, Text)
     assert own.font == str(folder / "a.ttf")
     assert other.font == str(elsewhere / "a.ttf")
 

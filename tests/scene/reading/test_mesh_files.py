@@ -18,7 +18,8 @@ from neve.geometry.sdf import SolidMesh, grid_bytes, of_triangles, solid_mesh, t
 from neve.geometry.triangles import Triangles, tidied
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.load import load, scene_from
-from neve.scene.schema.scene import Mesh
+from neve.scene.schema.file_shapes import Mesh
+from neve.scene.schema.scene import Collider
 
 NAME = "colliders.0"
 
@@ -52,7 +53,7 @@ def test_every_format_holds_the_same_body(suffix: str, tmp_path: Path) -> None:
         path = str(tmp_path / "model.gltf")
     else:
         path = meshes.written(meshes.box(0.4, 0.6, 0.8), tmp_path / f"a{suffix}")
-    surface = read_mesh(Mesh(file=path), NAME)
+    surface = read_mesh(Collider.of("mesh", file=path), NAME)
     assert (len(surface.vertices), len(surface.faces), surface.open_edges) == (8, 12, 0)
     assert surface.low == pytest.approx([-0.2, -0.3, -0.4], rel=2.4e-7)
     assert surface.high == pytest.approx([0.2, 0.3, 0.4], rel=2.4e-7)
@@ -69,7 +70,7 @@ def test_scene_graph_of_a_glb(tmp_path: Path) -> None:
     place = np.array([[0, -2.0, 0, 5], [1, 0, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]])
     assert np.linalg.det(place) < 0
     scene.graph.update(frame_to="there", matrix=place, geometry="box")
-    surface = read_mesh(Mesh(file=meshes.written(scene, tmp_path / "a.glb")), NAME)
+    surface = read_mesh(Collider.of("mesh", file=meshes.written(scene, tmp_path / "a.glb")), NAME)
     assert surface.low == pytest.approx([-0.5, -0.5, -0.5])
     assert surface.high == pytest.approx([6.0, 0.5, 0.5])
     assert surface.volume == pytest.approx(1.0 + 2.0)
@@ -79,12 +80,12 @@ def test_units_scale_and_up(tmp_path: Path) -> None:
     """25.4 mm are an inch; `scale` comes on top; y up becomes z up, and what was towards the viewer is -y."""
     path = meshes.written(meshes.box(1.0, 2.0, 3.0), tmp_path / "a.obj")
     for unit, metres in {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}.items():
-        surface = read_mesh(Mesh(file=path, unit=unit, scale=2.0), NAME)  # type: ignore[arg-type]
+        surface = read_mesh(Collider.of("mesh", file=path, unit=unit, scale=2.0), NAME)  # type: ignore[arg-type]
         assert surface.high == pytest.approx(np.array([1.0, 2.0, 3.0]) * metres)
     (tmp_path / "corner.obj").write_text(
         "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
     )
-    surface = read_mesh(Mesh(file=str(tmp_path / "corner.obj"), up="y"), NAME)
+    surface = read_mesh(Collider.of("mesh", file=str(tmp_path / "corner.obj"), up="y"), NAME)
     assert {tuple(v) for v in surface.vertices} == {(0, 0, 0), (1, 0, 0), (0, 0, 2), (0, -3, 0)}
     assert surface.volume == pytest.approx(1.0), "a turn, not a mirror"
 
@@ -129,7 +130,9 @@ def test_distance_and_normal_of_a_ball(tmp_path: Path) -> None:
     0.0025 m of 0.5 m. The blend between samples adds h^2 / 8 times the curvature 2 / r: 0.0003 m at h =
     0.025 m. The normal turns by at most the angle a within a facet, and the blend smooths it.
     """
-    mesh = solid_mesh(Mesh(file=meshes.written(meshes.ball(0.5), tmp_path / "a.ply")), 0.05, NAME)
+    mesh = solid_mesh(
+        Collider.of("mesh", file=meshes.written(meshes.ball(0.5), tmp_path / "a.ply")), 0.05, NAME
+    )
     assert mesh.spacing == 0.025
     rng = np.random.default_rng(2)
     direction = rng.standard_normal((500, 3))
@@ -146,7 +149,7 @@ def test_small_holes_are_closed_and_told(tmp_path: Path) -> None:
     """A ball that lacks 5 of 1280 faces is taken with a warning; phi off the hole is that of the ball."""
     path = meshes.written(meshes.without(meshes.ball(0.5), 5), tmp_path / "a.stl")
     with pytest.warns(SceneWarning, match=r"colliders\.0\.file = .* has small holes \(\d+ edges"):
-        mesh = solid_mesh(Mesh(file=path), 0.1, NAME)
+        mesh = solid_mesh(Collider.of("mesh", file=path), 0.1, NAME)
     phi, _ = mesh.sdf.sample(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.45], [0.0, 0.0, -0.7]]))
     assert phi == pytest.approx([-0.5, -0.05, 0.2], abs=0.01)
 
@@ -155,7 +158,7 @@ def test_closed_meshes_are_silent(tmp_path: Path) -> None:
     """Nothing is said of a body that is closed and large enough."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        solid_mesh(Mesh(file=meshes.written(meshes.ball(0.5), tmp_path / "a.glb")), 0.1, NAME)
+        solid_mesh(Collider.of("mesh", file=meshes.written(meshes.ball(0.5), tmp_path / "a.glb")), 0.1, NAME)
 
 
 OPEN = {
@@ -174,9 +177,9 @@ OPEN = {
 def test_open_meshes_need_a_thickness(what: str, tmp_path: Path) -> None:
     """What has no inside is refused, with the way out; with a thickness it is a body around its faces."""
     path = meshes.written(OPEN[what], tmp_path / "a.ply")
-    assert "is open" in (told := refusal(Mesh(file=path)))
+    assert "is open" in (told := refusal(Collider.of("mesh", file=path)))
     assert "close it, or set colliders.0.thickness" in told
-    mesh = solid_mesh(Mesh(file=path, thickness=0.1), 0.05, NAME)
+    mesh = solid_mesh(Collider.of("mesh", file=path, thickness=0.1), 0.05, NAME)
     corner = np.asarray(OPEN[what].triangles[-1]).mean(axis=0)
     assert mesh.sdf.sample(corner[None])[0] == pytest.approx([-0.05], abs=0.01)
 
@@ -214,7 +217,7 @@ BAD: list[tuple[str, bytes, str]] = [
 def test_bad_files_are_one_sentence(name: str, content: bytes, words: str, tmp_path: Path) -> None:
     """Whatever lies in the file: one sentence with key, file and what is wrong."""
     (tmp_path / name).write_bytes(content)
-    told = refusal(Mesh(file=str(tmp_path / name)))
+    told = refusal(Collider.of("mesh", file=str(tmp_path / name)))
     assert told.startswith(f'colliders.0.file = "{tmp_path / name}" ')
     assert words in told
 
@@ -224,7 +227,7 @@ def test_damaged_files_are_one_sentence(tmp_path: Path) -> None:
     for suffix in (".ply", ".stl", ".glb"):
         path = Path(meshes.written(meshes.ball(0.5), tmp_path / f"a{suffix}"))
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-        assert refusal(Mesh(file=str(path))).startswith(f'colliders.0.file = "{path}" ')
+        assert refusal(Collider.of("mesh", file=str(path))).startswith(f'colliders.0.file = "{path}" ')
 
 
 def test_names_of_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -261,12 +264,12 @@ def test_small_body_is_told(tmp_path: Path) -> None:
     with pytest.warns(
         SceneWarning, match=r"is 0\.09 m large, less than two cells .*scale = (\S+) or"
     ) as told:
-        solid_mesh(Mesh(file=path), 0.05, NAME)
+        solid_mesh(Collider.of("mesh", file=path), 0.05, NAME)
     found = re.search(r"scale = (\S+) or", str(told[0].message))
     assert found
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        solid_mesh(Mesh(file=path, scale=float(found[1])), 0.05, NAME)
+        solid_mesh(Collider.of("mesh", file=path, scale=float(found[1])), 0.05, NAME)
 
 
 def test_spacing_follows_thin_parts_and_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -274,17 +277,17 @@ def test_spacing_follows_thin_parts_and_memory(tmp_path: Path, monkeypatch: pyte
     thick = meshes.written(meshes.box(1, 1, 1), tmp_path / "a.ply")
     plate = meshes.written(meshes.box(1, 1, 0.03), tmp_path / "b.ply")
     assert thinnest(surface_of(meshes.box(1, 1, 0.03))) == pytest.approx(0.03, rel=1e-3)
-    assert solid_mesh(Mesh(file=thick), 0.1, NAME).spacing == 0.05
-    thin: SolidMesh = solid_mesh(Mesh(file=plate), 0.1, NAME)
+    assert solid_mesh(Collider.of("mesh", file=thick), 0.1, NAME).spacing == 0.05
+    thin: SolidMesh = solid_mesh(Collider.of("mesh", file=plate), 0.1, NAME)
     assert thin.spacing == pytest.approx(0.015, rel=1e-3)
     assert thin.sdf.sample(np.array([[0.1, 0.2, 0.0]]))[0][0] < -0.005, "the plate is there"
-    assert solid_mesh(Mesh(file=thick, detail=0.08), 0.1, NAME).spacing == 0.08
-    assert "detail = 1e-05 would take" in refusal(Mesh(file=thick, detail=1e-5))
+    assert solid_mesh(Collider.of("mesh", file=thick, detail=0.08), 0.1, NAME).spacing == 0.08
+    assert "detail = 1e-05 would take" in refusal(Collider.of("mesh", file=thick, detail=1e-5))
     monkeypatch.setattr("neve.geometry.sdf.USUAL", 2**20)
     with pytest.warns(
         SceneWarning, match=r"colliders\.0\.detail is \S+ m, because 0\.025 m would take \d+ MB"
     ):
-        coarse = solid_mesh(Mesh(file=thick), 0.05, NAME)
+        coarse = solid_mesh(Collider.of("mesh", file=thick), 0.05, NAME)
     assert coarse.sdf.bytes < 2**20
 
 

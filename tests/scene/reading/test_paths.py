@@ -3,14 +3,14 @@
 import pytest
 
 from neve.scene.reading.paths import follow, is_index
-from neve.scene.schema.scene import Scene, SnowSphere
+from neve.scene.schema.scene import Scene, Source
 
 TREE = {"sources": [{"radius": 0.3}, {"radius": 0.4}], "snow": {"xi": 10}}
 
 
 def test_tables_lists_and_parts_are_followed():
     """Words pick from tables and parts, numbers from lists and tuples; no words lead nowhere else."""
-    scene = Scene(sources=(SnowSphere(radius=0.25),))
+    scene = Scene(sources=(Source.of("sphere", radius=0.25),))
     assert follow(TREE, ["sources", "1", "radius"]) == 0.4
     assert follow(scene, ["sources", "0", "radius"]) == 0.25
     assert follow(TREE, []) is TREE
@@ -24,7 +24,7 @@ def test_what_is_not_there_is_a_key_error(path):
     with pytest.raises(KeyError):
         follow(TREE, path.split("."))
     with pytest.raises(KeyError):
-        follow(Scene(sources=(SnowSphere(),)), ["sources", "0", "no_such_key"])
+        follow(Scene(sources=(Source.of("sphere"),)), ["sources", "0", "no_such_key"])
 
 
 def test_an_index_is_written_in_plain_digits():

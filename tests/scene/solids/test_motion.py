@@ -7,7 +7,7 @@ import pytest
 
 from neve.colliders.motion import pose
 from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
-from neve.scene.schema.scene import Box, Collider, Cylinder, Keyframe, Plane, Sphere
+from neve.scene.schema.scene import Collider, Keyframe
 
 RNG = np.random.default_rng(0)
 KEYS = (
@@ -16,11 +16,13 @@ KEYS = (
     Keyframe(t=2.0, position=(2.0, 1.0, 3.0), rotation=(40.0, -20.0, 120.0)),
 )
 MOVING: list[Collider] = [
-    Box(keyframes=KEYS),
-    Plane(normal=(0.3, -0.4, 0.8), keyframes=KEYS),
-    Sphere(velocity=(1.0, -2.0, 0.5), spin=(0.5, 2.0, -1.0)),
-    Cylinder(rotation=(30.0, 40.0, -70.0), velocity=(1.0, 0.0, 0.0), spin=(3.0, 0.0, 4.0)),
-    Plane(normal=(1.0, 1.0, 0.0), point=(0.0, 0.0, 2.0), velocity=(0.0, 0.0, 1.0), spin=(0.0, 0.0, 1.0)),
+    Collider.of("box", keyframes=KEYS),
+    Collider.of("plane", normal=(0.3, -0.4, 0.8), keyframes=KEYS),
+    Collider.of("sphere", velocity=(1.0, -2.0, 0.5), spin=(0.5, 2.0, -1.0)),
+    Collider.of("cylinder", rotation=(30.0, 40.0, -70.0), velocity=(1.0, 0.0, 0.0), spin=(3.0, 0.0, 4.0)),
+    Collider.of(
+        "plane", normal=(1.0, 1.0, 0.0), point=(0.0, 0.0, 2.0), velocity=(0.0, 0.0, 1.0), spin=(0.0, 0.0, 1.0)
+    ),
 ]
 
 
@@ -60,7 +62,7 @@ def test_velocities_are_derivatives(body: Collider, t: float) -> None:
 
 def test_keyframes_are_met_and_held() -> None:
     """At a keyframe the body is where it says; before the first and after the last it rests there."""
-    body = Box(keyframes=KEYS)
+    body = Collider.of("box", keyframes=KEYS)
     for key in KEYS:
         assert pose(body, key.t).position == pytest.approx(key.position)
         assert pose(body, key.t).rotation == pytest.approx(
@@ -80,8 +82,11 @@ def test_keyframes_are_met_and_held() -> None:
 
 def test_left_out_parts_of_a_keyframe_are_the_bodys_own() -> None:
     """A keyframe without position or rotation keeps the body's own."""
-    body = Cylinder(
-        center=(1.0, 2.0, 3.0), rotation=(90.0, 0.0, 0.0), keyframes=(Keyframe(t=0), Keyframe(t=1))
+    body = Collider.of(
+        "cylinder",
+        center=(1.0, 2.0, 3.0),
+        rotation=(90.0, 0.0, 0.0),
+        keyframes=(Keyframe(t=0), Keyframe(t=1)),
     )
     resting = pose(body, 0.5)
     assert resting.position == pytest.approx([1.0, 2.0, 3.0])
@@ -93,7 +98,7 @@ def test_left_out_parts_of_a_keyframe_are_the_bodys_own() -> None:
 )
 def test_z_of_a_plane_is_its_normal(normal: tuple[float, float, float]) -> None:
     """The frame of a plane is a proper rotation whose z is the normal."""
-    R = pose(Plane(normal=normal), 0.0).rotation
+    R = pose(Collider.of("plane", normal=normal), 0.0).rotation
     assert R[:, 2] == pytest.approx(np.array(normal) / np.linalg.norm(normal), abs=1e-12)
     assert np.eye(3) == pytest.approx(R @ R.T, abs=1e-14)
     assert np.linalg.det(R) == pytest.approx(1.0)
@@ -101,6 +106,6 @@ def test_z_of_a_plane_is_its_normal(normal: tuple[float, float, float]) -> None:
 
 def test_default_plane_is_the_ground() -> None:
     """The default plane has the world's own axes."""
-    ground: Pose = pose(Plane(), 3.0)
+    ground: Pose = pose(Collider.of("plane"), 3.0)
     assert np.array_equal(ground.rotation, np.eye(3))
     assert np.array_equal(ground.position, np.zeros(3))

@@ -12,7 +12,7 @@ from PIL import Image, TiffImagePlugin
 from neve.geometry.terrain import GEO_KEYS, NO_DATA, PIXEL_SCALE, height_field
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import scene_from
-from neve.scene.schema.scene import Terrain
+from neve.scene.schema.scene import Collider
 
 NAME = "colliders.0"
 HEIGHTS = np.array([[0.0, 10.0, 20.0, 30.0], [40.0, 50.0, 60.0, 70.0], [80.0, 90.0, 100.0, 110.0]])
@@ -65,9 +65,9 @@ def test_every_format_lies_the_same_way(name: str, kind: Any, height: float, tmp
         np.save(path, HEIGHTS.astype(kind))
     else:
         picture(HEIGHTS, path, kind)
-    field = height_field(Terrain(file=str(path), size=(4.0, 6.0), height=height), NAME)
+    field = height_field(Collider.of("terrain", file=str(path), size=(4.0, 6.0), height=height), NAME)
     assert ground_at(field, (4.0, 6.0)) == pytest.approx(HEIGHTS, rel=1e-5, abs=1e-4)
-    half = height_field(Terrain(file=str(path), size=(4.0, 6.0), height=0.5 * height), NAME)
+    half = height_field(Collider.of("terrain", file=str(path), size=(4.0, 6.0), height=0.5 * height), NAME)
     assert ground_at(half, (4.0, 6.0)) == pytest.approx(0.5 * HEIGHTS, rel=1e-5, abs=1e-4)
 
 
@@ -75,14 +75,14 @@ def test_size_of_a_geotiff(tmp_path: Path) -> None:
     """Pixels of 2 x 3 m: three samples along x are 4 m apart, four along y 9 m; `size` overrides that."""
     scale = {PIXEL_SCALE: (12, (2.0, 3.0, 0.0))}
     path = picture(HEIGHTS, tmp_path / "a.tif", np.float32, scale)
-    assert height_field(Terrain(file=path), NAME).size == (4.0, 9.0)
-    assert height_field(Terrain(file=path, size=(1.0, 1.0)), NAME).size == (1.0, 1.0)
+    assert height_field(Collider.of("terrain", file=path), NAME).size == (4.0, 9.0)
+    assert height_field(Collider.of("terrain", file=path, size=(1.0, 1.0)), NAME).size == (1.0, 1.0)
     degrees = scale | {GEO_KEYS: (3, (1, 1, 0, 1, 1024, 0, 1, 2))}
     path = picture(HEIGHTS, tmp_path / "b.tif", np.float32, degrees)
     with pytest.raises(
         SceneError, match=r"^colliders\.0\.size is missing, and .* how many metres a pixel is\.$"
     ):
-        height_field(Terrain(file=path), NAME)
+        height_field(Collider.of("terrain", file=path), NAME)
 
 
 def test_bad_maps_are_one_sentence(tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_bad_maps_are_one_sentence(tmp_path: Path) -> None:
         "cut.png": "cannot be read",
     }.items():
         with pytest.raises(SceneError) as caught:
-            height_field(Terrain(file=str(tmp_path / name), size=(1.0, 1.0)), NAME)
+            height_field(Collider.of("terrain", file=str(tmp_path / name), size=(1.0, 1.0)), NAME)
         text = str(caught.value)
         assert text.startswith(f'colliders.0.file = "{tmp_path / name}" '), name
         assert words in text, name
@@ -136,7 +136,7 @@ def test_large_maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     picture(HEIGHTS, tmp_path / "a.png", np.uint8)
     for name, words in {"a.npy": "12 heights, more than 10", "a.png": "12 pixels, more than 10"}.items():
         with pytest.raises(SceneError, match=words):
-            height_field(Terrain(file=str(tmp_path / name), size=(1.0, 1.0)), NAME)
+            height_field(Collider.of("terrain", file=str(tmp_path / name), size=(1.0, 1.0)), NAME)
 
 
 def test_names_of_maps() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from neve import fragments
 from neve.sampling import fill
-from neve.scene.schema.scene import Numerics, SnowSphere
+from neve.scene.schema.scene import Numerics, Source
 
 DX = 0.05
 SPACING = DX / 2  # eight particles a cell
@@ -14,7 +14,7 @@ RADIUS = 0.2
 
 def ball(centre=(0.0, 0.0, 0.0), radius=RADIUS, seed=0):
     """Particles of a snowball as a run places them, (n, 3)."""
-    return fill(SnowSphere(center=centre, radius=radius), Numerics(dx=DX, seed=seed), 0).x
+    return fill(Source.of("sphere", center=centre, radius=radius), Numerics(dx=DX, seed=seed), 0).x
 
 
 def find(x, J_P=None, v=None, m=None, **limits):
@@ -34,7 +34,7 @@ def find(x, J_P=None, v=None, m=None, **limits):
 @pytest.mark.parametrize("sampling", ["jittered", "poisson"])
 def test_snow_as_it_is_placed_is_one_piece(sampling):
     """No particle of a fresh ball is alone: the link is longer than the gaps that either sampling leaves."""
-    x = fill(SnowSphere(radius=RADIUS), Numerics(dx=DX, sampling=sampling), 0).x
+    x = fill(Source.of("sphere", radius=RADIUS), Numerics(dx=DX, sampling=sampling), 0).x
     f = find(x)
     assert (f.count, f.particles.tolist()) == (1, [0, len(x)])
 

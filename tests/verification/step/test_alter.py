@@ -9,7 +9,7 @@ from verification.scenes import ball, box, columns, march, scene, simulate
 
 import neve
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Numerics, Plane, Scene, SnowBox, SnowSphere, Sphere
+from neve.scene.schema.scene import Collider, Numerics, Scene, Source
 from neve.simulation import Simulation
 
 FLOOR = ({"shape": "plane", "point": (0, 0, -0.15)},)
@@ -89,8 +89,12 @@ def test_added_snow_brings_its_mass_and_momentum():
     """
     sim = moving()
     before = columns(sim)
-    thrown = SnowSphere(
-        center=(0.0, 0.0, 0.6), radius=0.12, velocity=(1.0, 2.0, -3.0), snow={"rho0": 300.0, "xi": 7.0}
+    thrown = Source.of(
+        "sphere",
+        center=(0.0, 0.0, 0.6),
+        radius=0.12,
+        velocity=(1.0, 2.0, -3.0),
+        snow={"rho0": 300.0, "xi": 7.0},
     )
     sim.add(thrown)
     after = columns(sim)
@@ -115,7 +119,7 @@ def test_added_snow_brings_its_mass_and_momentum():
 def test_a_run_with_added_snow_can_be_resumed():
     """`arrays` of a run with added snow, restored in its scene, goes on with the same bits."""
     sim = moving()
-    sim.add(SnowSphere(center=(0.0, 0.0, 0.6), radius=0.1))
+    sim.add(Source.of("sphere", center=(0.0, 0.0, 0.6), radius=0.1))
     other = neve.Simulation.restore(sim.scene, sim.arrays(), threads=1)
     for a, b in zip(columns(march(sim, 5)).values(), columns(march(other, 5)).values(), strict=True):
         np.testing.assert_array_equal(a, b)
@@ -169,7 +173,7 @@ def test_bodies_stay_where_they_are():
     before = where(sim)
     sim.change(with_bodies(snow={"E0": 2e5}))
     np.testing.assert_array_equal(where(sim), before)
-    sim.add(SnowSphere(center=(0.0, 0.6, 1.0), radius=0.1))
+    sim.add(Source.of("sphere", center=(0.0, 0.6, 1.0), radius=0.1))
     np.testing.assert_array_equal(where(sim), before)
     other = march(simulate(with_bodies()), 50)
     np.testing.assert_allclose(where(march(sim, 20)), where(march(other, 20)), rtol=0, atol=1e-12)
@@ -180,7 +184,11 @@ def test_a_body_can_be_moved_and_a_collider_can_come():
     sim = march(simulate(with_bodies()), 50)
     before = where(sim)
     scene = with_bodies()
-    sim.change(scene.model_copy(update={"colliders": (*scene.colliders, Sphere(center=(5.0, 0.0, 0.0)))}))
+    sim.change(
+        scene.model_copy(
+            update={"colliders": (*scene.colliders, Collider.of("sphere", center=(5.0, 0.0, 0.0)))}
+        )
+    )
     np.testing.assert_allclose(where(sim), before, atol=1e-12)  # the one on a hinge too
     moved = scene.bodies[0].model_copy(update={"center": (2.0, 0.0, 1.0), "velocity": (0.0, 0.0, 0.0)})
     sim.change(sim.scene.model_copy(update={"bodies": (moved, scene.bodies[1])}))
@@ -207,7 +215,7 @@ def test_added_snow_keeps_out_of_solids():
     """Half of a ball that reaches into the floor is left out; a ball wholly inside is refused."""
     sim = simulate(with_bodies())
     n = len(sim.state.m)
-    sim.add(SnowSphere(center=(0.0, 0.8, 0.0), radius=0.2))
+    sim.add(Source.of("sphere", center=(0.0, 0.8, 0.0), radius=0.2))
     x = columns(sim)["x"][n:]
     assert x[:, 2].min() >= -1e-3 * sim.scene.numerics.dx
     half = 2.0 / 3.0 * math.pi * 0.2**3
@@ -215,7 +223,7 @@ def test_added_snow_keeps_out_of_solids():
         half, rel=0.05
     )  # some 2,000 particles: 2 % at random
     with pytest.raises(SceneError, match="wholly inside"):
-        sim.add(SnowSphere(center=(0.0, 0.8, -0.5), radius=0.1))
+        sim.add(Source.of("sphere", center=(0.0, 0.8, -0.5), radius=0.1))
 
 
 @pytest.mark.parametrize("below", [0.0, 5e-4, 2e-3])
@@ -224,10 +232,10 @@ def test_snow_is_inside_a_solid_by_one_rule(below):
     the scene begins with it or it is added: 512 within rounding of the surface; a layer less, and a warning,
     deeper."""
     dx = 0.1
-    block = SnowBox(center=(0.0, 0.0, 0.2 - (0.25 + below) * dx), size=(0.4, 0.4, 0.4))
+    block = Source.of("box", center=(0.0, 0.0, 0.2 - (0.25 + below) * dx), size=(0.4, 0.4, 0.4))
     numerics = Numerics(dx=dx, sampling="regular", precision="float64")
-    other = SnowSphere(center=(3.0, 0.0, 0.5), radius=0.2)
-    floor = Plane()
+    other = Source.of("sphere", center=(3.0, 0.0, 0.5), radius=0.2)
+    floor = Collider.of("plane")
     with warnings.catch_warnings(record=True) as at_start:
         warnings.simplefilter("always")
         begun = Simulation(Scene(numerics=numerics, sources=(other, block), colliders=(floor,)))

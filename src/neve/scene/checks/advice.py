@@ -6,20 +6,9 @@ import math
 from collections.abc import Iterator
 
 from neve.scene.checks.unused import unused
-from neve.scene.schema.bodies import Rigid, RigidBox, RigidCylinder, RigidSphere
-from neve.scene.schema.colliders import Box, Collider, Cylinder, Sphere
 from neve.scene.schema.elastic import p_wave_modulus
 from neve.scene.schema.fields import norm, rounded_down, rounded_up
-from neve.scene.schema.scene import Scene
-from neve.scene.schema.sources import (
-    SnowBox,
-    SnowCylinder,
-    SnowLayer,
-    SnowMesh,
-    SnowSource,
-    SnowSphere,
-    SnowText,
-)
+from neve.scene.schema.scene import Body, Collider, Scene, Source
 
 SOURCE_CELLS = 3
 """Least number of cells across a source; a thinner one is all surface."""
@@ -49,7 +38,7 @@ def advice(scene: Scene) -> list[str]:
     return [*found, *unused(scene)]
 
 
-def fastest(scene: Scene, source: SnowSource) -> float:
+def fastest(scene: Scene, source: Source) -> float:
     """Return the largest c + |v| in `source` at the start [m/s].
 
     c = sqrt((lam + 2 mu) / rho0), times the largest sqrt(stiffness / density) of its factors; |v| is at most
@@ -63,12 +52,15 @@ def fastest(scene: Scene, source: SnowSource) -> float:
         ones = (1.0,) * len(profile.at)
         pairs = zip(profile.stiffness or ones, profile.density or ones, strict=True)
         factor *= max(stiffness / density for stiffness, density in pairs)
-    speed = norm(source.velocity) + norm(source.spin) * _reach(source)
+    speed = norm(source.velocity) + norm(source.spin) * source.reach()
     return math.sqrt(factor * p_wave_modulus(snow.E0, snow.nu) / snow.rho0) + speed
 
 
-def _thin_source(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
-    dx, (key, length) = scene.numerics.dx, _thinnest(source)
+def _thin_source(scene: Scene, source: Source, name: str) -> Iterator[str]:
+    dx = scene.numerics.dx
+    if (thinnest := source.thinnest()) is None:
+        return
+    key, length = thinnest
     if length < SOURCE_CELLS * dx * (1 - 1e-9):
         yield (
             f"{name}.{key} makes this snow {length:g} m thick, only {length / dx:.2g} cells of numerics.dx = "
@@ -76,7 +68,7 @@ def _thin_source(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
         )
 
 
-def _fine_noise(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+def _fine_noise(scene: Scene, source: Source, name: str) -> Iterator[str]:
     dx, noise = scene.numerics.dx, source.variation
     if not noise or not noise.acts:
         return
@@ -88,7 +80,7 @@ def _fine_noise(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
         )
 
 
-def _thin_seam(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+def _thin_seam(scene: Scene, source: Source, name: str) -> Iterator[str]:
     dx, noise = scene.numerics.dx, source.variation
     if not noise or noise.pattern != "clods" or not noise.acts:
         return
@@ -114,16 +106,11 @@ def _long_step(scene: Scene) -> Iterator[str]:
         )
 
 
-def _thin_body(scene: Scene, body: Collider | Rigid, name: str) -> Iterator[str]:
+def _thin_body(scene: Scene, body: Collider | Body, name: str) -> Iterator[str]:
     dx = scene.numerics.dx
-    if isinstance(body, Box | RigidBox):
-        key, length = "size", min(body.size)
-    elif isinstance(body, Sphere | Cylinder | RigidSphere | RigidCylinder):
-        key, length = "radius", 2 * body.radius
-    else:
+    if (thinnest := body.thinnest()) is None:
         return
-    if isinstance(body, Cylinder | RigidCylinder) and body.height < length:
-        key, length = "height", body.height
+    key, length = thinnest
     if length < COLLIDER_CELLS * dx * (1 - 1e-9):
         yield (
             f"{name}.{key} makes this body {length:g} m thin, only {length / dx:.2g} cells of numerics.dx = "
@@ -131,43 +118,3 @@ def _thin_body(scene: Scene, body: Collider | Rigid, name: str) -> Iterator[str]
             f"least {rounded_up(COLLIDER_CELLS * dx)} m thick, or use numerics.dx = "
             f"{rounded_down(length / COLLIDER_CELLS)} or smaller"
         )
-
-
-def _thinnest(source: SnowSource) -> tuple[str, float]:
-    """Return the key and the length of the thinnest way through `source` [m]; of letters, their depth.
-
-    The size of a mesh is checked when its file is read.
-    """
-    if isinstance(source, SnowMesh):
-        return "file", math.inf
-    if isinstance(source, SnowBox):
-        return "size", min(source.size)
-    if isinstance(source, SnowSphere):
-        return "radius", 2 * source.radius
-    if isinstance(source, SnowCylinder):
-        across = 2 * source.radius
-        return ("radius", across) if across < source.height else ("height", source.height)
-    if isinstance(source, SnowLayer):
-        return min(("depth", source.depth), ("size", min(source.size)), key=lambda pair: pair[1])
-    assert isinstance(source, SnowText)
-    return "depth", source.depth
-
-
-def _reach(source: SnowSource) -> float:
-    """Return how far the farthest point of `source` may lie from its centre [m]; of letters, about.
-
-    Of a mesh, which is not read here, it is 0.
-    """
-    if isinstance(source, SnowMesh):
-        return 0.0
-    if isinstance(source, SnowBox):
-        return 0.5 * norm(source.size)
-    if isinstance(source, SnowSphere):
-        return source.radius
-    if isinstance(source, SnowCylinder):
-        return math.hypot(source.radius, 0.5 * source.height)
-    if isinstance(source, SnowLayer):
-        return 0.5 * norm((*source.size, source.depth))
-    assert isinstance(source, SnowText)
-    lines = source.text.splitlines()
-    return 0.5 * source.height * math.hypot(max(map(len, lines)), 1.5 * len(lines))

@@ -6,13 +6,14 @@ the transfer of a complete scene file can be changed; but the user should know.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from pydantic import BaseModel
 
 from neve.scene.reading.validation_errors import shown
+from neve.scene.schema.roles import Surface
 from neve.scene.schema.scene import Numerics, Scene
-from neve.scene.schema.sources import Profile, SnowSource, Variation
+from neve.scene.schema.sources import Profile, Source, Variation
 
 FACTORS = ("stiffness", "strength", "density")
 """What a variation or a profile may change."""
@@ -27,8 +28,13 @@ def unused(scene: Scene) -> Iterator[str]:
         if source.profile:
             yield from _of_profile(source.profile, f"sources.{i}.profile")
         yield from _of_strength(scene, source, f"sources.{i}")
-    for kind, bodies in (("colliders", scene.colliders), ("bodies", scene.bodies), ("robots", scene.robots)):
-        for i, body in enumerate(bodies):
+    solids: dict[str, Sequence[Surface]] = {
+        "colliders": scene.colliders,
+        "bodies": scene.bodies,
+        "robots": scene.robots,
+    }
+    for kind, surfaces in solids.items():
+        for i, body in enumerate(surfaces):
             if body.mode == "sticky":
                 modes = f'{kind}.{i}.mode = "separate" or "slip"'
                 yield from _without_effect(body, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
@@ -69,7 +75,7 @@ def _of_profile(profile: Profile, name: str) -> Iterator[str]:
         yield from _idle(profile, name, "factors")
 
 
-def _of_strength(scene: Scene, source: SnowSource, name: str) -> Iterator[str]:
+def _of_strength(scene: Scene, source: Source, name: str) -> Iterator[str]:
     """Yield the sentences about factors on thresholds that the snow of `source` does not have."""
     snow = scene.snow_of(source)
     if snow.plasticity == "none":

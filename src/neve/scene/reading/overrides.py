@@ -8,8 +8,8 @@ from typing import Any
 from neve.scene.errors import SceneError
 from neve.scene.reading.paths import is_index
 from neve.scene.reading.validation_errors import shown
-from neve.scene.schema.allowed import default_vector
 from neve.scene.schema.scene import Scene
+from neve.scene.schema.tables import default_vector
 
 EXAMPLE = "write key=value, such as numerics.dx=0.02 or sources.0.radius=0.3"
 

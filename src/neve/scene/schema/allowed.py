@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import types
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from neve.scene.schema.kinds import Kind, kind_of
-from neve.scene.schema.outputs import OpenList
 
 COUNT = {2: "two", 3: "three"}
 LIMITS = (("gt", "greater than"), ("ge", "at least"), ("lt", "less than"), ("le", "at most"))
@@ -50,62 +49,11 @@ def choices(field: FieldInfo) -> tuple[str, ...]:
     return tuple(found)
 
 
-def shapes(annotation: Any) -> dict[str, type[BaseModel]]:
-    """Return the models of a list of shapes by the word that picks them; nothing for any other annotation."""
-    if get_origin(annotation) is not tuple:
-        return {}
-    item = get_args(annotation)[0]
-    if get_origin(item) is not Annotated:
-        return {}
-    union = get_args(item)[0]
-    return {model.model_fields["shape"].default: model for model in get_args(union)}
-
-
-def entry_models(annotation: Any) -> tuple[str, dict[str, type[BaseModel]]]:
-    """Return the key that picks the model of a list's entry, "shape" or "kind", and the models by its word.
-
-    There are no models for an annotation that is not such a list.
-    """
-    item = get_args(annotation)[0] if get_origin(annotation) is tuple else None
-    for mark in getattr(item, "__metadata__", ()):
-        if isinstance(mark, OpenList):
-            return mark.tag, dict(mark.models())
-    return "shape", shapes(annotation)
-
-
 def part(annotation: Any) -> type[BaseModel] | None:
     """Return the model of `annotation`, optional or not, if it is a part of a scene with keys of its own."""
     kinds = get_args(annotation) if get_origin(annotation) is types.UnionType else (annotation,)
     found = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)]
     return found[0] if found else None
-
-
-def table_of_list(annotation: Any) -> type[BaseModel] | None:
-    """Return the model of each entry if `annotation` is a list of tables of one kind."""
-    if get_origin(annotation) is not tuple or shapes(annotation):
-        return None
-    items = get_args(annotation)
-    return part(items[0]) if items[-1] is Ellipsis else None
-
-
-def default_vector(path: tuple[str, ...], data: dict[str, Any], owner: type[BaseModel]) -> list[Any] | None:
-    """Return the default at `path` in `owner`, whose tables are `data`, if it is a list of numbers."""
-    key, *rest = path
-    field = owner.model_fields.get(key)
-    if field is None:
-        return None
-    if not rest:
-        return list(field.default) if isinstance(field.default, tuple) and field.default else None
-    below = data.get(key, {})
-    inner = part(field.annotation)
-    if inner and isinstance(below, dict):
-        return default_vector(tuple(rest), below, inner)
-    shaped = shapes(field.annotation)
-    if shaped and len(rest) > 1 and isinstance(below, list):
-        entry = below[int(rest[0])]
-        model = shaped.get(str(entry.get("shape"))) if isinstance(entry, dict) else None
-        return default_vector(tuple(rest[1:]), entry, model) if model else None
-    return None
 
 
 def _text(kind: Kind) -> str:

@@ -1,39 +1,35 @@
-"""Describe bodies that snow moves: loose, hinged or sliding ones, and robots from files."""
+"""Describe bodies, which forces move: loose, hinged or sliding ones, and robots from files."""
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from neve.scene.schema.fields import (
-    CONTACT,
-    MODES,
     ZERO,
     Angle3,
     Color,
     Coordinate,
-    Finish,
-    Length,
     Part,
     Point3,
     Rate3,
     Real,
-    Size3,
     Switch,
     Whole,
+    check_file,
     check_times,
     entry,
     file_entry,
     norm,
     wrong,
 )
-from neve.scene.schema.meshes import MeshFile, check_file
+from neve.scene.schema.roles import OneOfItsShapes, Role, Surface
 
 ROBOTS = (".xml", ".urdf")
 """What a robot file may end in."""
 
-ROTATION = "Rotation vector (axis times angle) from the body's own axes to the world's, at the start."
+ROTATION = "Rotation vector (axis times angle) from the shape's own axes to the world's, at the start."
 DENSITY = 1000.0
 """Density of a body that says nothing about its mass [kg/m3]."""
 
@@ -87,8 +83,10 @@ class Motor(Part):
         return self
 
 
-class RigidBody(Part):
-    """Hold what all bodies share."""
+class Body(Surface, Role):
+    """A body: snow and other forces move it."""
+
+    role = "body"
 
     density: Real | None = entry(
         None,
@@ -100,10 +98,6 @@ class RigidBody(Part):
     )
     mass: Real | None = entry(
         None, "Mass, spread evenly through the body. Excludes `density`.", "kg", gt=0, le=1e12
-    )
-    mode: Literal["separate", "slip", "sticky"] = entry("separate", MODES, "", CONTACT)
-    mu_c: Real = entry(
-        0.5, "Coulomb friction between snow and this body; not used when sticky.", "1", ge=0, le=100
     )
     friction: Real = entry(
         0.5,
@@ -143,16 +137,10 @@ class RigidBody(Part):
         ge=0,
     )
     motor: Motor | None = entry(None, "What drives the joint; left out, nothing.", "")
-    color: Color | None = entry(None, "Red, green and blue in the film; left out, a colour is chosen.", "1")
-    finish: Finish | None = entry(
-        None,
-        "What the surface in the film is made of; left out, paint.",
-        "",
-    )
-    visible: Switch = entry(True, "Whether the film shows the body.", "")
+    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
 
     @model_validator(mode="after")
-    def _check(self) -> RigidBody:
+    def _check_keys(self) -> Body:
         if self.density is not None and self.mass is not None:
             raise wrong("density", "cannot be combined with mass; leave one of them out")
         if self.joint == "free":
@@ -184,44 +172,8 @@ class RigidBody(Part):
             raise wrong("anchor", 'is of no use to joint = "slide"; leave it out')
 
 
-class RigidBox(RigidBody):
-    """Place a box or a plate that snow moves."""
-
-    shape: Literal["box"] = entry("box", "A box or a plate.")
-    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the box at the start.", "m")
-    size: Size3 = entry((1.0, 1.0, 1.0), "Edge lengths along the box's own x, y and z.", "m")
-    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
-
-
-class RigidSphere(RigidBody):
-    """Place a ball that snow moves."""
-
-    shape: Literal["sphere"] = entry("sphere", "A ball.")
-    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the ball at the start.", "m")
-    radius: Length = entry(0.5, "Radius of the ball.", "m")
-    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
-
-
-class RigidCylinder(RigidBody):
-    """Place a cylinder that snow moves."""
-
-    shape: Literal["cylinder"] = entry("cylinder", "A cylinder around its own z axis.")
-    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the cylinder at the start, halfway up.", "m")
-    radius: Length = entry(0.5, "Radius of the cylinder.", "m")
-    height: Length = entry(1.0, "Height of the cylinder along its own z.", "m")
-    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
-
-
-class RigidMesh(MeshFile, RigidBody):
-    """Place a body from a mesh file that snow moves."""
-
-    shape: Literal["mesh"] = entry("mesh", "A triangle mesh from a file.")
-    center: Point3 = entry(ZERO, "Where the origin of the file goes at the start.", "m")
-    rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
-
-
-Rigid = Annotated[RigidBox | RigidSphere | RigidCylinder | RigidMesh, Field(discriminator="shape")]
-"""Any body that snow moves; its `shape` says which."""
+AnyBody = Annotated[Body, OneOfItsShapes()]
+"""A body of any shape."""
 
 
 class Control(Part):
@@ -237,7 +189,7 @@ class Control(Part):
     )
 
 
-class Robot(Part):
+class Robot(Surface):
     """Place a robot or a vehicle that is described in a file."""
 
     file: str = file_entry("An MJCF (.xml) or URDF file, relative to the scene file.", ROBOTS)
@@ -251,19 +203,9 @@ class Robot(Part):
     start: str = entry(
         "", "Name of the file's keyframe that holds the joints and controls at the start; left out, none.", ""
     )
-    mode: Literal["separate", "slip", "sticky"] = entry("separate", MODES, "", CONTACT)
-    mu_c: Real = entry(
-        0.5, "Coulomb friction between snow and the robot; not used when sticky.", "1", ge=0, le=100
-    )
     color: Color | None = entry(
         None, "Red, green and blue in the film; left out, each part's colour in the file.", "1"
     )
-    finish: Finish | None = entry(
-        None,
-        "What the surface in the film is made of; left out, paint.",
-        "",
-    )
-    visible: Switch = entry(True, "Whether the film shows the robot.", "")
     controls: tuple[Control, ...] = entry(
         (),
         "What the actuators are told; for each of them at increasing times, straight lines between, constant "
@@ -272,6 +214,6 @@ class Robot(Part):
     )
 
     @model_validator(mode="after")
-    def _check(self) -> Robot:
+    def _check_robot(self) -> Robot:
         check_file(self.file, ROBOTS, "a robot")
         return self

@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal, Protocol
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 from pydantic_core import PydanticCustomError
 
+from neve.scene.schema.allowed import words
+
 Real = Annotated[float, Strict()]
 Whole = Annotated[int, Strict()]
 Switch = Annotated[bool, Strict()]
@@ -74,6 +76,17 @@ def file_entry(meaning: str, suffixes: tuple[str, ...], folder: str = "") -> Any
     """
     known: dict[str, Any] = {"unit": "", "source": CHOICE, "suffixes": list(suffixes), "folder": folder}
     return Field("", description=meaning, json_schema_extra=known)
+
+
+def check_file(name: str, suffixes: tuple[str, ...], what: str) -> None:
+    """Refuse a `file` that is left out or ends in none of `suffixes`.
+
+    Errors: PydanticCustomError.
+    """
+    if not name:
+        raise wrong("file", f"must name {what}, a file that ends in {words(suffixes)}")
+    if not name.startswith("neve:") and not name.lower().endswith(suffixes):
+        raise wrong("file", f"must end in {words(suffixes)}")
 
 
 def wrong(key: str, message: str) -> PydanticCustomError:

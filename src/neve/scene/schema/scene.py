@@ -7,19 +7,8 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from neve.scene.schema.bodies import (
-    Control,
-    Motor,
-    Rigid,
-    RigidBody,
-    RigidBox,
-    RigidCylinder,
-    RigidMesh,
-    RigidSphere,
-    Robot,
-    Target,
-)
-from neve.scene.schema.colliders import Body, Box, Collider, Cylinder, Keyframe, Mesh, Plane, Sphere, Terrain
+from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
+from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.fields import (
     Color,
     Damping,
@@ -36,29 +25,14 @@ from neve.scene.schema.fields import (
     rounded_down,
     wrong,
 )
-from neve.scene.schema.meshes import MeshFile
 from neve.scene.schema.outputs import OutputEntry, conflict
 from neve.scene.schema.snow import SSCTS, Overrides, Snow, most_strength, problem
 from neve.scene.schema.snows import SNOWS
-from neve.scene.schema.sources import (
-    Profile,
-    SnowBox,
-    SnowCylinder,
-    SnowLayer,
-    SnowMesh,
-    SnowSource,
-    SnowSphere,
-    SnowText,
-    Source,
-    Variation,
-)
+from neve.scene.schema.sources import AnySource, Profile, Source, Variation
 
 __all__ = [
-    "Body", "Box", "Camera", "Collider", "Control", "Cylinder", "Keyframe", "Light", "Mesh", "MeshFile",
-    "Motor", "Numerics", "Overrides", "Part", "Plane", "Profile", "Rigid", "RigidBody", "RigidBox",
-    "RigidCylinder", "RigidMesh", "RigidSphere", "Robot", "Run", "Scene", "Snow", "SnowBox",
-    "SnowCylinder", "SnowLayer", "SnowMesh", "SnowSource", "SnowSphere", "SnowText", "Source", "Sphere",
-    "Target", "Terrain", "Variation", "World",
+    "Body", "Camera", "Collider", "Control", "Keyframe", "Light", "Motor", "Numerics", "Overrides", "Part",
+    "Profile", "Robot", "Run", "Scene", "Snow", "Source", "Target", "Variation", "World",
 ]  # fmt: skip
 
 
@@ -221,9 +195,9 @@ class Scene(Part):
     world: World = entry(World(), "Surroundings.", "")
     numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
     snow: Snow = entry(Snow(), "Snow of all sources.", "")
-    sources: tuple[Source, ...] = entry((), "Where snow is at the start: one or more.", "")
-    colliders: tuple[Collider, ...] = entry((), "Solids that snow meets, at rest or moved by a script.", "")
-    bodies: tuple[Rigid, ...] = entry((), "Bodies that snow moves.", "")
+    sources: tuple[AnySource, ...] = entry((), "Where snow is at the start: one or more.", "")
+    colliders: tuple[AnyCollider, ...] = entry((), "Solids that snow meets.", "")
+    bodies: tuple[AnyBody, ...] = entry((), "Bodies: solids that snow and other forces move.", "")
     robots: tuple[Robot, ...] = entry((), "Robots and vehicles from files, which snow moves as well.", "")
     camera: Camera = entry(Camera(), "Camera of the film.", "")
     light: Light = entry(Light(), "Light of the film.", "")
@@ -265,11 +239,11 @@ class Scene(Part):
                 raise wrong(f"sources.{i}.{key}", f"{sentence}{whose}")
         return self
 
-    def snow_of(self, source: SnowSource) -> Snow:
+    def snow_of(self, source: Source) -> Snow:
         """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""
         return self.snow.but(source.snow)
 
-    def completed(self, source: SnowSource) -> SnowSource:
+    def completed(self, source: Source) -> Source:
         """Return `source` with the variation and profile of its snow's kind, where it has none of its own."""
         kind = SNOWS[self.snow_of(source).kind]
         found: dict[str, Part] = {}
@@ -280,7 +254,7 @@ class Scene(Part):
         return source.model_copy(update=found) if found else source
 
 
-def _too_strong(source: SnowSource, most: float) -> tuple[str, str] | None:
+def _too_strong(source: Source, most: float) -> tuple[str, str] | None:
     """Return key and end of the sentence if a source multiplies its snow's thresholds by more than `most`."""
     if source.strongest <= most * (1 + 1e-9):
         return None

@@ -1,4 +1,4 @@
-"""Describe where snow is at the start: boxes, balls, cylinders, ground layers, letters and meshes."""
+"""Describe where snow is at the start, and how it differs from place to place."""
 
 from __future__ import annotations
 
@@ -6,30 +6,11 @@ import math
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from neve.scene.schema.fields import (
-    Angle3,
-    Coordinate,
-    Distance,
-    Factor,
-    Length,
-    Part,
-    Point2,
-    Point3,
-    Rate3,
-    Real,
-    Size2,
-    Size3,
-    Whole,
-    entry,
-    file_entry,
-    wrong,
-)
-from neve.scene.schema.meshes import MeshFile
+from neve.scene.schema.fields import Distance, Factor, Length, Part, Rate3, Real, Whole, entry, wrong
+from neve.scene.schema.roles import OneOfItsShapes, Role
 from neve.scene.schema.snow import Overrides
-
-ROTATION = "Rotation vector (axis times angle) from the source's own axes to the world's."
 
 
 class Variation(Part):
@@ -113,8 +94,10 @@ class Profile(Part):
         return self
 
 
-class SnowSource(Part):
-    """Hold what all snow sources share."""
+class Source(Role):
+    """Snow at the start."""
+
+    role = "source"
 
     velocity: Rate3 = entry((0.0, 0.0, 0.0), "Velocity at the start.", "m/s")
     spin: Rate3 = entry((0.0, 0.0, 0.0), "Angular velocity at the start, about the source's centre.", "rad/s")
@@ -134,75 +117,5 @@ class SnowSource(Part):
         return math.exp(amplitude) * max(self.profile.strength if self.profile else (), default=1.0)
 
 
-class SnowBox(SnowSource):
-    """Fill a box with snow."""
-
-    shape: Literal["box"] = entry("box", "A box.")
-    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the box.", "m")
-    size: Size3 = entry((1.0, 1.0, 1.0), "Edge lengths along the box's own x, y and z.", "m")
-    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
-
-
-class SnowSphere(SnowSource):
-    """Fill a ball with snow."""
-
-    shape: Literal["sphere"] = entry("sphere", "A ball.")
-    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the ball.", "m")
-    radius: Length = entry(0.5, "Radius of the ball.", "m")
-
-
-class SnowCylinder(SnowSource):
-    """Fill an upright or tilted cylinder with snow."""
-
-    shape: Literal["cylinder"] = entry("cylinder", "A cylinder around its own z axis.")
-    center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the cylinder, halfway up.", "m")
-    radius: Length = entry(0.5, "Radius of the cylinder.", "m")
-    height: Length = entry(1.0, "Height of the cylinder along its own z.", "m")
-    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
-
-
-class SnowLayer(SnowSource):
-    """Spread a flat layer of snow."""
-
-    shape: Literal["layer"] = entry("layer", "A flat layer with upright sides.")
-    center: Point2 = entry((0.0, 0.0), "Centre of the layer seen from above.", "m")
-    size: Size2 = entry((2.0, 2.0), "Extent along x and y.", "m")
-    depth: Length = entry(0.2, "Thickness of the layer.", "m")
-    base: Coordinate = entry(0.0, "Height of the layer's underside.", "m")
-
-
-class SnowText(SnowSource):
-    """Set letters of snow: they stand upright in the source's own x-z plane and are `depth` thick along y."""
-
-    shape: Literal["text"] = entry("text", "Letters.")
-    text: str = entry("NEVE", "What is written; a line break starts a new line.", "", min_length=1)
-    font: str = file_entry(
-        'A .ttf or .otf file, relative to the scene file; "" is the font that comes with Neve.',
-        (".ttf", ".otf"),
-    )
-    height: Length = entry(
-        1.0, "Height of a capital letter (of the tallest glyph if the font has no capitals).", "m"
-    )
-    depth: Length = entry(0.4, "Thickness of the letters along their own y.", "m")
-    center: Point3 = entry((0.0, 0.0, 1.0), "Centre of the box around all letters.", "m")
-    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
-
-    @model_validator(mode="after")
-    def _check(self) -> SnowText:
-        if not self.text.strip():
-            raise wrong("text", "must hold at least one letter that is not a space")
-        return self
-
-
-class SnowMesh(MeshFile, SnowSource):
-    """Fill a closed mesh with snow; with a `thickness`, the space around the faces of any mesh."""
-
-    shape: Literal["mesh"] = entry("mesh", "A triangle mesh from a file.")
-    center: Point3 = entry((0.0, 0.0, 0.0), "Where the origin of the file goes; spin is about it.", "m")
-    rotation: Angle3 = entry((0.0, 0.0, 0.0), ROTATION, "degrees")
-
-
-Source = Annotated[
-    SnowBox | SnowSphere | SnowCylinder | SnowLayer | SnowText | SnowMesh, Field(discriminator="shape")
-]
-"""Any snow source; its `shape` says which."""
+AnySource = Annotated[Source, OneOfItsShapes()]
+"""A source of any shape."""

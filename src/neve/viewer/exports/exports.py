@@ -6,7 +6,6 @@ import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 from neve.io.atomic import write_bytes, write_png, write_text
 from neve.io.errors import RunError, cannot_write
@@ -22,6 +21,7 @@ from neve.viewer.players.player import Player
 from neve.viewer.players.recorded import Recorded
 from neve.viewer.players.recorder import Recorder, free_name
 from neve.viewer.protocol import commands
+from neve.viewer.protocol.messages import Message
 
 PREFIX = "/files/"
 
@@ -34,7 +34,7 @@ class Exports:
     """
 
     def __init__(self, folder: Path, player: Player, recorder: Recorder | None) -> None:
-        self.on_word: Callable[[dict[str, Any]], None] = lambda word: None
+        self.on_message: Callable[[Message], None] = lambda message: None
         self._folder, self._player, self._recorder = folder, player, recorder
         self._made: dict[str, Path] = {}
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="neve-export")
@@ -74,8 +74,15 @@ class Exports:
                 case _:
                     path = self._save(getattr(command, "camera", None))
             self._made[path.name] = path
-            word = {"kind": "file", "name": path.name, "url": f"{PREFIX}{path.name}", "place": str(path)}
-            self.on_word({**word, "bytes": path.stat().st_size})
+            self.on_message(
+                {
+                    "kind": "file",
+                    "name": path.name,
+                    "url": f"{PREFIX}{path.name}",
+                    "place": str(path),
+                    "bytes": path.stat().st_size,
+                }
+            )
         except (RunError, FilmError, SceneError) as error:
             self._refuse(str(error))
         except Exception as error:
@@ -85,16 +92,16 @@ class Exports:
             self._waiting -= 1
 
     def _refuse(self, sentence: str) -> None:
-        self.on_word({"kind": "refused", "sentence": sentence, "path": ""})
+        self.on_message({"kind": "refused", "sentence": sentence, "path": ""})
 
     def _progress(self, what: str, done: int, of: int) -> None:
-        self.on_word({"kind": "progress", "what": what, "done": done, "of": of})
+        self.on_message({"kind": "progress", "what": what, "done": done, "of": of})
 
-    def _picture(self, eye: commands.Eye) -> Path:
+    def _picture(self, camera: commands.PageCamera) -> Path:
         snapshot, solids = self._player.latest, self._player.solids()
         if snapshot is None:
             raise SceneError("there is nothing to see yet")
-        painter = Painter(seen_from(self._player.scene, eye), solids, size=(eye.width, eye.height))
+        painter = Painter(seen_from(self._player.scene, camera), solids, size=(camera.width, camera.height))
         positions, rotations = [p for p, _ in snapshot.bodies], [R for _, R in snapshot.bodies]
         image = painter.draw_arrays(snapshot.x, snapshot.values.get("J_P"), positions, rotations)
         path = free_name(self._folder, "picture", ".png")
@@ -109,14 +116,14 @@ class Exports:
             raise SceneError("nothing is recorded yet: press record, and play")
         return self._recorder.last
 
-    def _film(self, eye: commands.Eye) -> Path:
+    def _film(self, camera: commands.PageCamera) -> Path:
         run = self._run()
         from neve.build import solids as solids_of
         from neve.scene.reading.load import load
 
-        scene = seen_from(load(run.path), eye)
+        scene = seen_from(load(run.path), camera)
         path = free_name(self._folder, "film", ".mp4")
-        painter = Painter(scene, solids_of(scene), size=(eye.width, eye.height))
+        painter = Painter(scene, solids_of(scene), size=(camera.width, camera.height))
         numbers = frame_numbers(run.frames)
         film = Film(path, frame_rate(numbers, scene.run.fps), painter.size)
         for i, number in enumerate(numbers):
@@ -134,17 +141,17 @@ class Exports:
         write_bytes(path, replay_page(run, lambda done, of: self._progress("replay", done, of)))
         return path
 
-    def _save(self, eye: commands.Eye | None) -> Path:
+    def _save(self, camera: commands.PageCamera | None) -> Path:
         scene = self._player.scene
         path = free_name(self._folder, "scene", ".toml")
-        write_text(path, to_toml(seen_from(scene, eye) if eye else scene))
+        write_text(path, to_toml(seen_from(scene, camera) if camera else scene))
         return path
 
 
-def seen_from(scene: Scene, eye: commands.Eye) -> Scene:
+def seen_from(scene: Scene, camera: commands.PageCamera) -> Scene:
     """Return the scene with a page's camera. Errors: SceneError if it looks nowhere."""
     try:
-        camera = Camera(position=eye.position, target=eye.target, up=eye.up, fov=eye.fov)
+        seen = Camera(position=camera.position, target=camera.target, up=camera.up, fov=camera.fov)
     except ValueError as error:
         raise SceneError("the camera looks nowhere: its target is where it stands") from error
-    return scene.model_copy(update={"camera": camera})
+    return scene.model_copy(update={"camera": seen})

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import base64
 import json
+import posixpath
+import re
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,20 +25,22 @@ from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_numbers, frame_rate, read_frame
 from neve.io.run_folder import RunFolder
 from neve.scene.reading.load import load
-from neve.viewer.protocol.describe import drawn
+from neve.viewer.describe import drawn
+from neve.viewer.modes import described
+from neve.viewer.protocol.messages import ReplayHead, Vector, vector
 from neve.viewer.protocol.state import finite
 
 PAGE = Path(__file__).parents[1] / "page"
-SCRIPTS = (
-    *("draw/math", "draw/glsl", "draw/gl", "draw/light", "draw/stage", "draw/camera"),
-    *("controls/dom", "controls/bar", "replay"),
-)
+MAIN = "replay.js"
+NAME = "neve:"
+"""Before the path of a module in a replay: a name that the import map looks up."""
+IMPORT = re.compile(r'^(import\b[^;]*?from )"(\.{1,2}/[^"]+)";', re.MULTILINE)
 MOST = 120_000
 """Particles in a replay; of more, every k-th is taken and drawn larger."""
 FINENESS = 6
 """Steps of the grid in a particle's distance."""
 LIMIT = 18_000_000
-"""Bytes of a replay that are aimed at: a file that can be sent as a letter's enclosure."""
+"""Bytes of a replay that are aimed at: a file that can be sent by mail."""
 HIDDEN = 65535
 """Position, three times, of a particle that is not born yet."""
 
@@ -68,25 +71,25 @@ def replay_page(run: RunFolder, progress: Callable[[int, int], None] = lambda do
         places[k, :, : len(some)] = _rounded(some, low, step)
         progress(k, 2 * len(frames))
     keys, packed = _small_enough(places, lambda done: progress(len(frames) + done, 2 * len(frames)))
-    show = drawn(scene, solids(scene)) | {"spacing": spacing, "name": run.path.resolve().name}
-    head = {
-        **show,
-        "n": kept, "low": low, "step": [step] * 3, "keys": keys, "frames": len(frames),
+    modes = described(["snow", "speed"], scene)
+    head: ReplayHead = {
+        **drawn(run.path.resolve().name, scene, solids(scene), modes),
         "fps": float(frame_rate(numbers, scene.run.fps)),
+        "spacing": spacing,
+        "n": kept, "low": low, "step": (step, step, step), "keys": keys, "frames": len(frames),
         "times": [round(float(frame.time), 6) for frame in frames],
         "bodies": [_poses(frame) for frame in frames],
-        "about": scene.about,
     }  # fmt: skip
     return assemble(head, packed)
 
 
-def grid_of(frames: list[Frame], spacing: float) -> tuple[list[float], float]:
+def grid_of(frames: list[Frame], spacing: float) -> tuple[Vector, float]:
     """Return corner and step [m] of the grid: a share of `spacing`, coarser if the snow flies far."""
     good = [frame.x[np.isfinite(frame.x).all(axis=1)] for frame in frames]
     low = np.min([x.min(axis=0) for x in good if len(x)], axis=0)
     high = np.max([x.max(axis=0) for x in good if len(x)], axis=0)
     step = max(spacing / FINENESS, float((high - low).max()) / (HIDDEN - 2))
-    return [float(a) for a in low], step
+    return vector(low), step
 
 
 def choose_keys(places: Places, tolerance: float) -> list[int]:
@@ -156,17 +159,42 @@ def fold(away: NDArray[np.int16]) -> NDArray[np.uint16]:
     return np.asarray(((wide << 1) ^ (wide >> 31)).astype(np.uint16))
 
 
-def assemble(head: dict[str, Any], packed: bytes) -> bytes:
-    """Put page, scripts, head and data into one file."""
-    scripts = "\n".join((PAGE / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
-    style = (PAGE / "style.css").read_text(encoding="utf-8")
+def assemble(head: ReplayHead, packed: bytes) -> bytes:
+    """Put page, modules, head and data into one file.
+
+    A module of a page that lies on a disk may not be loaded from another file, so each comes as a data: URL,
+    and an import map says which name is which.
+    """
     text = json.dumps(finite(head), separators=(",", ":")).replace("<", "\\u003c")
     page = (PAGE / "replay.html").read_text(encoding="utf-8")
-    parts = {"/*STYLE*/": style, "/*SCRIPT*/": scripts, "/*HEAD*/": text}
+    parts = {
+        "/*STYLE*/": (PAGE / "style.css").read_text(encoding="utf-8"),
+        "/*MODULES*/": json.dumps({"imports": modules(MAIN)}),
+        "/*MAIN*/": NAME + MAIN,
+        "/*HEAD*/": text,
+    }
     for mark, content in parts.items():
         page = page.replace(mark, content)
     before, after = page.split("/*DATA*/")
     return before.encode() + base64.b64encode(packed) + after.encode()
+
+
+def modules(main: str) -> dict[str, str]:
+    """Return the module `main` of the page and all that it imports: its name in a replay -> a data: URL."""
+    found: dict[str, str] = {}
+    waiting = [main]
+    while waiting:
+        path = waiting.pop()
+        if NAME + path in found:
+            continue
+
+        def renamed(match: re.Match[str], folder: str = posixpath.dirname(path)) -> str:
+            waiting.append(posixpath.normpath(posixpath.join(folder, match[2])))
+            return f'{match[1]}"{NAME}{waiting[-1]}";'
+
+        code = IMPORT.sub(renamed, (PAGE / path).read_text(encoding="utf-8"))
+        found[NAME + path] = f"data:text/javascript;base64,{base64.b64encode(code.encode()).decode()}"
+    return found
 
 
 def _small_enough(places: Places, progress: Callable[[int], None]) -> tuple[list[int], bytes]:
@@ -188,7 +216,7 @@ def _thin(frame: Frame) -> Frame:
     return frame._replace(v=none, J_P=none, id=none, material=none)
 
 
-def _rounded(x: NDArray[np.float32], low: list[float], step: float) -> Places:
+def _rounded(x: NDArray[np.float32], low: Vector, step: float) -> Places:
     q = np.rint((x.T - np.array(low, np.float32)[:, None]) / np.float32(step))
     lost = ~np.isfinite(q).all(axis=0)
     q[:, lost] = HIDDEN

@@ -1,172 +1,229 @@
-"use strict";
-// A replay: the same stage, fed from the file itself. src/neve/viewer/replay.py says how the data are packed.
+// A replay: the same stage, fed from the file itself.
+
+/** @import { Command, ReplayHead } from "./protocol.js" */
+/** @import { State } from "./draw/snow_cloud.js" */
+
+import { Bar } from "./controls/bar.js";
+import { byId, select } from "./controls/dom.js";
+import { capture, dragCamera, listenToWheel } from "./controls/pointer.js";
+import { OrbitCamera } from "./draw/camera.js";
+import { V } from "./draw/math.js";
+import { Stage } from "./draw/stage.js";
+import { MOST } from "./protocol.js";
+import { unpack } from "./unpack.js";
+
+const FAST = 10; // speed of the last colour [m/s]
 
 class Replay {
+  /** @param {ReplayHead} head */
   constructor(head) {
-    this.scene = head, this.head = head;
-    this.canvas = document.getElementById("view");
+    this.scene = head;
+    /** @type {HTMLCanvasElement} */
+    this.canvas = byId("view");
     this.stage = new Stage(this.canvas);
-    this.camera = new Camera();
+    this.camera = new OrbitCamera();
     this.camera.set(head.camera);
-    head.live = false;
-    head.modes = [{ name: "snow", label: "snow", palette: "ice" }, { name: "speed", label: "speed", unit: "m/s", palette: "ice", classes: false }];
-    this.stage.stage(head);
-    this.frame = 0, this.playing = false, this.pace = 1, this.mode = "snow";
+    this.stage.setScene(head);
+    this.frame = 0;
+    this.playing = false;
+    this.speed = 1;
+    this.mode = "snow";
+    this.stale = true; // the stage shows another moment
+    this.dirty = true; // the picture is older than the stage
+    this.drawn = 0;
+    this.last = performance.now();
+    /** @type {Uint16Array[]} positions of each key: x of all, then y, then z */
     this.keys = [];
+    this.q = new Uint16Array(4 * head.n);
     this.bar = new Bar(this);
     this.bar.frame.hidden = this.bar.record.hidden = true;
-    const mode = make("select", { id: "mode", onchange: () => ((this.mode = mode.value), (this.stale = true)) },
-      make("option", { value: "snow" }, "snow"), make("option", { value: "speed" }, "speed"));
+    const onchange = () => {
+      this.mode = mode.value;
+      this.stale = true;
+    };
+    const mode = select(
+      { id: "mode", onchange },
+      head.modes.map((m) => [m.name, m.label]),
+    );
     this.bar.root.insertBefore(mode, this.bar.timeline);
-    this.bar.show(this.state(), false);
-    this.pointer();
+    this.showPlayer();
+    this.listenToPointer();
+    this.listenToKeys();
     document.title = `${head.name} · Neve replay`;
   }
 
-  state() {
-    return { playing: this.playing, speed: this.pace, frames: this.head.frames, recording: false };
+  showPlayer() {
+    const { frames } = this.scene;
+    const state = { playing: this.playing, speed: this.speed, frames, recording: false, recorded: frames };
+    this.bar.show(state, false);
   }
 
-  // What the bar asks for.
-  send(wish) {
-    if (wish.do === "play" || wish.do === "pause") this.playing = wish.do === "play";
-    else if (wish.do === "restart") this.frame = 0;
-    else if (wish.do === "seek") this.frame = wish.frame;
-    else if (wish.do === "speed") this.pace = wish.factor;
+  /**
+   * Obey the bar.
+   * @param {Command} command
+   */
+  send(command) {
+    if (command.do === "play" || command.do === "pause") this.playing = command.do === "play";
+    else if (command.do === "restart") this.frame = 0;
+    else if (command.do === "seek") this.frame = command.frame;
+    else if (command.do === "speed") this.speed = command.factor;
     this.stale = true;
-    this.bar.show(this.state(), false);
+    this.showPlayer();
   }
 
+  /** @param {string} text the packed positions in base64 */
   async load(text) {
     const bytes = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
     const raw = new Uint8Array(await new Response(stream).arrayBuffer());
-    this.keys = unpack(raw, this.head.n, this.head.keys);
-    this.q = new Uint16Array(4 * this.head.n);
-    this.stale = true;
+    this.keys = unpack(raw, this.scene.n, this.scene.keys);
     this.playing = true;
-    this.bar.show(this.state(), false);
-    document.getElementById("cover").classList.add("gone");
+    this.showPlayer();
+    byId("cover").classList.add("gone");
     this.last = performance.now();
     requestAnimationFrame(() => this.loop());
   }
 
   loop() {
-    const now = performance.now(), seconds = Math.min(0.25, (now - this.last) / 1000);
+    const now = performance.now();
+    const seconds = Math.min(0.25, (now - this.last) / 1000);
     this.last = now;
-    if (this.playing) {
-      this.frame += seconds * this.head.fps * this.pace;
-      if (this.frame >= this.head.frames - 1) this.frame = this.frame > this.head.frames + this.head.fps ? 0 : this.frame;
-      this.stale = true;
-    }
-    if (this.stale) this.show(Math.min(this.frame, this.head.frames - 1));
+    if (this.playing) this.goOn(seconds);
+    if (this.stale) this.show(Math.min(this.frame, this.scene.frames - 1));
     if (this.camera.fly(seconds)) this.dirty = true;
-    const width = Math.round(this.canvas.clientWidth * (this.stage.software ? 0.7 : Math.min(devicePixelRatio, 2)));
-    const height = Math.round(this.canvas.clientHeight * (this.stage.software ? 0.7 : Math.min(devicePixelRatio, 2)));
-    if (this.canvas.width !== width || this.canvas.height !== height) (this.canvas.width = width), (this.canvas.height = height), (this.dirty = true);
+    if (this.stage.resize()) this.dirty = true;
     if (this.dirty || this.stale) {
       this.dirty = this.stale = false;
-      this.camera.update(width, height);
+      this.camera.update(this.canvas.width, this.canvas.height);
       this.stage.draw(this.camera);
-      this.bar.drawn.push(now);
-      document.body.dataset.drawn = String(Number(document.body.dataset.drawn || 0) + 1);
+      this.bar.pictures.add();
+      this.drawn += 1;
+      document.body.dataset.drawn = String(this.drawn);
     }
-    this.bar.tick();
     requestAnimationFrame(() => this.loop());
   }
 
-  // Show a moment between two keys.
+  /**
+   * Play in a circle, with a second's rest at the end.
+   * @param {number} seconds
+   */
+  goOn(seconds) {
+    const { fps, frames } = this.scene;
+    this.frame += seconds * fps * this.speed;
+    if (this.frame > frames + fps) this.frame = 0;
+    this.stale = true;
+  }
+
+  /**
+   * Show a moment.
+   * @param {number} frame also between two frames
+   */
   show(frame) {
-    const { keys, times, n, step } = this.head;
+    const { n, low, step, times, bodies, frames } = this.scene;
+    this.place(frame);
+    const whole = Math.min(Math.floor(frame), frames - 1);
+    const next = Math.min(whole + 1, frames - 1);
+    const share = frame - whole;
+    const poses = bodies[share < 0.5 ? whole : next].map((pose, i) => {
+      const [from, to] = [bodies[whole][i], bodies[next][i]];
+      return [...V.mix([from[0], from[1], from[2]], [to[0], to[1], to[2]], share), ...pose.slice(3)];
+    });
+    /** @type {State} */
+    const state = {
+      kind: "state",
+      version: 0,
+      scene: 0,
+      n,
+      low,
+      step,
+      q: this.q,
+      mode: this.mode,
+      limits: [0, FAST],
+      classes: false,
+      time: times[whole] + share * (times[next] - times[whole]),
+      frame: Math.round(frame),
+      bodies: poses,
+      facts: {},
+    };
+    this.stage.show(state);
+    this.bar.showMoment(state);
+    document.body.dataset.time = String(state.time);
+  }
+
+  /**
+   * Put the particles on the lines between two keys; their value is the speed.
+   * @param {number} frame
+   */
+  place(frame) {
+    const { keys, n, step, fps } = this.scene;
     let k = 0;
     while (k + 2 < keys.length && keys[k + 1] <= frame) k++;
-    const a = this.keys[k], b = this.keys[Math.min(k + 1, keys.length - 1)], span = Math.max(1, keys[Math.min(k + 1, keys.length - 1)] - keys[k]);
-    const t = Math.min(1, Math.max(0, (frame - keys[k]) / span)), q = this.q, fast = 10, speed = (fast * span) / this.head.fps;
+    const last = Math.min(k + 1, keys.length - 1);
+    const [a, b] = [this.keys[k], this.keys[last]];
+    const span = Math.max(1, keys[last] - keys[k]);
+    const t = Math.min(1, Math.max(0, (frame - keys[k]) / span));
+    const value = (MOST * step[0] * fps) / (FAST * span);
+    const { q } = this;
     for (let i = 0; i < n; i++) {
-      const ax = a[i], ay = a[n + i], az = a[2 * n + i];
-      if (ax + ay + az === 196605) {
-        q[4 * i] = q[4 * i + 1] = q[4 * i + 2] = 65535;
+      const [x, y, z] = [a[i], a[n + i], a[2 * n + i]];
+      if (x + y + z === 3 * MOST) {
+        q[4 * i] = q[4 * i + 1] = q[4 * i + 2] = MOST;
         continue;
       }
-      const dx = b[i] - ax, dy = b[n + i] - ay, dz = b[2 * n + i] - az;
-      q[4 * i] = ax + t * dx, q[4 * i + 1] = ay + t * dy, q[4 * i + 2] = az + t * dz;
-      q[4 * i + 3] = Math.min(65535, (65535 * step[0] * Math.hypot(dx, dy, dz)) / speed);
+      const [dx, dy, dz] = [b[i] - x, b[n + i] - y, b[2 * n + i] - z];
+      q[4 * i] = x + t * dx;
+      q[4 * i + 1] = y + t * dy;
+      q[4 * i + 2] = z + t * dz;
+      q[4 * i + 3] = Math.min(MOST, value * Math.hypot(dx, dy, dz));
     }
-    const whole = Math.min(Math.floor(frame), this.head.frames - 1), next = Math.min(whole + 1, this.head.frames - 1), s = frame - whole;
-    const moment = {
-      n, q, low: this.head.low, step, mode: this.mode, classes: false, limits: [0, fast], frame: Math.round(frame), facts: {},
-      time: times[whole] + s * (times[next] - times[whole]), bodies: this.head.bodies[s < 0.5 ? whole : next],
-    };
-    if (s > 0 && next > whole) moment.bodies = moment.bodies.map((pose, i) => {
-      const from = this.head.bodies[whole][i], to = this.head.bodies[next][i];
-      return [...V.mix(from, to, s), ...pose.slice(3)];
-    });
-    this.stage.show(moment);
-    this.bar.tell(moment);
-    document.body.dataset.time = moment.time;
   }
 
-  pointer() {
-    const canvas = this.canvas;
+  listenToPointer() {
+    const { canvas, camera } = this;
+    /** @type {{ x: number, y: number, kind: "turn" | "pan" } | null} */
     let held = null;
-    canvas.addEventListener("pointerdown", (e) => {
-      held = { x: e.clientX, y: e.clientY, pan: e.button !== 0 || e.shiftKey };
-      try { canvas.setPointerCapture(e.pointerId); } catch { /* the pointer has gone already */ }
+    canvas.addEventListener("pointerdown", (event) => {
+      held = {
+        x: event.clientX,
+        y: event.clientY,
+        kind: event.button !== 0 || event.shiftKey ? "pan" : "turn",
+      };
+      capture(canvas, event.pointerId);
     });
-    canvas.addEventListener("pointermove", (e) => {
+    canvas.addEventListener("pointermove", (event) => {
       if (!held) return;
-      const height = canvas.clientHeight, dx = e.clientX - held.x, dy = e.clientY - held.y;
-      if (held.pan) this.camera.pan((2 * dx) / height, (2 * dy) / height);
-      else this.camera.turn((4 * dx) / height, (4 * dy) / height);
-      held.x = e.clientX, held.y = e.clientY, this.dirty = true;
+      dragCamera(camera, held.kind, event.clientX - held.x, event.clientY - held.y, canvas.clientHeight);
+      held.x = event.clientX;
+      held.y = event.clientY;
+      this.dirty = true;
     });
     for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, () => (held = null));
-    canvas.addEventListener("contextmenu", (e) => e.preventDefault());
-    canvas.addEventListener("wheel", (e) => {
-      e.preventDefault();
-      this.camera.zoom(Math.exp(0.0012 * Math.max(-300, Math.min(300, e.deltaY))));
-      this.dirty = true;
-    }, { passive: false });
-    window.addEventListener("keydown", (e) => {
-      const key = e.key.toLowerCase();
-      if (key === " ") e.preventDefault(), this.bar.toggle();
-      if (key === "r") this.send({ do: "restart" });
-      if (key === "h") this.camera.set(this.head.camera), (this.dirty = true);
+    listenToWheel(canvas, camera, () => (this.dirty = true));
+  }
+
+  listenToKeys() {
+    window.addEventListener("keydown", (event) => {
+      const key = event.key.toLowerCase();
+      if (key === " ") {
+        event.preventDefault();
+        this.bar.toggle();
+      } else if (key === "r") this.send({ do: "restart" });
+      else if (key === "h") {
+        this.camera.set(this.scene.camera);
+        this.dirty = true;
+      }
       this.camera.keys.add(key);
     });
-    window.addEventListener("keyup", (e) => this.camera.keys.delete(e.key.toLowerCase()));
+    window.addEventListener("keyup", (event) => this.camera.keys.delete(event.key.toLowerCase()));
   }
 }
 
-// The keys' places, x of all, then y, then z.
-function unpack(raw, n, keys) {
-  const out = [], size = 3 * n;
-  for (let k = 0; k < keys.length; k++) {
-    const place = new Uint16Array(size), first = 2 * size * k, a = out[k - 1], b = out[k - 2];
-    const now = k > 1 ? keys[k] - keys[k - 1] : 0, then = k > 1 ? keys[k - 1] - keys[k - 2] : 1;
-    for (let i = 0; i < size; i++) {
-      const folded = raw[first + i] | (raw[first + size + i] << 8), away = (folded >>> 1) ^ -(folded & 1);
-      let guess = 0;
-      if (k === 1) guess = a[i];
-      else if (k > 1) {
-        const way = ((a[i] - b[i]) << 16) >> 16;
-        guess = a[i] + Math.floor((2 * way * now + then) / (2 * then));
-      }
-      place[i] = guess + away;
-    }
-    out.push(place);
-  }
-  return out;
+try {
+  const replay = new Replay(JSON.parse(byId("head").textContent ?? ""));
+  Object.assign(window, { neve: replay }); // for the browser's console and the tests
+  await replay.load(byId("data").textContent ?? "");
+} catch (error) {
+  byId("cover").textContent =
+    `this browser cannot play the replay: ${error instanceof Error ? error.message : error}`;
+  throw error;
 }
-
-(async () => {
-  const cover = document.getElementById("cover");
-  try {
-    const replay = new Replay(JSON.parse(document.getElementById("head").textContent));
-    window.neve = replay;
-    await replay.load(document.getElementById("data").textContent);
-  } catch (error) {
-    cover.textContent = `this browser cannot play the replay: ${error.message}`;
-    throw error;
-  }
-})();

@@ -1,43 +1,54 @@
-"""Live: simulate as the page watches, and let it take part."""
+"""Live: simulate while the pages watch, and let them take part."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
 from time import monotonic
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.load import load, presets
-from neve.scene.schema.scene import Scene, SnowSphere
+from neve.scene.schema.scene import Scene, Source
 from neve.simulation import Simulation
+from neve.viewer.modes import MODES
 from neve.viewer.players.player import WAIT, Player
 from neve.viewer.players.recorder import Recorder
 from neve.viewer.players.snapshot import of_simulation
-from neve.viewer.protocol import commands, panel
+from neve.viewer.protocol import commands
 from neve.viewer.protocol.commands import Command
+from neve.viewer.protocol.messages import Facts, PlayerState
 from neve.viewer.tools import edit
-from neve.viewer.tools.touch import Hand, Mover
+from neve.viewer.tools.change import changed, is_live
+from neve.viewer.tools.drag import DragController
+from neve.viewer.tools.velocity import VelocityTool
 
 PAUSE = 1 / 30
-"""Seconds of work between two moments that the pages may see, where steps are short enough."""
+"""Seconds of work between two snapshots, where steps are short enough."""
 
 COPYING = 0.2
-"""Most of the player's time that goes into copying moments for the pages."""
+"""Greatest share of the player's time that goes into copying snapshots for the pages."""
 
 MOST_THROWN = 200_000
 """Particles of a ball that may be thrown."""
 
 
+class SlowColors(NamedTuple):
+    """Hold the values of a slow colour mode, (n,), and the clock time from which to measure again [s]."""
+
+    values: NDArray[np.float32]
+    next_time: float
+
+
 class Live(Player):
     """Simulate a scene, at most `speed` times as fast as it happens.
 
-    `scene` is the wish: what a restart begins with and what is saved. The running simulation's own scene also
-    has the thrown balls, and colliders on their way to where a page drags them.
+    `scene` is what a restart begins with and what is saved. The running simulation's own scene also has the
+    thrown balls, and colliders on their way to where a page drags them.
     """
 
     live = True
@@ -52,11 +63,10 @@ class Live(Player):
         self._chunk = 1e-3  # simulated seconds of the next piece of work
         self._anchor = (0.0, 0.0)  # clock and simulated time from which the pace is counted
         self._spent: dict[str, float] = {}  # seconds of each stage, lately
-        self._due = 0.0  # clock from which the pages may see another moment
-        self._hand, self._mover = Hand(), Mover()
-        self._sources: list[int] = []  # what each source of the wish is called in the running scene
-        self._pieces = np.zeros(0, np.float32)  # the fragment of each particle, when last looked for
-        self._pieces_next = 0.0  # clock from which to look again
+        self._due = 0.0  # clock from which the pages may see another snapshot
+        self._velocity_tool, self._drags = VelocityTool(), DragController()
+        self._sources: list[int] = []  # number in the running scene of each source of `scene`
+        self._slow: dict[str, SlowColors] = {}
 
     def solids(self) -> tuple[Solid, ...]:
         """Return the solids in the order of a snapshot's bodies."""
@@ -66,7 +76,11 @@ class Live(Player):
         """Return the scene whose snow is shown, with what pages have thrown in."""
         return self._sim.scene
 
-    def state(self) -> dict[str, Any]:
+    def color_modes(self) -> list[str]:
+        """Return the names of all colour modes."""
+        return list(MODES)
+
+    def state(self) -> PlayerState:
         """Return whether it plays, and how fast."""
         return {
             "playing": self._playing,
@@ -82,7 +96,7 @@ class Live(Player):
             self._sim = Simulation(self.scene, threads=self._threads)
         self._frame, self._chunk, self._spent = 0, 1e-3, {}
         self._sources = list(range(len(self.scene.sources)))
-        self._hand, self._mover = Hand(), Mover()
+        self._velocity_tool, self._drags = VelocityTool(), DragController()
         self._scene_changed()
         self._publish()
 
@@ -100,12 +114,12 @@ class Live(Player):
             return
         began, start = monotonic(), sim.time
         try:
-            self._mover.lead(sim, piece)
-            self._hand.act(sim, piece)
+            self._drags.act(sim, piece)
+            self._velocity_tool.act(sim, piece)
             sim.advance(piece, lambda: self._look_up(began))
         except (RuntimeError, ValueError) as error:  # lost numbers, or a drag that the scene refuses
             self._playing = self._one = False
-            self._mover = Mover()
+            self._drags = DragController()
             self._refuse(str(error))
             self._state_changed()
             return
@@ -125,7 +139,7 @@ class Live(Player):
             self._state_changed()
 
     def _look_up(self, began: float) -> bool:
-        """Show what is there, between two steps; whether the pages want something and have waited for it."""
+        """Show what is there, between two steps; return whether a command has waited long enough."""
         now = monotonic()
         if now >= self._due:
             self._publish()
@@ -144,7 +158,7 @@ class Live(Player):
 
     def _pace(self, piece: float, seconds: float) -> None:
         """Choose the next piece so that it takes PAUSE, but has at least eight steps in it: each piece begins
-        with a sort, which takes as long as a step. Wishes of the pages cut it short."""
+        with a sort, which takes as long as a step. Commands of the pages cut it short."""
         grow = min(max(PAUSE / max(seconds, 1e-4), 0.5), 2.0)
         stats = self._sim.stats
         self._chunk = max(piece * grow, 8 * stats.dt_mean)
@@ -154,28 +168,28 @@ class Live(Player):
         self._spent["simulated"] = 0.9 * self._spent.get("simulated", 0.0) + piece
 
     def _publish(self) -> None:
-        """Show this moment now, and the next one when it is worth what copying it costs."""
+        """Show this moment now, and the next one when it is worth the cost of copying it."""
         began = monotonic()
         self._copy()
         self._due = began + max(PAUSE, (monotonic() - began) / COPYING)
 
     def _copy(self) -> None:
-        modes, known = set(self.modes), {}
-        if "fragment" in modes and not self._pieces_are_due():
-            modes.discard("fragment")
-            known["fragment"] = self._pieces
+        count = self._sim.state.count
+        slow = {mode for mode in self.modes if MODES[mode].slow}
+        known = {mode: self._slow[mode].values for mode in slow if self._is_fresh(mode, count)}
         began = monotonic()
+        modes = set(self.modes) - set(known)
         snapshot = of_simulation(self._sim, modes, known, self._frame, self._facts(), self.number)
-        if "fragment" in modes:
-            self._pieces = snapshot.values["fragment"]
-            self._pieces_next = monotonic() + max(1.0, 10 * (monotonic() - began))
+        next_time = monotonic() + max(1.0, 10 * (monotonic() - began))
+        self._slow |= {mode: SlowColors(snapshot.values[mode], next_time) for mode in slow - set(known)}
         self._show(snapshot)
 
-    def _pieces_are_due(self) -> bool:
-        """Whether to look for pieces anew: it takes long, and the simulation is not to wait for a colour."""
-        return monotonic() >= self._pieces_next or len(self._pieces) != self._sim.state.count
+    def _is_fresh(self, mode: str, count: int) -> bool:
+        """Whether a slow mode can be shown as last measured: the simulation does not wait for a colour."""
+        last = self._slow.get(mode)
+        return last is not None and monotonic() < last.next_time and len(last.values) == count
 
-    def _facts(self) -> Mapping[str, Any]:
+    def _facts(self) -> Facts:
         sim, spent = self._sim, self._spent
         total = max(spent.get("all", 0.0), 1e-9)
         return {
@@ -183,7 +197,7 @@ class Live(Player):
             "steps": sim.steps,
             "dt": sim.stats.dt_mean,
             "bound": sim.stats.bound,
-            "refusals": sim.stats.refusals,
+            "rejected": sim.stats.refusals,
             "pace": spent.get("simulated", 0.0) / total,
             "stages": {name: spent[name] / total for name in spent if name not in ("all", "simulated")},
         }
@@ -221,10 +235,10 @@ class Live(Player):
             case commands.Throw():
                 self._throw(command)
             case commands.Touch():
-                self._hand.take(command)
+                self._velocity_tool.take(command)
             case commands.Move():
                 self._move(command)
-            case commands.Look():
+            case commands.ColorMode():
                 self._publish()  # the new colours, also while nothing moves
 
     def _open(self, name: str) -> None:
@@ -238,42 +252,42 @@ class Live(Player):
         self._state_changed()
 
     def _set(self, path: str, value: Any) -> None:
-        wish = panel.changed(self.scene, path, value)
-        if panel.is_live(path):
-            self._sim.change(panel.changed(self._sim.scene, self._running(path), value))
-        self._wish(wish)
+        new_scene = changed(self.scene, path, value)
+        if is_live(path):
+            self._sim.change(changed(self._sim.scene, self._running(path), value))
+        self._take_scene(new_scene)
 
     def _add(self, command: commands.Add) -> None:
-        wish, source = edit.added(self.scene, command)
+        new_scene, source = edit.added(self.scene, command)
         if source is None:
             self._sim.change(edit.added(self._sim.scene, command)[0])
         else:
             self._grow(source)
             self._sources.append(len(self._sim.scene.sources) - 1)
-        self._wish(wish)
+        self._take_scene(new_scene)
 
     def _enlarge(self, path: str) -> None:
-        wish = edit.enlarged(self.scene, path)
-        if panel.is_live(path):
+        new_scene = edit.enlarged(self.scene, path)
+        if is_live(path):
             self._sim.change(edit.enlarged(self._sim.scene, self._running(path)))
-        self._wish(wish)
+        self._take_scene(new_scene)
 
     def _delete(self, name: str) -> None:
-        wish = edit.deleted(self.scene, name)
+        new_scene = edit.deleted(self.scene, name)
         if name.startswith("sources.") and name.count(".") == 1:
-            self.scene = wish
+            self.scene = new_scene
             self._begin()  # whose snow is whose is known at the start alone
-        elif panel.is_live(name):
+        elif is_live(name):
             self._sim.change(edit.deleted(self._sim.scene, self._running(name)))
-        self._wish(wish)
+        self._take_scene(new_scene)
 
-    def _wish(self, wish: Scene) -> None:
-        self.scene = wish
+    def _take_scene(self, new_scene: Scene) -> None:
+        self.scene = new_scene
         self._scene_changed()
         self._publish()
 
     def _running(self, path: str) -> str:
-        """Return what `path` is called in the running scene, where thrown balls stand between the sources."""
+        """Return the path in the running scene, where thrown balls stand between the sources."""
         keys = path.split(".")
         if keys[0] == "sources":
             keys[1] = str(self._sources[int(keys[1])])
@@ -287,7 +301,8 @@ class Live(Player):
         if many > MOST_THROWN:
             raise SceneError(f"a ball of {throw.radius:g} m has {many:.2g} particles: throw a smaller one")
         way = [a / norm for a in throw.direction]
-        ball = SnowSphere(
+        ball = Source.of(
+            "sphere",
             center=tuple(o + 2 * throw.radius * w for o, w in zip(throw.origin, way, strict=True)),
             radius=throw.radius,
             velocity=tuple(throw.speed * w for w in way),
@@ -304,13 +319,13 @@ class Live(Player):
             raise SceneError(f"this snow cannot be added: {error.errors()[0]['msg']}") from error
 
     def _move(self, move: commands.Move) -> None:
-        """Lead a collider to where a page drags it; while nothing moves, put it there."""
-        wish = edit.placed(self.scene, move)
+        """Move a solid to where a page drags it: at once while nothing plays, else at a finite speed."""
+        new_scene = edit.placed(self.scene, move)
         if self._busy():
-            self._mover.take(move)
+            self._drags.take(move)
         else:
             self._sim.change(edit.placed(self._sim.scene, move))
             self._publish()
-        self.scene = wish
+        self.scene = new_scene
         if move.done:
             self._scene_changed()

@@ -1,4 +1,4 @@
-"""Player: a thread that has a run, keeps its latest moment, and takes commands from a queue."""
+"""Player: a thread that has a run, keeps its latest snapshot, and takes commands from a queue."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import logging
 import queue
 import threading
 from collections.abc import Callable
-from typing import Any
 
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene
 from neve.viewer.players.snapshot import Snapshot
 from neve.viewer.protocol.commands import Command
+from neve.viewer.protocol.messages import Message, PlayerState
 
 WAIT = 0.25
 """Longest sleep of a player that has nothing to do [s]."""
@@ -21,8 +21,9 @@ WAIT = 0.25
 class Player:
     """Run in a thread of its own; the server sees `latest`, which is replaced and never written into.
 
-    on_moment is called after each new snapshot, on_word with each message to all pages, a dict with "kind",
-    on_failure with what ended the thread. All are called from the player's thread and must not wait.
+    on_snapshot is called after each new snapshot, on_scene when what `describe` tells has changed, on_message
+    with each other message to all pages, on_failure with what ended the thread. All are called from the
+    player's thread and must not wait.
     """
 
     live = False
@@ -36,15 +37,16 @@ class Player:
         self.latest: Snapshot | None = None
         self.modes: set[str] = set()
         """Colour modes that some page looks at; the server sets them."""
-        self.on_moment: Callable[[], None] = lambda: None
-        self.on_word: Callable[[dict[str, Any]], None] = lambda word: None
+        self.on_snapshot: Callable[[], None] = lambda: None
+        self.on_scene: Callable[[], None] = lambda: None
+        self.on_message: Callable[[Message], None] = lambda message: None
         self.on_failure: Callable[[BaseException], None] = lambda error: None
         self._queue: queue.SimpleQueue[Command] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="neve-player", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         self._thread.start()
 
     def stop(self) -> None:
@@ -65,7 +67,11 @@ class Player:
         """Return the scene whose snow is shown, with what pages have thrown in."""
         return self.scene
 
-    def state(self) -> dict[str, Any]:
+    def color_modes(self) -> list[str]:
+        """Return the names of the colour modes that can be shown."""
+        raise NotImplementedError
+
+    def state(self) -> PlayerState:
         """Return whether it plays, how fast, and how many frames there are to seek in."""
         raise NotImplementedError
 
@@ -94,7 +100,7 @@ class Player:
             self._do(command)
         except SceneError as error:
             self._refuse(str(error), getattr(command, "path", ""))
-        except Exception as error:  # whatever a page has thought of, the others go on watching
+        except Exception as error:  # whatever one page has asked for, the others go on watching
             logging.getLogger("neve").exception("a command of a page failed")
             self._refuse(f"this could not be done: {' '.join(str(error).split())[:200]}")
 
@@ -112,17 +118,14 @@ class Player:
 
     def _show(self, snapshot: Snapshot) -> None:
         self.latest = snapshot
-        self.on_moment()
+        self.on_snapshot()
 
     def _scene_changed(self) -> None:
         self.number += 1
-        self.on_word({"kind": "scene"})
+        self.on_scene()
 
     def _state_changed(self) -> None:
-        self.on_word({"kind": "player", **self.state()})
-
-    def _say(self, sentence: str) -> None:
-        self.on_word({"kind": "say", "sentence": sentence})
+        self.on_message({"kind": "player", **self.state()})
 
     def _refuse(self, sentence: str, path: str = "") -> None:
-        self.on_word({"kind": "refused", "sentence": sentence, "path": path})
+        self.on_message({"kind": "refused", "sentence": sentence, "path": path})

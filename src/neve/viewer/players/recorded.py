@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from time import monotonic
-from typing import Any
 
 import numpy as np
 
@@ -18,8 +17,10 @@ from neve.scene.reading.load import load
 from neve.viewer.modes import Columns, available, measure
 from neve.viewer.players.player import Player
 from neve.viewer.players.snapshot import Snapshot
-from neve.viewer.protocol import commands, panel
+from neve.viewer.protocol import commands
 from neve.viewer.protocol.commands import Command
+from neve.viewer.protocol.messages import PlayerState
+from neve.viewer.tools.change import changed
 
 KEPT = 512 * 2**20
 """Bytes of frames that stay in memory, so that playing in a circle does not read them again."""
@@ -53,7 +54,11 @@ class Recorded(Player):
         """Return the solids in the order of a snapshot's bodies."""
         return self._solids
 
-    def state(self) -> dict[str, Any]:
+    def color_modes(self) -> list[str]:
+        """Return the names of the colour modes that the frames have columns for."""
+        return available(COLUMNS)
+
+    def state(self) -> PlayerState:
         """Return whether it plays, how fast, and how many frames there are to seek in."""
         return {
             "playing": self._playing,
@@ -112,11 +117,11 @@ class Recorded(Player):
             "density": lambda: self._rho0[np.minimum(frame.material, len(self._rho0) - 1)] / frame.J_P,
         }
         spacing = self.scene.numerics.spacing
-        known = set(available(COLUMNS))
+        known = set(self.color_modes())
         self._show(
             Snapshot(
                 x=frame.x,
-                values={m: measure(m, columns, self._rho0, spacing) for m in self.modes & known},
+                values={m: measure(m, columns, spacing) for m in self.modes & known},
                 bodies=tuple(zip(frame.body_position, frame.body_rotation, strict=True)),
                 time=frame.time,
                 frame=self._at,
@@ -151,9 +156,9 @@ class Recorded(Player):
             case commands.Seek():
                 self._at = min(command.frame, len(self._numbers) - 1)
             case commands.Set() if command.path.split(".")[0] in ("light", "camera"):
-                self.scene = panel.changed(self.scene, command.path, command.value)
+                self.scene = changed(self.scene, command.path, command.value)
                 self._scene_changed()
-            case commands.Look():
+            case commands.ColorMode():
                 pass
             case _:
                 raise SceneError("a recorded run cannot be changed; neve view SCENE computes one")

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.viewer.modes import Columns, measure
+from neve.viewer.protocol.messages import Facts
 
 if TYPE_CHECKING:
     from neve.geometry.pose import Pose
@@ -20,14 +21,14 @@ Array = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """Hold a moment. Nobody writes into it, so threads share it without a lock.
+    """Hold one moment of a run. It is never written into, so threads share it without a lock.
 
     Attributes:
         x: positions [m], (n, 3); row p is the same particle in every snapshot of a run
         values: what each colour mode in use shows, (n,), by the name of the mode
         bodies: position [m] (3,) and rotation (3, 3) of each solid, in the model's order
         time: simulated time [s]; frame: number of the frame that was reached last
-        facts: what the page tells in figures
+        facts: figures that the page shows
         scene: counts the scenes of this player; a page asks for the new one when it changes
     """
 
@@ -36,7 +37,7 @@ class Snapshot:
     bodies: tuple[tuple[NDArray[Any], NDArray[Any]], ...]
     time: float
     frame: int
-    facts: Mapping[str, Any] = field(default_factory=dict)
+    facts: Facts = field(default_factory=Facts)
     scene: int = 0
 
 
@@ -45,7 +46,7 @@ def of_simulation(
     modes: set[str],
     known: Mapping[str, Array],
     frame: int,
-    facts: Mapping[str, Any],
+    facts: Facts,
     scene: int,
 ) -> Snapshot:
     """Copy what the pages need from a running simulation: positions and the colours that someone looks at.
@@ -54,7 +55,6 @@ def of_simulation(
     """
     state = sim.state
     order = by_birth(np.asarray(state.id))
-    rho0 = np.array([snow.rho0 for snow in sim.model.snows], np.float32)
     columns: Columns = {
         "x": lambda: state.x,
         "v": lambda: state.v,
@@ -65,7 +65,7 @@ def of_simulation(
         "density": lambda: state.m / (state.V0 * np.maximum(_volume_ratio(state), 1e-3)),
     }
     spacing = sim.scene.numerics.spacing
-    values = {mode: order(measure(mode, columns, rho0, spacing)) for mode in modes} | dict(known)
+    values = {mode: order(measure(mode, columns, spacing)) for mode in modes} | dict(known)
     return Snapshot(
         x=order(state.x),
         values=values,

@@ -1,4 +1,8 @@
-"""What a page may ask for. Everything that arrives is checked here; what is not one of these is dropped."""
+"""What a page may ask for. Everything that arrives is checked here; what is not one of these is dropped.
+
+A new command is a class here, its name in `AnyCommand`, and its case in the player that obeys it;
+`python -m neve.viewer.protocol.document` tells the page.
+"""
 
 from __future__ import annotations
 
@@ -13,22 +17,22 @@ Name = Annotated[str, Field(min_length=1, max_length=200)]
 
 
 class Command(BaseModel):
-    """Hold one wish of a page: frozen, no unknown keys."""
+    """Hold one command of a page: frozen, no unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Got(Command):
+class Acknowledge(Command):
     """Say that the state number `version` has been drawn."""
 
-    do: Literal["got"]
+    do: Literal["acknowledge"]
     version: int = Field(ge=0, le=2**53)
 
 
-class Look(Command):
+class ColorMode(Command):
     """Choose the colour mode of this page."""
 
-    do: Literal["look"]
+    do: Literal["color_mode"]
     mode: Name
 
 
@@ -139,8 +143,8 @@ class Touch(Command):
     done: bool = False
 
 
-class Eye(BaseModel):
-    """Hold a page's camera: places [m], vertical angle [degrees], size of the picture [px]."""
+class PageCamera(BaseModel):
+    """Hold a page's camera: points [m], vertical angle [degrees], size of the picture [px]."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     position: Vector
@@ -162,14 +166,14 @@ class Picture(Command):
     """Draw a PNG with the page's camera."""
 
     do: Literal["picture"]
-    camera: Eye
+    camera: PageCamera
 
 
 class Film(Command):
     """Make a film of all frames of the run, or of the last recording, with the page's camera."""
 
     do: Literal["film"]
-    camera: Eye
+    camera: PageCamera
 
 
 class Replay(Command):
@@ -182,15 +186,15 @@ class Save(Command):
     """Write the scene as TOML; with `camera`, with the page's camera."""
 
     do: Literal["save"]
-    camera: Eye | None = None
+    camera: PageCamera | None = None
 
 
-Wish = Annotated[
-    Got | Look | Play | Pause | Frame | Restart | Speed | Seek | Open | Set | Add | Enlarge | Delete | Move
-    | Throw | Touch | Record | Picture | Film | Replay | Save,
+AnyCommand = Annotated[
+    Acknowledge | ColorMode | Play | Pause | Frame | Restart | Speed | Seek | Open | Set | Add | Enlarge
+    | Delete | Move | Throw | Touch | Record | Picture | Film | Replay | Save,
     Field(discriminator="do"),
 ]  # fmt: skip
-_ADAPTER: TypeAdapter[Any] = TypeAdapter(Wish)
+_ADAPTER: TypeAdapter[Any] = TypeAdapter(AnyCommand)
 
 MOST_BYTES = 16_384
 """A command is a few hundred bytes; more is no command."""

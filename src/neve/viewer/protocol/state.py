@@ -1,12 +1,12 @@
-"""Turn a snapshot into bytes for the wire: a head in JSON, then eight bytes for each particle.
+"""The bytes of a state: a head in JSON, then eight bytes for each particle.
 
     bytes 0-3    length of the head [bytes], little endian, with blanks so that the rest begins at 8 k
-    head         JSON in UTF-8: kind "state", n, low and step [m] (3,), mode, ends of the legend, time, ...
+    head         JSON in UTF-8: messages.StateHead
     n x 8 bytes  x, y, z and the value, each 16 bit, little endian: position = low + step q
 
 A position is off by at most half a step, 1/131070 of the snow's extent along each axis: 0.04 mm for snow of
 5 m. The value runs from 0, the lowest of the legend, to 65535; of names it is the name itself. A particle
-without finite numbers is put at q = (65535, 65535, 65535) with the others drawn as they are.
+without finite numbers is put at q = (65535, 65535, 65535) and is not drawn.
 """
 
 from __future__ import annotations
@@ -18,10 +18,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.viewer.modes import MODES, Scale
-from neve.viewer.players.snapshot import Snapshot
-
 MOST = 65535
+"""Greatest number of 16 bits."""
+
+PARTICLE_BYTES = 8
+"""Bytes of a particle: three positions and a value."""
 
 
 def pack(x: NDArray[np.float32], value: NDArray[np.float32] | None, limits: tuple[float, float]) -> Packed:
@@ -61,29 +62,6 @@ class Packed:
     def positions(self) -> NDArray[np.float64]:
         """Return the positions [m] that a page sees, (n, 3)."""
         return np.asarray(self.low + self.step * self.q[:, :3])
-
-
-def encode(snapshot: Snapshot, mode: str, scale: Scale, head: Mapping[str, Any]) -> bytes:
-    """Return the message that shows `snapshot` in colour mode `mode`; `head` is added to its head."""
-    values = snapshot.values.get(mode)
-    limits = scale.limits(mode, values) if values is not None else (0.0, 1.0)
-    packed = pack(snapshot.x, values, limits)
-    content: dict[str, Any] = {
-        "kind": "state",
-        "n": len(snapshot.x),
-        "low": packed.low.tolist(),
-        "step": packed.step.tolist(),
-        "mode": mode if values is not None or mode == "snow" else "snow",
-        "limits": limits,
-        "classes": MODES[mode].classes,
-        "time": snapshot.time,
-        "frame": snapshot.frame,
-        "scene": snapshot.scene,
-        "bodies": [[*map(float, p), *map(float, np.ravel(R))] for p, R in snapshot.bodies],
-        "facts": dict(snapshot.facts),
-        **head,
-    }
-    return framed(content, packed.q.astype("<u2", copy=False).tobytes())
 
 
 def framed(head: Mapping[str, Any], body: bytes = b"") -> bytes:

@@ -7,10 +7,12 @@ from typing import Any
 from neve.scene.errors import SceneError
 from neve.scene.reading.files import OWN, own_files
 from neve.scene.reading.paths import follow
-from neve.scene.schema.allowed import part, shapes, table_of_list
+from neve.scene.schema.allowed import part
 from neve.scene.schema.scene import Scene, Source
+from neve.scene.schema.tables import shapes, table_of_list
 from neve.viewer.protocol.commands import Add, Move
-from neve.viewer.protocol.panel import below, checked, entry_lists, lists
+from neve.viewer.tools.change import below, checked
+from neve.viewer.tools.panel import entry_lists, lists
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:
@@ -49,8 +51,8 @@ def added(scene: Scene, command: Add) -> tuple[Scene, Source | None]:
         entry["center"] = [command.at[0], command.at[1], command.at[2] + (0.0 if file else 0.5 * size)]
     tables = tables_of(scene)
     tables.setdefault(command.kind, []).append(entry)
-    wish = checked(tables)
-    return wish, wish.sources[-1] if command.kind == "sources" else None
+    new_scene = checked(tables)
+    return new_scene, new_scene.sources[-1] if command.kind == "sources" else None
 
 
 def deleted(scene: Scene, name: str) -> Scene:
@@ -101,7 +103,7 @@ def below_model(scene: Scene, keys: list[str], path: str) -> Any:
 
 
 def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any = (0.0, 0.0, 0.0)) -> Scene:
-    """Return the scene with a collider or a body where `move` has it, without keyframes, moving as told.
+    """Return the scene with a collider or a body where `move` has it, without keyframes, moving as given.
 
     velocity [m/s] and spin [rad/s] of a collider count from t = 0, as in a scene. Errors: SceneError.
     """
@@ -113,7 +115,7 @@ def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any 
     entry = getattr(scene, kind)[index]
     if getattr(entry, "joint", "free") != "free":
         raise SceneError(f"{move.name} hangs on a joint and cannot be dragged")
-    change: dict[str, Any] = {"point" if entry.shape == "plane" else "center": tuple(move.position)}
+    change: dict[str, Any] = {entry.place_key: tuple(move.position)}
     if move.rotation is not None and hasattr(entry, "rotation"):
         change["rotation"] = tuple(move.rotation)
     change |= {"velocity": tuple(velocity), "spin": tuple(spin)}

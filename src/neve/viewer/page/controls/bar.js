@@ -1,126 +1,201 @@
-"use strict";
 // The bar below: play, pace, timeline and clock; and the figures and the legend in the corners.
 
-const STAGE_COLORS = { bodies: "#c08fd8", stress: "#8fb8de", sort: "#6c8fb0", p2g: "#4f9dd8", grid: "#9fd0a8", g2p: "#d8b25a", contact: "#d8805a" };
+/** @import { Command, Drawn, LegendName, Mode, PlayerState } from "../protocol.js" */
+/** @import { State } from "../draw/snow_cloud.js" */
+/** @import { Child } from "./dom.js" */
+/** @typedef {Pick<State, "n" | "time" | "frame" | "mode" | "limits" | "facts">} Moment what the bar tells */
+/**
+ * @typedef {object} Host
+ * @property {Drawn | null} scene
+ * @property {(command: Command) => void} send
+ * @property {() => void} [togglePanel] where there is a panel
+ */
 
-class Bar {
-  constructor(app) {
-    this.app = app;
-    this.root = document.getElementById("bar");
+import { colorTable, nameColor } from "../draw/colors.js";
+import { button, byId, icon, make, select, short } from "./dom.js";
+
+// The stages of a step come from the solver, in its order; they get these colours one after the other.
+const STAGE_COLORS = ["#c08fd8", "#8fb8de", "#6c8fb0", "#4f9dd8", "#9fd0a8", "#d8b25a", "#d8805a", "#b0b0b0"];
+const SPEEDS = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4];
+
+/** Count how often something has happened lately. */
+export class Rate {
+  constructor() {
+    /** @type {number[]} clock of each time [ms] */
+    this.times = [];
+  }
+
+  add() {
+    this.times.push(performance.now());
+  }
+
+  text() {
+    const now = performance.now();
+    const times = this.times;
+    while (times.length > 2 && now - times[0] > 1500) times.shift(); // two tell how slow it is
+    const first = times[0];
+    const last = times[times.length - 1];
+    if (times.length < 2 || now - last > 2 * (last - first) + 1500) return "0";
+    const rate = ((times.length - 1) * 1000) / Math.max(last - first, 1);
+    return rate.toFixed(rate < 9.95 ? 1 : 0);
+  }
+}
+
+export class Bar {
+  /** @param {Host} host */
+  constructor(host) {
+    this.host = host;
+    this.root = byId("bar");
     this.playing = false;
-    this.drawn = [];
-    this.updates = [];
+    this.pictures = new Rate();
+    this.updates = new Rate();
+    /** @type {Moment | null} */
+    this.moment = null;
+    this.shown = 0; // clock of the last figures [ms]
+    this.legendKey = "";
     this.play = button("play", "Play or pause (space)", () => this.toggle());
     this.play.id = "play";
-    this.restart = button("restart", "Begin anew (r)", () => app.send({ do: "restart" }));
-    this.frame = button("frame", "One frame (.)", () => app.send({ do: "frame" }));
-    this.record = button("record", "Record the frames", () => app.send({ do: "record", on: !this.record.classList.contains("on") }));
+    this.restart = button("restart", "Begin again (r)", () => host.send({ do: "restart" }));
+    this.frame = button("frame", "One frame (.)", () => host.send({ do: "frame" }));
+    this.record = button("record", "Record the frames", () =>
+      host.send({ do: "record", on: !this.record.classList.contains("on") }),
+    );
     this.record.classList.add("rec");
-    this.speed = make("select", { title: "Simulated seconds in a second, at most", onchange: () =>
-      app.send({ do: "speed", factor: Number(this.speed.value) }) });
-    for (const factor of [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4]) this.speed.append(make("option", { value: factor }, `${factor}×`));
+    this.speed = select(
+      { title: "Simulated seconds in a second, at most", onchange: () => this.sendSpeed() },
+      SPEEDS.map((factor) => [factor, `${factor}×`]),
+    );
     this.speed.setAttribute("aria-label", "time scale");
-    this.timeline = make("input", { type: "range", class: "timeline", min: 0, max: 1, step: 1, value: 0, oninput: () =>
-      app.send({ do: "seek", frame: Number(this.timeline.value) }) });
+    this.timeline = make("input", { type: "range", class: "timeline", min: 0, max: 1, step: 1, value: 0 });
+    this.timeline.addEventListener("input", () =>
+      host.send({ do: "seek", frame: Number(this.timeline.value) }),
+    );
     this.timeline.setAttribute("aria-label", "timeline");
     this.space = make("span", { class: "space" });
     this.clock = make("span", { class: "clock" });
-    this.panel = button(null, "Hide or show the panel (p)", () => app.togglePanel(), "panel");
-    this.panel.hidden = !app.togglePanel;
-    this.root.append(this.restart, this.play, this.frame, this.record, this.speed, this.timeline, this.space, this.clock, this.panel);
+    this.panel = button(null, "Hide or show the panel (p)", () => host.togglePanel?.(), "panel");
+    this.panel.hidden = !host.togglePanel;
+    this.root.append(this.restart, this.play, this.frame, this.record, this.speed);
+    this.root.append(this.timeline, this.space, this.clock, this.panel);
   }
 
   toggle() {
-    this.app.send({ do: this.playing ? "pause" : "play" });
+    this.host.send({ do: this.playing ? "pause" : "play" });
   }
 
+  sendSpeed() {
+    this.host.send({ do: "speed", factor: Number(this.speed.value) });
+  }
+
+  /**
+   * @param {PlayerState} player
+   * @param {boolean} live
+   */
   show(player, live) {
     this.playing = player.playing;
     this.play.replaceChildren(icon(player.playing ? "pause" : "play"));
     this.play.classList.toggle("on", player.playing);
     this.record.hidden = !live;
     this.record.classList.toggle("on", player.recording);
-    const known = [...this.speed.options].some((o) => Number(o.value) === player.speed);
+    const known = [...this.speed.options].some((option) => Number(option.value) === player.speed);
     if (!known) this.speed.append(make("option", { value: player.speed }, `${player.speed}×`));
-    this.speed.value = player.speed;
+    this.speed.value = String(player.speed);
     this.timeline.hidden = player.frames === 0;
     this.space.hidden = player.frames !== 0;
-    this.timeline.max = Math.max(0, player.frames - 1);
+    this.timeline.max = String(Math.max(0, player.frames - 1));
   }
 
-  // Tell of a moment.
-  tell(moment) {
-    this.updates.push(performance.now());
-    if (document.activeElement !== this.timeline || this.playing) this.timeline.value = moment.frame;
+  /** @param {Moment} moment */
+  showMoment(moment) {
+    this.updates.add();
+    if (document.activeElement !== this.timeline || this.playing) this.timeline.value = String(moment.frame);
     this.clock.textContent = `${moment.time.toFixed(3)} s · ${moment.frame}`;
     this.moment = moment;
-    this.legend(moment);
+    this.showLegend(moment);
   }
 
+  /** Show the figures, four times a second. */
   tick() {
-    const now = performance.now(), lately = (list) => {
-      while (list.length > 2 && now - list[0] > 1500) list.shift();  // two tell how slow it is
-      const [first, last] = [list[0], list[list.length - 1]];
-      if (list.length < 2 || now - last > 2 * (last - first) + 1500) return "0";
-      const rate = ((list.length - 1) * 1000) / Math.max(last - first, 1);
-      return rate.toFixed(rate < 9.95 ? 1 : 0);
-    };
-    const m = this.moment, box = document.getElementById("figures");
-    if (!m || (this.told && now - this.told < 250)) return;
-    this.told = now;
-    const f = m.facts, lines = [
-      [lately(this.drawn), "pictures/s"], [lately(this.updates), "updates/s"],
-      [m.n.toLocaleString("en"), "particles"],
+    const now = performance.now();
+    if (!this.moment || now - this.shown < 250) return;
+    this.shown = now;
+    const { n, facts } = this.moment;
+    /** @type {[string, string][]} */
+    const lines = [
+      [this.pictures.text(), "pictures/s"],
+      [this.updates.text(), "updates/s"],
+      [n.toLocaleString("en"), "particles"],
     ];
-    if (f.steps !== undefined) {
-      lines.push([f.steps.toLocaleString("en"), "steps"], [`${short(f.dt * 1e3)} ms`, `step, bound by ${f.bound || "nothing yet"}`]);
-      if (f.pace) lines.push([`${short(f.pace)}×`, "real time"]);
+    if (facts.steps !== undefined) {
+      lines.push([facts.steps.toLocaleString("en"), "steps"]);
+      lines.push([`${short((facts.dt ?? 0) * 1e3)} ms`, `step, bound by ${facts.bound || "nothing yet"}`]);
     }
+    if (facts.pace) lines.push([`${short(facts.pace)}×`, "real time"]);
+    const box = byId("figures");
     box.replaceChildren(...lines.map(([value, name]) => make("div", {}, make("b", {}, value), ` ${name}`)));
-    if (f.stages && Object.keys(f.stages).length) {
-      const bar = make("div", { class: "stages" }), names = make("div", {});
-      for (const name in f.stages) {
-        const part = make("span");
-        part.style.width = `${100 * f.stages[name]}%`;
-        part.style.background = STAGE_COLORS[name] || "#888";
-        bar.append(part);
-        const word = make("span", {}, `${name} ${Math.round(100 * f.stages[name])} % `);
-        word.style.color = STAGE_COLORS[name] || "#aaa";
-        if (f.stages[name] > 0.04) names.append(word);
-      }
-      box.append(bar, names);
-    }
+    this.showStages(box, Object.entries(facts.stages ?? {}));
     box.hidden = false;
   }
 
-  // The lines of a legend of names; of pieces there are too many.
-  names(mode) {
-    const line = (value, text) => {
-      const dot = make("span", { class: "dot" });
-      dot.style.background = `rgb(${nameColor(value)})`;
-      return make("div", { class: "name" }, dot, text);
-    };
-    if (mode === "material") return this.app.scene.materials.map((text, i) => line(i, text));
-    return [line(0, "powder"), make("div", { class: "name" }, "any other colour: a piece")];
+  /**
+   * @param {HTMLElement} box
+   * @param {[string, number][]} stages name and share
+   */
+  showStages(box, stages) {
+    if (!stages.length) return;
+    const bar = make("div", { class: "stages" });
+    const names = make("div");
+    stages.forEach(([name, share], i) => {
+      const color = STAGE_COLORS[i % STAGE_COLORS.length];
+      const part = make("span");
+      part.style.width = `${100 * share}%`;
+      part.style.background = color;
+      bar.append(part);
+      const text = make("span", {}, `${name} ${Math.round(100 * share)} % `);
+      text.style.color = color;
+      if (share > 0.04) names.append(text);
+    });
+    box.append(bar, names);
   }
 
-  legend(moment) {
-    const root = document.getElementById("legend"), scene = this.app.scene;
-    const entry = scene.modes && scene.modes.find((m) => m.name === moment.mode);
-    root.hidden = !entry || moment.mode === "snow";
-    if (root.hidden) return void (this.legendKey = "");
-    const key = `${moment.mode} ${moment.limits} ${scene.materials}`;
+  /** @param {Moment} moment */
+  showLegend(moment) {
+    const root = byId("legend");
+    const mode = this.host.scene?.modes.find((m) => m.name === moment.mode);
+    root.hidden = !mode || moment.mode === "snow";
+    if (root.hidden || !mode) {
+      this.legendKey = "";
+      return;
+    }
+    const key = JSON.stringify([moment.mode, moment.limits, mode.names]);
     if (key === this.legendKey) return;
     this.legendKey = key;
-    root.replaceChildren(make("div", {}, entry.label + (entry.unit && entry.unit !== "1" ? ` [${entry.unit}]` : "")));
-    if (entry.classes) return void root.append(...this.names(moment.mode));
-    const strip = make("canvas", { width: 220, height: 1 }), context = strip.getContext("2d"), stops = PALETTES[entry.palette];
-    const fill = context.createLinearGradient(0, 0, 220, 0);
-    stops.forEach((c, i) => fill.addColorStop(i / (stops.length - 1), `rgb(${c})`));
-    context.fillStyle = fill;
-    context.fillRect(0, 0, 220, 1);
-    const [low, high] = moment.limits;
-    root.append(strip, make("div", { class: "ends" }, make("span", {}, short(low)), make("span", {}, short(0.5 * (low + high))),
-      make("span", {}, short(high))));
+    const title = make("div", {}, mode.label + (mode.unit && mode.unit !== "1" ? ` [${mode.unit}]` : ""));
+    root.replaceChildren(
+      title,
+      ...(mode.classes ? mode.names.map(legendName) : legendRamp(mode, moment.limits)),
+    );
   }
+}
+
+/** @param {LegendName} name */
+function legendName({ value, text }) {
+  if (value === null) return make("div", { class: "name" }, text);
+  const dot = make("span", { class: "dot" });
+  dot.style.background = `rgb(${nameColor(value)})`;
+  return make("div", { class: "name" }, dot, text);
+}
+
+/**
+ * @param {Mode} mode
+ * @param {[number, number]} limits
+ * @returns {HTMLElement[]}
+ */
+function legendRamp(mode, [low, high]) {
+  const strip = make("canvas", { width: 220, height: 1 });
+  const pixels = new ImageData(new Uint8ClampedArray(colorTable(mode.stops, 220)), 220, 1);
+  strip.getContext("2d")?.putImageData(pixels, 0, 0);
+  /** @type {Child[]} */
+  const ends = [low, 0.5 * (low + high), high].map((value) => make("span", {}, short(value)));
+  return [strip, make("div", { class: "ends" }, ...ends)];
 }

@@ -1,18 +1,41 @@
-"use strict";
 // Small parts of the page: elements, icons, numbers as text.
 
-function make(tag, more = {}, ...children) {
+/** @typedef {Node | string | null | undefined} Child */
+
+/**
+ * Return the element of the page with this id.
+ * @template {HTMLElement} [T=HTMLElement]
+ * @param {string} id
+ * @returns {T}
+ */
+export function byId(id) {
+  const element = document.getElementById(id);
+  if (!element) throw new Error(`the page has no element ${id}`);
+  return /** @type {T} */ (element);
+}
+
+/**
+ * Make an element. A key of `more` is a class, an event ("onclick"), a property, or else an attribute.
+ * @template {keyof HTMLElementTagNameMap} T
+ * @param {T} tag
+ * @param {Record<string, unknown>} more
+ * @param {Child[]} children
+ * @returns {HTMLElementTagNameMap[T]}
+ */
+export function make(tag, more = {}, ...children) {
   const element = document.createElement(tag);
-  for (const key in more) {
-    if (key === "class") element.className = more[key];
-    else if (key.startsWith("on")) element.addEventListener(key.slice(2), more[key]);
-    else if (key in element && key !== "list") element[key] = more[key];
-    else element.setAttribute(key, more[key]);
+  for (const [key, value] of Object.entries(more)) {
+    if (key === "class") element.className = String(value);
+    else if (typeof value === "function")
+      element.addEventListener(key.slice(2), /** @type {EventListener} */ (value));
+    else if (key in element) Object.assign(element, { [key]: value });
+    else element.setAttribute(key, String(value));
   }
-  element.append(...children.filter((c) => c !== null && c !== undefined));
+  for (const child of children) if (child !== null && child !== undefined) element.append(child);
   return element;
 }
 
+// prettier-ignore
 const ICONS = {
   play: '<path class="full" d="M6 4l11 6-11 6z"/>',
   pause: '<path class="full" d="M5 4h4v12H5zM11 4h4v12h-4z"/>',
@@ -29,15 +52,24 @@ const ICONS = {
   home: '<path d="M3 10l7-6 7 6M5.5 8.5V16h9V8.5"/>',
 };
 
-function icon(name) {
+/** @typedef {keyof typeof ICONS} Icon */
+
+/** @param {Icon} name */
+export function icon(name) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   svg.setAttribute("viewBox", "0 0 20 20");
   svg.setAttribute("aria-hidden", "true");
-  svg.innerHTML = ICONS[name];  // our own constants
+  svg.innerHTML = ICONS[name]; // our own constants
   return svg;
 }
 
-function button(name, title, action, text = "") {
+/**
+ * @param {Icon | null} name of its icon
+ * @param {string} title
+ * @param {() => void} action
+ * @param {string} text
+ */
+export function button(name, title, action, text = "") {
   const element = make("button", { type: "button", title, onclick: action });
   element.setAttribute("aria-label", title);
   if (name) element.append(icon(name));
@@ -45,21 +77,38 @@ function button(name, title, action, text = "") {
   return element;
 }
 
-// A number with three or four digits and no needless zeros.
-function short(value) {
+/**
+ * Make a choice; `choices` are values with their texts.
+ * @param {Record<string, unknown>} more
+ * @param {[string | number, string][]} choices
+ */
+export function select(more, choices) {
+  return make("select", more, ...choices.map(([value, text]) => make("option", { value }, text)));
+}
+
+/**
+ * Return a number with three digits and no needless zeros.
+ * @param {number | null | undefined} value
+ */
+export function short(value) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(1).replace("e+", "e");
   return String(Number(value.toPrecision(3)));
 }
 
-function say(text, bad = false, seconds = 6) {
-  const words = document.getElementById("words");
-  const last = words.lastElementChild;
-  if (last && last.textContent === text) last.remove();  // said again: it stays longer, and only once
+/**
+ * Show a line to the user for some seconds.
+ * @param {string | HTMLElement} text
+ * @param {boolean} bad
+ * @param {number} seconds
+ */
+export function say(text, bad = false, seconds = 6) {
+  const notes = byId("notes");
+  if (notes.lastElementChild?.textContent === text) notes.lastElementChild.remove(); // again: only once, for longer
   const line = typeof text === "string" ? make("div", { class: bad ? "bad" : "" }, text) : text;
-  words.append(line);
-  while (words.children.length > 4) words.firstChild.remove();
+  notes.append(line);
+  while (notes.children.length > 4) notes.firstChild?.remove();
   setTimeout(() => line.remove(), 1000 * seconds);
   return line;
 }

@@ -1,40 +1,58 @@
-"use strict";
-// The panel: built from what the server tells of the scene's fields. It checks nothing by itself: a wrong value
-// comes back with the sentence of the scene model.
+// The panel: the scene's fields as the server tells them, and what can be done with the whole scene.
 
+/** @import { Command, FileMessage, SceneMessage, Section } from "../protocol.js" */
+/** @import { App } from "../main.js" */
+/** @import { Child } from "./dom.js" */
+
+import { VIEWS } from "../draw/camera.js";
+import { button, byId, make, say, select } from "./dom.js";
+import { Fields } from "./fields.js";
+
+/** @type {Record<string, string>} */
 const KIND_NAMES = { sources: "snow", colliders: "collider", bodies: "body" };
 
-class Panel {
-  constructor(root, app) {
-    this.root = root, this.app = app;
+export class Panel {
+  /** @param {App} app */
+  constructor(app) {
+    this.app = app;
+    this.root = byId("panel");
     this.open = new Set(["scene", "look", "snow"]);
-    this.rows = new Map();
+    this.fields = new Fields(app);
     this.key = "";
     this.files = make("div", { class: "files" });
   }
 
-  // Build the panel for a scene, or only set the values if the fields are the same.
+  /**
+   * Build the panel for a scene, or only set the values if the fields are the same.
+   * @param {SceneMessage} scene
+   */
   show(scene) {
-    const key = JSON.stringify([scene.name, scene.live, scene.panel.map((s) => [s.path, s.title, s.can, s.fields.map((f) => f.path)])]);
+    const sections = scene.panel.map((s) => [s.path, s.title, s.can, s.fields.map((field) => field.path)]);
+    const key = JSON.stringify([scene.name, scene.live, sections]);
     if (key === this.key) {
-      for (const section of scene.panel) for (const field of section.fields) this.setValue(field);
+      for (const section of scene.panel) for (const field of section.fields) this.fields.update(field);
       return;
     }
     this.key = key;
-    this.rows.clear();
+    this.fields.clear();
     const top = this.root.scrollTop;
-    this.root.replaceChildren(
-      this.sceneSection(scene), this.lookSection(scene), this.recordSection(scene),
-      ...(scene.live ? [this.addSection(scene)] : []),
-    );
+    this.root.replaceChildren(this.sceneSection(scene), this.lookSection(scene), this.recordSection(scene));
+    if (scene.live) this.root.append(this.addSection(scene));
+    /** @type {Map<string, HTMLElement>} */
     const made = new Map();
-    for (const section of scene.panel) {  // one that lies in another comes after it
-      made.set(section.path, this.section(section, scene.live));
-      (made.get(section.parent) || this.root).append(made.get(section.path));
+    for (const section of scene.panel) {
+      const details = this.section(section, scene.live);
+      made.set(section.path, details);
+      (made.get(section.parent) ?? this.root).append(details); // one that lies in another comes after it
     }
     this.root.scrollTop = top;
   }
 
+  /**
+   * @param {string} id
+   * @param {string} title
+   * @param {Child[]} content
+   */
   fold(id, title, ...content) {
     const details = make("details", { open: this.open.has(id) }, make("summary", {}, title), ...content);
     details.dataset.section = id;
@@ -42,189 +60,184 @@ class Panel {
     return details;
   }
 
+  /**
+   * @param {string} label
+   * @param {Child[]} content
+   */
   row(label, ...content) {
-    return make("div", { class: "row" }, make("label", {}, label), make("div", { class: "value" }, ...content));
+    return make(
+      "div",
+      { class: "row" },
+      make("label", {}, label),
+      make("div", { class: "value" }, ...content),
+    );
   }
 
+  /** @param {SceneMessage} scene */
   sceneSection(scene) {
-    const content = [make("p", { class: "hint" }, scene.about || scene.name)];
-    if (Object.keys(scene.presets).length) {
-      const choose = make("select", { id: "scene-choice", onchange: () => this.app.send({ do: "open", scene: choose.value }) });
-      if (!(scene.name in scene.presets)) choose.append(make("option", { value: "" }, scene.name));
-      for (const name in scene.presets) choose.append(make("option", { value: name, title: scene.presets[name] }, name));
-      choose.value = scene.name in scene.presets ? scene.name : "";
-      content.unshift(this.row("scene", choose));
-    }
-    const views = Object.keys(VIEWS).map((name) => button(null, `See the snow: ${name}`, () => this.app.see(name), name));
-    content.push(make("div", { class: "buttons views" }, button("home", "Camera of the scene (h)", () => this.app.goHome()), ...views));
-    content.push(make("div", { class: "buttons" },
-      button(null, "Save the scene as TOML, with this camera", () => this.app.send({ do: "save", camera: this.app.camera.told() }), "save scene"),
-    ));
-    return this.fold("scene", "scene", ...content);
+    const { app } = this;
+    const save = button(
+      null,
+      "Save the scene as TOML, with this camera",
+      () => this.send("save"),
+      "save scene",
+    );
+    const home = button("home", "Camera of the scene (h)", () => app.goHome());
+    const views = Object.keys(VIEWS).map((name) =>
+      button(null, `See the snow: ${name}`, () => app.see(name), name),
+    );
+    return this.fold(
+      "scene",
+      "scene",
+      Object.keys(scene.presets).length ? this.row("scene", this.sceneChoice(scene)) : null,
+      make("p", { class: "hint" }, scene.about || scene.name),
+      make("div", { class: "buttons views" }, home, ...views),
+      make("div", { class: "buttons" }, save),
+    );
   }
 
+  /** @param {SceneMessage} scene */
+  sceneChoice(scene) {
+    const names = Object.keys(scene.presets);
+    const known = names.includes(scene.name);
+    /** @type {[string, string][]} */
+    const choices = names.map((name) => [name, name]);
+    if (!known) choices.unshift(["", scene.name]);
+    const onchange = () => this.app.send({ do: "open", scene: choose.value });
+    const choose = select({ id: "scene-choice", onchange }, choices);
+    for (const option of choose.options) option.title = scene.presets[option.value] ?? "";
+    choose.value = known ? scene.name : "";
+    return choose;
+  }
+
+  /** @param {SceneMessage} scene */
   lookSection(scene) {
-    const mode = make("select", { id: "mode", onchange: () => this.app.setMode(mode.value) });
-    for (const m of scene.modes) mode.append(make("option", { value: m.name }, m.label));
-    mode.value = this.app.mode;
-    const size = make("input", { type: "range", min: 0.4, max: 2.5, step: 0.05, value: this.app.stage.size,
-      oninput: () => this.app.setSize(Number(size.value)) });
-    const quality = make("select", { id: "quality", onchange: () => this.app.setQuality(Number(quality.value)) });
-    ["no shadows", "fast", "full"].forEach((text, i) => quality.append(make("option", { value: i }, text)));
-    quality.value = this.app.stage.quality;
-    return this.fold("look", "look", this.row("colours", mode), this.row("point size", size), this.row("shadows", quality));
+    const { app } = this;
+    /** @type {[string, string][]} */
+    const modes = scene.modes.map((m) => [m.name, m.label]);
+    const mode = select({ id: "mode", onchange: () => app.setMode(mode.value) }, modes);
+    mode.value = app.mode;
+    const size = make("input", { type: "range", min: 0.4, max: 2.5, step: 0.05, value: app.stage.size });
+    size.addEventListener("input", () => app.setSize(Number(size.value)));
+    /** @type {[number, string][]} */
+    const qualities = ["no shadows", "fast", "full"].map((text, i) => [i, text]);
+    const quality = select(
+      { id: "quality", onchange: () => app.setQuality(Number(quality.value)) },
+      qualities,
+    );
+    quality.value = String(app.stage.quality);
+    const rows = [this.row("colours", mode), this.row("point size", size), this.row("shadows", quality)];
+    return this.fold("look", "look", ...rows);
   }
 
+  /** @param {SceneMessage} scene */
   recordSection(scene) {
-    const send = (wish) => () => this.app.send(wish());
-    const eye = () => this.app.camera.told();
     const hint = scene.live
       ? "Press record in the bar, play, and stop it; then make a film or a replay of it."
       : "Film and replay hold all frames of this run.";
-    return this.fold("record", "record", make("p", { class: "hint" }, hint), make("div", { class: "buttons" },
-      button("camera", "Picture with this camera (PNG)", send(() => ({ do: "picture", camera: eye() })), " picture"),
-      button("film", "Film with this camera (MP4)", send(() => ({ do: "film", camera: eye() })), " film"),
-      button(null, "A page that plays by itself (HTML)", send(() => ({ do: "replay" })), "replay"),
-    ), this.files);
+    const picture = button(
+      "camera",
+      "Picture with this camera (PNG)",
+      () => this.send("picture"),
+      " picture",
+    );
+    const film = button("film", "Film with this camera (MP4)", () => this.send("film"), " film");
+    const replay = button(
+      null,
+      "A page that plays by itself (HTML)",
+      () => this.app.send({ do: "replay" }),
+      "replay",
+    );
+    const buttons = make("div", { class: "buttons" }, picture, film, replay);
+    return this.fold("record", "record", make("p", { class: "hint" }, hint), buttons, this.files);
   }
 
+  /**
+   * Ask for a file that is made with the page's camera.
+   * @param {"save" | "picture" | "film"} kind
+   */
+  send(kind) {
+    this.app.send({ do: kind, camera: this.app.camera.toCommand() });
+  }
+
+  /** @param {SceneMessage} scene */
   addSection(scene) {
-    const rows = Object.keys(scene.addable).map((kind) => {
-      const shape = make("select", {}, ...scene.addable[kind].map((name) => make("option", { value: name }, name.replace("mesh:", ""))));
+    const rows = Object.entries(scene.addable).map(([kind, shapes]) => {
+      const shape = select(
+        {},
+        shapes.map((name) => [name, name.replace("mesh:", "")]),
+      );
       shape.setAttribute("aria-label", `shape to add to ${kind}`);
-      const add = button(null, `Add to ${kind}, in the middle of the view`, () =>
-        this.app.send({ do: "add", kind, shape: shape.value, at: this.app.middle() }), "add");
+      const title = `Add to ${kind}, in the middle of the view`;
+      const command = () => this.app.send({ do: "add", kind, shape: shape.value, at: this.app.middle() });
+      const add = button(null, title, command, "add");
       add.dataset.add = kind;
-      return this.row(KIND_NAMES[kind] || kind, shape, add);
+      return this.row(KIND_NAMES[kind] ?? kind, shape, add);
     });
     return this.fold("add", "add", ...rows);
   }
 
+  /**
+   * @param {Section} section
+   * @param {boolean} live
+   */
   section(section, live) {
-    const details = this.fold(section.path, section.title, make("p", { class: "hint" }, section.text),
-      ...section.fields.map((field) => this.field(field)));
+    const rows = section.fields.map((field) => this.fields.row(field));
+    const details = this.fold(
+      section.path,
+      section.title,
+      make("p", { class: "hint" }, section.text),
+      ...rows,
+    );
     if (!live) return details;
-    const wishes = { add: { do: "enlarge", path: section.path }, delete: { do: "delete", name: section.path } };
-    if (section.can) {
-      const change = make("button", { class: section.can, type: "button", title: `${section.can} ${section.path}` }, section.can);
-      change.addEventListener("click", (event) => {
-        event.preventDefault();
-        this.open.add(section.path);
-        this.app.send(wishes[section.can]);
-      });
-      details.querySelector("summary").append(change);
-    }
+    if (section.can) details.firstElementChild?.append(this.changeButton(section.can, section.path));
     if (!section.parent && section.path.includes("."))
       details.addEventListener("toggle", () => details.open && this.app.select(section.path));
     return details;
   }
 
-  field(field) {
-    const inputs = this.inputs(field);
-    const unit = field.unit && field.unit !== "1" ? make("span", { class: "unit" }, field.unit) : null;
-    const row = this.row(field.name, ...inputs, unit);
-    row.dataset.path = field.path;
-    row.title = `${field.text}\n${field.allowed}${field.default === null ? "" : `; default ${JSON.stringify(field.default)}`}` +
-      (field.live ? "" : "\nActs when the scene is started anew.");
-    if (!field.live) row.classList.add("later");
-    inputs[0].setAttribute("aria-label", field.path);
-    this.rows.set(field.path, { row, inputs, field });
-    this.setValue(field);
-    return row;
-  }
-
-  inputs(field) {
-    const send = () => this.send(field.path);
-    if (field.control === "choice") {
-      const select = make("select", { onchange: send });
-      if (field.optional) select.append(make("option", { value: "" }, "–"));
-      field.choices.forEach((choice, i) => select.append(make("option", { value: String(i) }, String(choice))));
-      return [select];
-    }
-    if (field.control === "switch") return [make("input", { type: "checkbox", onchange: send })];
-    const count = field.control === "vector" ? field.count : 1;
-    return Array.from({ length: count }, () => {
-      const input = make("input", { type: "text", inputMode: field.control === "text" ? "text" : "decimal", spellcheck: false, onchange: send });
-      input.addEventListener("keydown", (event) => this.nudge(event, input, field));
-      return input;
+  /**
+   * @param {"add" | "delete"} can
+   * @param {string} path
+   */
+  changeButton(can, path) {
+    /** @type {Command} */
+    const command = can === "add" ? { do: "enlarge", path } : { do: "delete", name: path };
+    const change = make("button", { class: can, type: "button", title: `${can} ${path}` }, can);
+    change.addEventListener("click", (event) => {
+      event.preventDefault(); // the section does not fold
+      this.open.add(path);
+      this.app.send(command);
     });
+    return change;
   }
 
-  // Arrow keys change a number by a tenth of itself, with shift by a hundredth.
-  nudge(event, input, field) {
-    event.stopPropagation();
-    if (field.control === "text" || field.control === "list" || (event.key !== "ArrowUp" && event.key !== "ArrowDown")) return;
-    event.preventDefault();
-    const now = Number(input.value) || 0, by = event.shiftKey ? 0.01 : 0.1;
-    const step = field.whole ? Math.max(1, Math.round(Math.abs(now) * by)) : Math.abs(now) * by || by;
-    const next = now + (event.key === "ArrowUp" ? step : -step);
-    input.value = field.whole ? Math.round(next) : Number(next.toPrecision(6));
-    this.send(field.path);
-  }
-
-  send(path) {
-    const { row, inputs, field } = this.rows.get(path);
-    row.classList.remove("wrong");
-    if (row.nextSibling && row.nextSibling.className === "wrong-text") row.nextSibling.remove();
-    let value;
-    if (field.control === "choice") value = inputs[0].value === "" ? null : field.choices[Number(inputs[0].value)];
-    else if (field.control === "switch") value = inputs[0].checked;
-    else {
-      const texts = field.control === "list" ? inputs[0].value.split(/[\s,;]+/).filter(Boolean) : inputs.map((input) => input.value);
-      const numbers = texts.map((text) => this.number(text, field));
-      if (field.control === "list" && numbers.some((n) => typeof n !== "number")) return this.refuse(path, `${path} needs numbers`);
-      value = field.control === "list" ? numbers : field.control === "vector" ? (numbers.every((n) => n === null) ? null : numbers) : numbers[0];
-      if (field.control === "vector" && value && value.some((n) => typeof n !== "number"))
-        return this.refuse(path, `${path} needs ${field.count} numbers`);
-    }
-    this.app.send({ do: "set", path, value });
-    this.app.changed(field);
-  }
-
-  // A number if it is one; else the text, which the scene model will refuse.
-  number(text, field) {
-    const trimmed = text.trim();
-    if (trimmed === "") return null;
-    const value = Number(trimmed);
-    return Number.isFinite(value) && (field.control !== "text" || trimmed !== "") ? value : trimmed;
-  }
-
-  setValue(field) {
-    const known = this.rows.get(field.path);
-    if (!known) return;
-    known.field = field;
-    const { row, inputs } = known, value = field.value;
-    if (row.contains(document.activeElement) && document.activeElement.type === "text" && row.classList.contains("wrong")) return;
-    if (field.control === "choice") inputs[0].value = value === null ? "" : String(field.choices.indexOf(value));
-    else if (field.control === "switch") inputs[0].checked = Boolean(value);
-    else if (field.control === "list") inputs[0].value = (value || []).map((n) => Number(n.toPrecision(7))).join(", ");
-    else inputs.forEach((input, i) => {
-      const one = field.control === "vector" ? (value === null ? null : value[i]) : value;
-      input.value = one === null ? "" : typeof one === "number" ? Number(one.toPrecision(7)) : one;
-    });
-  }
-
-  // Show why a value was refused, beside it if its row is there.
+  /**
+   * Show why a value was refused, beside it if its row is there.
+   * @param {string} path
+   * @param {string} sentence
+   */
   refuse(path, sentence) {
-    const known = this.rows.get(path);
-    if (!known) return say(sentence, true);
-    known.row.classList.add("wrong");
-    if (known.row.nextSibling && known.row.nextSibling.className === "wrong-text") known.row.nextSibling.remove();
-    known.row.after(make("div", { class: "wrong-text" }, sentence));
-    if (!known.row.offsetParent) say(sentence, true);
+    if (!this.fields.refuse(path, sentence)) say(sentence, true);
   }
 
-  // Point at a section, and open it.
+  /**
+   * Point at the section of a solid, and open it.
+   * @param {string} path
+   */
   reveal(path) {
-    const entry = path.split(".").slice(0, 2).join(".");  // a robot's part lies in the robot
+    const entry = path.split(".").slice(0, 2).join("."); // a robot's part lies in the robot
     const details = this.root.querySelector(`details[data-section="${CSS.escape(entry)}"]`);
-    if (!details) return;
+    if (!(details instanceof HTMLDetailsElement)) return;
     details.open = true;
     details.scrollIntoView({ block: "nearest" });
   }
 
+  /** @param {FileMessage} file */
   addFile(file) {
-    const size = file.bytes > 1e6 ? `${(file.bytes / 1e6).toFixed(1)} MB` : `${Math.ceil(file.bytes / 1e3)} kB`;
-    this.files.prepend(make("a", { href: file.url, target: "_blank", title: file.place }, `${file.name} (${size})`));
+    const size =
+      file.bytes > 1e6 ? `${(file.bytes / 1e6).toFixed(1)} MB` : `${Math.ceil(file.bytes / 1e3)} kB`;
+    const link = make("a", { href: file.url, target: "_blank", title: file.place }, `${file.name} (${size})`);
+    this.files.prepend(link);
   }
 }

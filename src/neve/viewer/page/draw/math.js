@@ -1,22 +1,34 @@
-"use strict";
 // Vectors of three numbers and matrices of sixteen (columns first, as WebGL has them). z is up.
 
-const V = {
+/** @typedef {[number, number, number]} Vec3 */
+/** @typedef {[number, number, number, number, number, number, number, number, number]} Rotation row by row */
+
+export const V = {
+  /** @param {Vec3} a @param {Vec3} b @returns {Vec3} */
   add: (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]],
+  /** @param {Vec3} a @param {Vec3} b @returns {Vec3} */
   sub: (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]],
+  /** @param {Vec3} a @param {number} s @returns {Vec3} */
   scale: (a, s) => [a[0] * s, a[1] * s, a[2] * s],
+  /** @param {Vec3} a @param {Vec3} b @param {number} s @returns {Vec3} a + s b */
   mad: (a, b, s) => [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s],
+  /** @param {Vec3} a @param {Vec3} b */
   dot: (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2],
+  /** @param {Vec3} a @param {Vec3} b @returns {Vec3} */
   cross: (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]],
+  /** @param {Vec3} a */
   length: (a) => Math.hypot(a[0], a[1], a[2]),
+  /** @param {Vec3} a @returns {Vec3} */
   unit(a) {
     const n = Math.hypot(a[0], a[1], a[2]) || 1;
     return [a[0] / n, a[1] / n, a[2] / n];
   },
+  /** @param {Vec3} a @param {Vec3} b @param {number} t @returns {Vec3} */
   mix: (a, b, t) => [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t],
 };
 
-const M = {
+export const M = {
+  /** @param {Float32Array} a @param {Float32Array} b */
   multiply(a, b) {
     const out = new Float32Array(16);
     for (let c = 0; c < 4; c++)
@@ -27,12 +39,25 @@ const M = {
       }
     return out;
   },
+  /**
+   * @param {number} fov vertical angle [degrees]
+   * @param {number} aspect width over height
+   * @param {number} near [m]
+   * @param {number} far [m]
+   */
   perspective(fov, aspect, near, far) {
-    const f = 1 / Math.tan((fov * Math.PI) / 360), d = near - far;
+    const f = 1 / Math.tan((fov * Math.PI) / 360);
+    const d = near - far;
     // prettier-ignore
     return new Float32Array([f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / d, -1, 0, 0, (2 * far * near) / d, 0]);
   },
-  // View along `forward` with right and upward directions of the picture.
+  /**
+   * View along `forward` with right and upward directions of the picture.
+   * @param {Vec3} eye
+   * @param {Vec3} right
+   * @param {Vec3} up
+   * @param {Vec3} forward
+   */
   view(eye, right, up, forward) {
     // prettier-ignore
     return new Float32Array([
@@ -40,29 +65,57 @@ const M = {
       -V.dot(right, eye), -V.dot(up, eye), V.dot(forward, eye), 1,
     ]);
   },
-  // A body's frame: nine numbers row by row, and where it is.
+  /**
+   * The matrix of a body with rotation r at p.
+   * @param {Rotation} r
+   * @param {Vec3} p
+   */
   frame(r, p) {
-    return new Float32Array([r[0], r[3], r[6], 0, r[1], r[4], r[7], 0, r[2], r[5], r[8], 0, p[0], p[1], p[2], 1]);
+    return new Float32Array([
+      r[0],
+      r[3],
+      r[6],
+      0,
+      r[1],
+      r[4],
+      r[7],
+      0,
+      r[2],
+      r[5],
+      r[8],
+      0,
+      p[0],
+      p[1],
+      p[2],
+      1,
+    ]);
   },
 };
 
-// Rotations as nine numbers, row by row.
-const R = {
+export const R = {
+  /** @param {Rotation} a @param {Rotation} b @returns {Rotation} a b */
   times(a, b) {
-    const out = [];
-    for (let i = 0; i < 3; i++)
-      for (let j = 0; j < 3; j++) out.push(a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j]);
-    return out;
+    /** @param {number} i @param {number} j */
+    const entry = (i, j) => a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+    // prettier-ignore
+    return [
+      entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 0), entry(1, 1), entry(1, 2), entry(2, 0), entry(2, 1), entry(2, 2),
+    ];
   },
+  /** @param {Vec3} axis @param {number} angle [rad] @returns {Rotation} */
   about(axis, angle) {
-    const [x, y, z] = V.unit(axis), c = Math.cos(angle), s = Math.sin(angle), t = 1 - c;
+    const [x, y, z] = V.unit(axis);
+    const c = Math.cos(angle);
+    const s = Math.sin(angle);
+    const t = 1 - c;
+    // prettier-ignore
     return [
       t * x * x + c, t * x * y - s * z, t * x * z + s * y,
       t * x * y + s * z, t * y * y + c, t * y * z - s * x,
       t * x * z - s * y, t * y * z + s * x, t * z * z + c,
     ];
   },
-  // Rotation vector in degrees, at most half a turn.
+  /** @param {Rotation} m @returns {Vec3} rotation vector, at most half a turn [degrees] */
   vector(m) {
     const trace = m[0] + m[4] + m[8];
     const rows = [
@@ -81,5 +134,6 @@ const R = {
     const angle = (2 * Math.atan2(sine, q[0]) * 180) / Math.PI;
     return [(q[1] / sine) * angle, (q[2] / sine) * angle, (q[3] / sine) * angle];
   },
+  /** @param {Rotation} m @param {number} k @returns {Vec3} */
   column: (m, k) => [m[k], m[3 + k], m[6 + k]],
 };

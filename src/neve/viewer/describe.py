@@ -7,100 +7,82 @@ from typing import Any
 
 import numpy as np
 
-from neve.build import material_table
 from neve.colliders.solid import Solid
 from neve.render.lighting import STEEL, density_cell, is_ground, sky_color, sun_color, sun_direction
 from neve.scene.reading.files import own_files
 from neve.scene.reading.load import preset_about, presets
-from neve.scene.schema.allowed import shapes
 from neve.scene.schema.scene import Light, Scene
-from neve.viewer.modes import MODES, available
+from neve.scene.schema.tables import shapes
+from neve.viewer.modes import described
 from neve.viewer.players.player import Player
-from neve.viewer.players.recorded import COLUMNS, Recorded
-from neve.viewer.protocol.panel import lists, panel
+from neve.viewer.protocol import messages
+from neve.viewer.tools.panel import lists, panel
 
 
-def describe(player: Player) -> dict[str, Any]:
+def describe(player: Player) -> messages.SceneMessage:
     """Return the message of kind "scene", all that a page needs beside the snapshots."""
     scene = player.scene
-    recorded = isinstance(player, Recorded)
-    known = available(COLUMNS) if recorded else list(MODES)
     return {
+        **drawn(player.name, scene, player.solids(), described(player.color_modes(), player.running())),
         "kind": "scene",
         "number": player.number,
-        "name": player.name,
         "live": player.live,
-        "about": scene.about,
         "player": player.state(),
-        "panel": [s for s in panel(scene) if not recorded or s["path"] == "light"],
-        "presets": {} if recorded else {name: preset_about(name) for name in presets()},
-        "modes": [
-            {"name": name, "label": m.label, "unit": m.unit, "palette": m.palette, "classes": m.classes}
-            for name, m in MODES.items()
-            if name in known
-        ],
-        "materials": materials(player.running()),
-        "addable": {} if recorded else {key: _addable(key) for key in lists()},
-        **drawn(scene, player.solids()),
+        "panel": [section for section in panel(scene) if player.live or section["path"] == "light"],
+        "presets": {name: preset_about(name) for name in presets()} if player.live else {},
+        "addable": {key: _addable(key) for key in lists()} if player.live else {},
     }
 
 
-def materials(scene: Scene) -> list[str]:
-    """Return what the legend calls each row of the material table: its kind, and whose snow it is."""
-    rows = material_table(scene)
-    told = []
-    for snow in rows:
-        whose = [str(i) for i, source in enumerate(scene.sources) if scene.snow_of(source) == snow]
-        told.append(snow.kind if len(rows) == 1 else f"{snow.kind}, of sources {', '.join(whose[:6])}")
-    return told
-
-
-def drawn(scene: Scene, solids: tuple[Solid, ...]) -> dict[str, Any]:
+def drawn(name: str, scene: Scene, solids: tuple[Solid, ...], modes: list[messages.Mode]) -> messages.Drawn:
     """Return what is drawn beside the particles: camera, light, solids, and how large a particle is.
 
     Light is in the units of the film (neve.render), whose curve the page uses as well.
     """
-    numerics = scene.numerics
     camera = scene.camera
     return {
+        "name": name,
+        "about": scene.about,
         "fps": scene.run.fps,
-        "dx": numerics.dx,
-        "spacing": numerics.spacing,
-        "cell": density_cell(numerics),
+        "dx": scene.numerics.dx,
+        "spacing": scene.numerics.spacing,
+        "cell": density_cell(scene.numerics),
         "camera": {
-            "position": camera.position, "target": camera.target, "up": camera.up, "fov": camera.fov,
+            "position": camera.position, "target": camera.target, "up": camera.up,
+            "fov": camera.fov,
         },
         "light": light_of(scene.light),
         "solids": [_solid(solid) for solid in solids],
+        "modes": modes,
     }  # fmt: skip
 
 
-def light_of(light: Light) -> dict[str, list[float]]:
+def light_of(light: Light) -> messages.Light:
     """Return direction and colours of sun and sky as the film has them."""
     return {
-        "sun": list(sun_direction(light)),
-        "sun_color": list(sun_color(light)),
-        "sky_color": list(sky_color(light)),
+        "sun": sun_direction(light),
+        "sun_color": sun_color(light),
+        "sky_color": sky_color(light),
     }
 
 
-def _solid(solid: Solid) -> dict[str, Any]:
-    told: dict[str, Any] = {
+def _solid(solid: Solid) -> messages.Solid:
+    drawn: messages.Solid = {
         "name": solid.name,
         "shape": solid.shape,
-        "half": [float(h) for h in solid.half],
-        "color": list(solid.color or STEEL),
+        "half": messages.vector(solid.half),
+        "color": messages.vector(solid.color or STEEL),
         "visible": solid.visible,
         "ground": is_ground(solid),
     }
     if solid.shape == "mesh" and solid.mesh is not None:
-        told["mesh"] = _mesh(solid.mesh.vertices, solid.mesh.faces)
+        drawn["mesh"] = _mesh(solid.mesh.vertices, solid.mesh.faces)
     elif solid.shape == "terrain" and solid.terrain is not None:
-        told["mesh"] = _mesh(*_terrain(solid.terrain.heights, solid.terrain.size))
-    return told
+        drawn["mesh"] = _mesh(*_terrain(solid.terrain.heights, solid.terrain.size))
+    return drawn
 
 
-def _mesh(vertices: Any, faces: Any) -> dict[str, str]:
+def _mesh(vertices: Any, faces: Any) -> messages.Mesh:
     """Return corners [m] as float32 and triangles as uint32, in base64."""
     corners, triangles = np.asarray(vertices, "<f4"), np.asarray(faces, "<u4")
     return {

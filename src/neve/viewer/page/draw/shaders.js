@@ -1,10 +1,9 @@
-"use strict";
 // What all shaders share: random bits, the sky, the film's curve, and how much light passes the snow.
 // The light is that of the film (core/render): the same sun, sky, albedo and tone curve. Where the film walks through a
 // density grid, the page asks deep opacity maps (Yuksel and Keyser 2008): for each of 13 directions the depth at which
 // snow begins and the optical depth of what follows, in four layers.
 
-const GLSL_HEAD = `#version 300 es
+export const GLSL_HEAD = `#version 300 es
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -114,7 +113,7 @@ vec3 fractal(vec2 at, float size, int octaves, float gain, float pixel, uint see
 }
 `;
 
-const SHADERS = {
+export const SHADERS = {
   // Depth and optical depth of the snow seen from the lights: one instance for each direction.
   mapVertex: `
 layout(location = 0) in vec3 aPlace;
@@ -134,6 +133,16 @@ void main() {
   gl_PointSize = uSize;
 }`,
   mapFront: `void main() {}`,
+  // Depth of the bodies seen from the sun.
+  shadowVertex: `
+layout(location = 0) in vec3 aPlace;
+uniform mat4 uModel;
+uniform vec3 uScale;
+${GLSL_TILES}
+void main() {
+  vec3 q = ((uModel * vec4(aPlace * uScale, 1.0)).xyz - uBall.xyz) / (2.0 * uBall.w);
+  gl_Position = vec4(dot(q, uAcross[12]), dot(q, uAlong[12]), -dot(q, uDirection[12]), 1.0);
+}`,
   mapSums: `
 uniform sampler2D uFront;
 uniform vec4 uBall, uLayers;

@@ -2,43 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, cast
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from neve.alter import FIXED
-from neve.scene.errors import SceneError
-from neve.scene.reading.files import KEYS as FILE_KEYS
 from neve.scene.reading.files import OWN, own_files
-from neve.scene.reading.load import scene_from
-from neve.scene.reading.paths import follow
-from neve.scene.schema.allowed import allowed, part, shapes, source, table_of_list, unit
+from neve.scene.schema.allowed import allowed, part, source, unit
 from neve.scene.schema.kinds import Kind, kind_of
 from neve.scene.schema.scene import Scene
 from neve.scene.schema.snow import used
+from neve.scene.schema.tables import shapes, table_of_list
+from neve.viewer.protocol.messages import Control, Field, Section
+from neve.viewer.tools.change import is_live
 
 SECTIONS = ("snow", "world", "numerics", "light", "run")
 """Tables of a scene that the panel shows as a whole; lists of shapes follow, entry by entry."""
 LIMITS = ("gt", "ge", "lt", "le")
+Can = Literal["", "add", "delete"]
 
 
-def panel(scene: Scene) -> list[dict[str, Any]]:
-    """Return the sections of the panel: name, title, and fields with path, unit, limits, value and meaning.
-
-    A section whose `parent` is another one lies in it. `can` is what can be done with a whole section: "add"
-    makes a table that is left out, or one more entry of a list; "delete" takes it away. `live` says whether a
-    change acts at once or when the scene is started anew.
-    """
-    sections = []
+def panel(scene: Scene) -> list[Section]:
+    """Return the sections of the panel; one that lies in another comes after it."""
+    sections: list[Section] = []
     for name in SECTIONS:
         sections += _sections(name, name, getattr(scene, name), "", "")
     for name in entry_lists():
         for i, entry in enumerate(getattr(scene, name)):
-            told = getattr(entry, "shape", "") or Path(getattr(entry, "file", "")).name
-            sections += _sections(f"{name}.{i}", f"{name}.{i} {told}".strip(), entry, "", "delete")
+            kind = getattr(entry, "shape", "") or Path(getattr(entry, "file", "")).name
+            sections += _sections(f"{name}.{i}", f"{name}.{i} {kind}".strip(), entry, "", "delete")
     return sections
 
 
@@ -53,75 +46,17 @@ def entry_lists() -> list[str]:
     return [name for name, field in fields if shapes(field.annotation) or table_of_list(field.annotation)]
 
 
-def changed(scene: Scene, path: str, value: Any) -> Scene:
-    """Return the scene with `value` at `path` ("snow.xi", "colliders.0.mu_c").
-
-    A new kind or law of snow brings its own constants. Errors: SceneError, one sentence.
-    """
-    tables = scene.model_dump(mode="json", exclude_none=True)
-    keys = path.split(".")
-    if keys[-1] in FILE_KEYS and not (isinstance(value, str) and value.startswith(OWN)):
-        raise SceneError(f"{path}: only files that come with Neve can be named here, such as {OWN}rock")
-    if path in ("snow.kind", "snow.law"):
-        tables["snow"] = {keys[1]: value}
-    else:
-        _put(tables, keys, value, path)
-    return checked(tables)
-
-
-def checked(tables: Mapping[str, Any]) -> Scene:
-    """Return the scene of `tables`. Errors: SceneError, whose sentence begins with the key."""
-    try:
-        return scene_from(tables, where="")
-    except SceneError as error:
-        raise SceneError(str(error).removeprefix(": ")) from None
-
-
-def is_live(path: str) -> bool:
-    """Whether a change of the value at `path` acts on a run that goes on."""
-    first, _, rest = path.partition(".")
-    if first == "numerics":
-        return rest not in FIXED
-    return first not in ("sources", "run") or path.split(".")[2:3] == ["snow"]
-
-
-def _put(tables: dict[str, Any], keys: list[str], value: Any, path: str) -> None:
-    place = below(tables, keys[:-1], path, make=True)
-    if not isinstance(place, dict):
-        raise SceneError(f"{path} is not a single value")
-    if value is None:
-        place.pop(keys[-1], None)
-    else:
-        place[keys[-1]] = value
-
-
-def below(tables: Any, keys: Sequence[str], path: str, make: bool = False) -> Any:
-    """Return what lies at `keys` in `tables`; `make` makes the last table if it is left out.
-
-    Errors: SceneError, which says that `path` is not there.
-    """
-    try:
-        above = follow(tables, keys[:-1])
-        if make and keys and isinstance(above, dict):
-            above.setdefault(keys[-1], {})
-        place = follow(tables, keys)
-    except KeyError:
-        place = None
-    if not isinstance(place, dict | list):
-        raise SceneError(f"{path} is not in this scene")
-    return place
-
-
-def _sections(path: str, title: str, table: BaseModel, parent: str, can: str) -> list[dict[str, Any]]:
+def _sections(path: str, title: str, table: BaseModel, parent: str, can: Can) -> list[Section]:
     """Return the section of a table, and after it those of the tables in it."""
-    fields, inner = [], []
+    fields: list[Field] = []
+    inner: list[Section] = []
     for name, field in type(table).model_fields.items():
         if name == "shape" or (path == "snow" and name not in _shown_snow(table)):
             continue
         where, value = f"{path}.{name}", getattr(table, name)
         control = _control(field, value)
         if control is not None:
-            fields.append(_field(where, name, field, value) | control)
+            fields.append(_field(where, name, field, value, control))
         elif table_of_list(field.annotation):
             inner.append(_bare(where, name, field.description or "", path, "add"))
             for i, entry in enumerate(value):
@@ -131,14 +66,15 @@ def _sections(path: str, title: str, table: BaseModel, parent: str, can: str) ->
         elif part(field.annotation):
             inner += _sections(where, name, value, path, "delete" if field.default is None else "")
     head = _bare(path, title, _about(type(table)), parent, can)
-    return [head | {"fields": fields}, *inner]
+    head["fields"] = fields
+    return [head, *inner]
 
 
-def _bare(path: str, title: str, text: str, parent: str, can: str) -> dict[str, Any]:
+def _bare(path: str, title: str, text: str, parent: str, can: Can) -> Section:
     return {"path": path, "title": title, "text": text, "parent": parent, "can": can, "fields": []}
 
 
-def _field(path: str, name: str, field: FieldInfo, value: Any) -> dict[str, Any]:
+def _field(path: str, name: str, field: FieldInfo, value: Any, control: Control) -> Field:
     return {
         "path": path,
         "name": name,
@@ -149,6 +85,7 @@ def _field(path: str, name: str, field: FieldInfo, value: Any) -> dict[str, Any]
         "default": _plain(field.default),
         "value": _plain(value),
         "live": is_live(path),
+        **control,
     }
 
 
@@ -160,7 +97,7 @@ def _about(model: type[BaseModel]) -> str:
     return (model.__doc__ or "").strip().split("\n")[0]
 
 
-def _control(field: FieldInfo, value: Any) -> dict[str, Any] | None:
+def _control(field: FieldInfo, value: Any) -> Control | None:
     """Return what a page needs to draw a control for `field`, None for a table or a list of tables."""
     extra = field.json_schema_extra
     if isinstance(extra, dict) and "suffixes" in extra:
@@ -169,7 +106,7 @@ def _control(field: FieldInfo, value: Any) -> dict[str, Any] | None:
     return _widget(kind_of(field.annotation, list(field.metadata)))
 
 
-def _widget(kind: Kind) -> dict[str, Any] | None:
+def _widget(kind: Kind) -> Control | None:
     if kind.name == "choice":
         return {"control": "choice", "choices": list(kind.choices)}
     if kind.name == "union":
@@ -184,10 +121,10 @@ def _widget(kind: Kind) -> dict[str, Any] | None:
         if each is None or each["control"] != "number":
             return None
         shape = {"control": "list"} if kind.name == "list" else {"control": "vector", "count": kind.count}
-        return each | shape
+        return cast(Control, each | shape)
     if kind.name in ("integer", "number"):
-        return {"control": "number", "whole": kind.name == "integer", **kind.limits}
-    return {"control": kind.name} if kind.name in ("switch", "text") else None
+        return cast(Control, {"control": "number", "whole": kind.name == "integer", **kind.limits})
+    return cast(Control, {"control": kind.name}) if kind.name in ("switch", "text") else None
 
 
 def _plain(value: Any) -> Any:

@@ -1,0 +1,33 @@
+"""Encode a snapshot as a state for the pages."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from neve.viewer.modes import MODES, Scale
+from neve.viewer.players.snapshot import Snapshot
+from neve.viewer.protocol.messages import StateHead, vector
+from neve.viewer.protocol.state import framed, pack
+
+
+def encode(snapshot: Snapshot, mode: str, scale: Scale, version: int) -> bytes:
+    """Return the message that shows `snapshot`, the state number `version`, in colour mode `mode`."""
+    values = snapshot.values.get(mode)
+    limits = scale.limits(mode, values) if values is not None else (0.0, 1.0)
+    packed = pack(snapshot.x, values, limits)
+    head: StateHead = {
+        "kind": "state",
+        "version": version,
+        "n": len(snapshot.x),
+        "low": vector(packed.low),
+        "step": vector(packed.step),
+        "mode": mode if values is not None or mode == "snow" else "snow",
+        "limits": limits,
+        "classes": MODES[mode].names is not None,
+        "time": snapshot.time,
+        "frame": snapshot.frame,
+        "scene": snapshot.scene,
+        "bodies": [[*map(float, p), *map(float, np.ravel(R))] for p, R in snapshot.bodies],
+        "facts": snapshot.facts,
+    }
+    return framed(head, packed.q.astype("<u2", copy=False).tobytes())
