@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from reference.laws import LAWS
 
+from neve.scene.schema.choices import SPLINES, TRANSFERS
+
 # Grids of distances are made anew, in a folder that goes with the tests: never in the user's own.
 CACHE = tempfile.TemporaryDirectory(prefix="neve-cache-")
 os.environ["NEVE_CACHE"] = CACHE.name
@@ -41,19 +43,19 @@ def eps(precision):
     return float(np.finfo(precision).eps)
 
 
-@pytest.fixture(params=["quadratic", "cubic"])
+@pytest.fixture(params=list(SPLINES))
 def spline(request):
     return request.param
 
 
-@pytest.fixture(params=["apic", "flip", "pic", "polypic", "asflip"])
+@pytest.fixture(params=list(TRANSFERS))
 def transfer(request):
     return request.param
 
 
-@pytest.fixture(params=["apic", "flip", "polypic", "asflip"])
+@pytest.fixture(params=[name for name, transfer in TRANSFERS.items() if not transfer.damps])
 def lively_transfer(request):
-    """A transfer that does not damp: all but PIC, whose waves fade within cells."""
+    """A transfer that does not damp: with the others waves fade within cells."""
     return request.param
 
 

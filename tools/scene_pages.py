@@ -33,7 +33,7 @@ from neve.scene.schema.scene import (
     Variation,
     World,
 )
-from neve.scene.schema.zoo import as_table
+from neve.scene.schema.snow_tables import as_table
 
 LISTS = {"source": "sources", "collider": "colliders", "body": "bodies"}
 PATH = Path("docs") / "scene_format.md"  # from the root of the checkout

@@ -36,8 +36,7 @@ struct NeoHookeanElasticity {
 struct NeoHookean : SnowPlasticity<NeoHookeanElasticity> {
   static constexpr Word word{
       "neo_hookean",
-      "Neo-Hookean elasticity under the same plasticity; resists without bound as its volume "
-      "goes to zero",
+      "Neo-Hookean elasticity, whose resistance to compression has no bound, under the same plasticity",
       "Sifakis and Barbic 2012 (as quoted in public codes)", "sifakis2012"};
 };
 

@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 from neve.render.preview import Preview
 from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Scene
-from neve.scene.schema.snows import SNOWS
+from neve.scene.schema.snow_kinds import SNOWS
 from neve.simulation import Simulation
 
 MOMENTS = (0.17, 0.6)  # soon after the impact, and at rest or nearly so [s]

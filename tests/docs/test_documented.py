@@ -173,7 +173,7 @@ def files_exist(words, place):
 RULES = [
     (r"neve run ", run_scene),
     (r"neve (view (?!.*--replay)|drive)", serve),
-    (r"neve (bench|validate)|neve stress$", parse_neve),
+    (r"neve (bench|validate)|neve fuzz$", parse_neve),
     (r"neve ", runs),
     (r"python examples/\d\d_\S+\.py", files_exist),  # tests/docs/test_examples.py runs them
     (r"python (-\w )?\S+\.py", parse_script),

@@ -6,8 +6,8 @@ import pytest
 
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import load, presets
+from neve.scene.schema.material import used
 from neve.scene.schema.scene import Scene, Variation
-from neve.scene.schema.snow import used
 from neve.viewer import safety
 from neve.viewer.protocol import commands
 from neve.viewer.tools import change, edit, panel
@@ -83,7 +83,7 @@ def test_wrong_values_get_the_sentence_of_the_scene():
     scene = load("throw_ball")
     for path, value, told in [
         ("snow.nu", 0.7, "snow.nu = 0.7 is not allowed"),
-        ("snow.xi", 80.0, "xi theta_c at most 0.5"),
+        ("snow.xi", 80.0, "xi theta_c and xi theta_s at most 0.5"),
         ("snow.hardness", 1.0, "snow.hardness is not a known key"),
         ("snow.E0", "soft", "snow.E0"),
         ("numerics.transfer", "apicc", "did you mean"),

@@ -21,6 +21,7 @@ from neve.bench.bodies import Share, measure_bodies
 from neve.bench.spread import Spread
 from neve.mpm.solver import STAGES
 from neve.scene.errors import SceneError
+from neve.scene.schema.choices import SPLINES, TRANSFERS
 from neve.scene.schema.scene import Camera, Collider, Numerics, Scene, Source
 from neve.simulation import Simulation
 from neve.spelling import hint, nearest
@@ -137,10 +138,13 @@ def resident() -> int | None:
 
 
 def matrix() -> Iterator[Speed]:
-    """Measure every spline, transfer and precision on the block of 200,000 particles."""
+    """Measure every spline and precision on the block of 200,000 particles, with the first transfer of each
+    layout of the grid: force and momentum in one array, or apart.
+    """
+    transfers = {transfer.has_change: name for name, transfer in reversed([*TRANSFERS.items()])}
     for precision in ("float32", "float64"):
-        for spline in ("quadratic", "cubic"):
-            for transfer in ("apic", "flip"):
+        for spline in SPLINES:
+            for _, transfer in sorted(transfers.items()):
                 name = f"matrix {precision} {spline} {transfer}"
                 yield measure(name, BLOCKS["200k"], precision=precision, spline=spline, transfer=transfer)
 

@@ -44,7 +44,7 @@ def cli(ctx: click.Context, version: bool) -> None:
 def list_scenes(snow: bool, as_json: bool) -> None:
     """List the scenes that come with Neve, or its named snows."""
     if snow:
-        from neve.scene.schema.zoo import as_data, as_text
+        from neve.scene.schema.snow_tables import as_data, as_text
 
         click.echo(json.dumps(as_data(), indent=2) if as_json else as_text())
         return
@@ -273,12 +273,12 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
 @click.option("--only", type=click.IntRange(0), help="Run only the scene of this number.")
 @click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; one by default.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def stress(scenes: int, seed: int, only: int | None, threads: int | None, as_json: bool) -> None:
+def fuzz(scenes: int, seed: int, only: int | None, threads: int | None, as_json: bool) -> None:
     """Try to break the step with random scenes: any law, parameters over their ranges, impacts, presses.
 
     Exit code 1 if a scene does not hold.
     """
-    from neve.stress import run as campaign
+    from neve.fuzz import run as campaign
 
     if not campaign(seed, scenes, only, threads or 1, as_json):
         raise SystemExit(1)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.scene.errors import SceneWarning
 from neve.scene.reading.load import scene_from
+from neve.scene.schema.choices import TRANSFERS
 from neve.scene.schema.elastic import lame
-from neve.scene.schema.scene import Numerics
 from neve.simulation import Simulation
 
 Array = NDArray[np.float64]
@@ -56,9 +56,11 @@ def elastic(**constants: Any) -> dict[str, Any]:
 
 def transfers() -> dict[str, dict[str, Any]]:
     """Return the numerics of every transfer that Neve has, none of which adds damping of its own."""
-    names = get_args(Numerics.model_fields["transfer"].annotation)
-    undamped = {"flip": {"flip_alpha": 1.0}, "asflip": {"flip_alpha": 1.0}}
-    return {name: {"transfer": name, **undamped.get(name, {})} for name in sorted(names)}
+    undamped = {"flip_alpha": 1.0}
+    return {
+        name: {"transfer": name, **{key: undamped[key] for key in TRANSFERS[name].options if key in undamped}}
+        for name in sorted(TRANSFERS)
+    }
 
 
 def box(low: Sequence[float], high: Sequence[float], **more: Any) -> dict[str, Any]:

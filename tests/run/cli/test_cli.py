@@ -13,7 +13,7 @@ import pytest
 import neve
 from neve.cli import console, main
 from neve.scene.reading.load import presets
-from neve.scene.schema.snows import SNOWS
+from neve.scene.schema.snow_kinds import SNOWS
 
 ROOT = Path(neve.__file__).parents[1]
 

@@ -9,7 +9,7 @@ import pytest
 
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import load, preset_about, scene_from
-from neve.scene.schema.snow import Snow
+from neve.scene.schema.material import Snow
 
 BOX = '[[sources]]\nshape = "box"\nsize = [1, 1, 1]\n'
 PLANE = '[[colliders]]\nshape = "plane"\n'

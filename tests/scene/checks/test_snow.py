@@ -10,10 +10,11 @@ import pytest
 from neve.sampling import fill
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import scene_from, to_toml
+from neve.scene.schema.choices import LAWS
 from neve.scene.schema.fields import rounded_down, rounded_up
+from neve.scene.schema.material import Overrides, Snow, problem, used
 from neve.scene.schema.scene import Profile, Scene, Source, Variation
-from neve.scene.schema.snow import ELASTIC_LAWS, USES, Overrides, Snow, problem, used
-from neve.scene.schema.snows import SNOWS, Kind
+from neve.scene.schema.snow_kinds import SNOWS, Kind
 
 WORDS = ("kind", "law", "plasticity")
 CHANGES: list[dict[str, Any]] = [
@@ -73,10 +74,10 @@ def test_laws_have_defaults_of_their_own() -> None:
     assert Snow(law="hencky").E0 == Snow().E0
 
 
-@pytest.mark.parametrize(("law", "plasticity"), list(product(USES, ("snow", "none"))))
+@pytest.mark.parametrize(("law", "plasticity"), list(product(LAWS, ("snow", "none"))))
 def test_a_key_that_is_not_used_keeps_its_default(law: str, plasticity: str) -> None:
     """A key beyond those of the law may stand at its default alone; one that is used takes other values."""
-    if plasticity == "none" and law not in ELASTIC_LAWS:
+    if plasticity == "none" and not LAWS[law].has_elastic_option:
         with pytest.raises(SceneError, match=rf'snow\.plasticity = "none" .* not used by law = "{law}"'):
             scene_from({"snow": {"law": law, "plasticity": "none"}, "sources": [{"shape": "box"}]})
         return
@@ -131,7 +132,7 @@ def test_source_with_a_kind_or_another_law_starts_anew() -> None:
 def test_snow_of_a_source_is_as_if_written_down(name: str, changes: dict[str, Any]) -> None:
     """`but` skips validation; what it makes passes it unchanged and without complaint."""
     snow = Snow.model_validate({"kind": name})
-    if "plasticity" in changes and snow.law not in ELASTIC_LAWS:
+    if "plasticity" in changes and not LAWS[snow.law].has_elastic_option:
         assert problem(snow.but(Overrides.model_validate(changes)), changes) is not None
         return
     made = snow.but(Overrides.model_validate(changes))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neve.scene.schema.snow import Snow
+from neve.scene.schema.material import Snow
 from neve.validate.snow.cam_clay import KINDS, confined, overstress
 from neve.validate.snow.oedometer import compress
 

@@ -6,9 +6,12 @@ from reference.snow import Snow
 from verification.material import respond
 
 from neve import _core
-from neve.scene.schema.snow import MOST_HARDENING
+from neve.scene.schema.choices import DEFAULT_LAW, LAWS
 
 THETA, STEP = 1e-2, 1e-6
+MOST_HARDENING = LAWS[DEFAULT_LAW].most_strength(
+    {"xi": 1.0, "theta_c": 1.0, "theta_s": 0.0}
+)  # largest xi theta
 
 
 def gain_over_work(xi, nu):

@@ -8,7 +8,7 @@ import pytest
 import neve
 from neve.fragments import find
 from neve.scene.reading.load import scene_from
-from neve.scene.schema.snows import SNOWS
+from neve.scene.schema.snow_kinds import SNOWS
 
 DX = 0.06
 BALL = {"shape": "sphere", "center": [-0.45, 0, 0.55], "radius": 0.25, "velocity": [3, 0, -5]}
@@ -43,7 +43,7 @@ def landed():
     return out
 
 
-def test_sees_the_whole_zoo():
+def test_sees_every_kind():
     """Every snow that is no quotation of a table is thrown."""
     assert set(ZOO) == {name for name, kind in SNOWS.items() if kind.tag != "quoted"}
 

@@ -11,6 +11,8 @@ from collections.abc import Iterator, Sequence
 from pydantic import BaseModel
 
 from neve.scene.reading.validation_errors import shown
+from neve.scene.schema.allowed import words
+from neve.scene.schema.choices import LAWS, TRANSFERS, listed, users
 from neve.scene.schema.roles import Surface
 from neve.scene.schema.scene import Numerics, Scene
 from neve.scene.schema.sources import Profile, Source, Variation
@@ -49,15 +51,12 @@ def unused(scene: Scene) -> Iterator[str]:
 
 def _of_transfer(numerics: Numerics) -> Iterator[str]:
     why = f'transfer = "{numerics.transfer}"'
-    if numerics.transfer != "polypic":
-        yield from _without_effect(
-            numerics, "numerics", "polypic_modes", why, 'numerics.transfer = "polypic"'
-        )
-    if numerics.transfer not in ("flip", "asflip"):
-        flip = 'numerics.transfer = "flip" or "asflip"'
-        for key in ("flip_alpha", "flip_damping"):
-            yield from _without_effect(numerics, "numerics", key, why, flip)
-    elif numerics.flip_damping != "off":
+    read = TRANSFERS[numerics.transfer].options
+    for key in dict.fromkeys(option for transfer in TRANSFERS.values() for option in transfer.options):
+        if key not in read:
+            takers = f"numerics.transfer = {words(users(key))}"
+            yield from _without_effect(numerics, "numerics", key, why, takers)
+    if "flip_damping" in read and numerics.flip_damping != "off":
         why = f"flip_damping = {numerics.flip_damping:g}, which takes its place"
         yield from _without_effect(numerics, "numerics", "flip_alpha", why, 'numerics.flip_damping = "off"')
 
@@ -80,10 +79,12 @@ def _of_strength(scene: Scene, source: Source, name: str) -> Iterator[str]:
     snow = scene.snow_of(source)
     if snow.plasticity == "none":
         why, what_counts = 'plasticity = "none"', 'plasticity = "snow"'
-    elif snow.law == "drucker_prager" and snow.cohesion == 0:
-        why, what_counts = "cohesion = 0", "a cohesion"
     else:
-        return
+        thresholds = [c.name for c in LAWS[snow.law].constants if c.is_threshold]
+        if any(getattr(snow, key) for key in thresholds):
+            return
+        why = listed(f"{key} = 0" for key in thresholds)
+        what_counts = f"a {listed(thresholds, 'or')}"
     for part in ("variation", "profile"):
         if table := getattr(source, part):
             yield from _without_effect(table, f"{name}.{part}", "strength", why, what_counts)

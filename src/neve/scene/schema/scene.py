@@ -8,6 +8,18 @@ from typing import Literal
 from pydantic import model_validator
 
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
+from neve.scene.schema.choices import (
+    DEFAULT_SPLINE,
+    DEFAULT_TRANSFER,
+    SPLINES,
+    TRANSFERS,
+    SplineWord,
+    TransferWord,
+    listed,
+    meanings,
+    sources,
+    users,
+)
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.fields import (
     Color,
@@ -25,9 +37,9 @@ from neve.scene.schema.fields import (
     rounded_down,
     wrong,
 )
+from neve.scene.schema.material import Overrides, Snow, most_strength, problem
 from neve.scene.schema.outputs import OutputEntry, conflict
-from neve.scene.schema.snow import SSCTS, Overrides, Snow, most_strength, problem
-from neve.scene.schema.snows import SNOWS
+from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.schema.sources import AnySource, Profile, Source, Variation
 
 __all__ = [
@@ -50,34 +62,30 @@ class Numerics(Part):
     dx: Real = entry(
         0.05, "Grid spacing; half of it means eight times as many particles.", "m", gt=0, le=1000
     )
-    spline: Literal["quadratic", "cubic"] = entry(
-        "quadratic",
-        "B-spline that weights the nodes around a particle: 27 (quadratic) or 64 (cubic).",
+    spline: SplineWord = entry(
+        DEFAULT_SPLINE,
+        f"B-spline that weights the nodes around a particle. {meanings(SPLINES)}.",
         "",
-        "cubic: Stomakhin et al. 2013 (as quoted in public codes); quadratic: our choice",
+        sources(SPLINES),
     )
-    transfer: Literal["pic", "flip", "apic", "polypic", "asflip"] = entry(
-        "apic",
-        'How velocities are transferred between particles and grid: "apic" and "polypic" conserve angular '
-        'momentum, and "polypic" preserves finer motions too; "flip" blends FLIP and PIC; "asflip" adds APIC '
-        'to that and lets snow separate more freely, but its energy is not bounded; "pic" damps everything '
-        "but translations.",
+    transfer: TransferWord = entry(
+        DEFAULT_TRANSFER,
+        f"How velocities are transferred between particles and grid. {meanings(TRANSFERS)}.",
         "",
-        "flip: Stomakhin et al. 2013, apic: Jiang et al. 2015, asflip: Fei et al. 2021 (as quoted in public "
-        "codes); polypic: Fu et al. 2017 names the idea, the details are ours; pic: Harlow 1964",
+        sources(TRANSFERS),
     )
     polypic_modes: Modes = entry(
         8,
-        "Velocity modes per particle with polypic: 1 equals pic, 4 equals apic; 8 are the multilinear modes, "
-        "27 the quadratic ones.",
+        "Velocity modes per particle: 1 is its velocity alone, 4 are an affine velocity, 8 the multilinear "
+        f"modes, 27 the modes up to degree 2 along each axis; used by {listed(users('polypic_modes'))}.",
         "1",
         "Fu et al. 2017 name the choices; 8: ours",
     )
     flip_alpha: Real = entry(
         0.95,
-        "Share of FLIP in the velocity update of one step; used by flip and asflip.",
+        f"Share of FLIP in the velocity update of one step; used by {listed(users('flip_alpha'))}.",
         "1",
-        SSCTS,
+        "Stomakhin et al. 2013 (as quoted in public codes)",
         ge=0,
         le=1,
     )

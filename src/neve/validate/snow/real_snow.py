@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.scene.schema.snow import Snow
+from neve.scene.schema.material import Snow
 from neve.validate.elastic.bar import LENGTH, vibrate
 from neve.validate.result import Check, Curve, Plot, Result, near
 from neve.validate.snow.oedometer import E0, NU, RHO, Compression, compress

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from neve.diagnostics import Balance, Diagnostics
+from neve.fuzz.draw import draw
 from neve.mpm.blowup import Blowup
+from neve.scene.schema.choices import TRANSFERS
 from neve.scene.schema.scene import Scene
 from neve.simulation import Simulation
-from neve.stress.draw import draw
 
 PARTS = 30
 """So often in its duration a scene is looked at."""
@@ -22,11 +23,6 @@ MOST_GAIN = 0.05
 
 MOST_SURGE = 0.25
 """Growth of energy between two looks that is allowed, as a share of what moves and is strained then."""
-
-UNBOUNDED = ("asflip",)
-"""Transfers whose energy has no bound: ASFLIP gives a particle back what the grid did not take over of its
-velocity, while its affine velocity already holds a part of that. Where lumps
-collide at several wave speeds it gains."""
 
 MOST_STEPS = 20_000
 """Steps after which a scene counts as stuck."""
@@ -38,7 +34,7 @@ class Outcome:
 
     fault: what went wrong, "" if nothing did; gain: largest growth of energy over all that was put in [1];
     surge: largest growth between two looks over what moved and was strained then [1]; both are judged
-    unless the transfer is one of UNBOUNDED; refusals: steps that were refused and tried again.
+    unless the energy of the transfer has no bound; refusals: steps that were refused and tried again.
     """
 
     number: int
@@ -89,7 +85,7 @@ class _Trial:
         self.scene = scene
         self.particles = self.steps = self.refusals = 0
         self.budget = Budget()
-        self.judged = scene.numerics.transfer not in UNBOUNDED
+        self.judged = TRANSFERS[scene.numerics.transfer].has_bounded_energy
 
     def run(self, threads: int | None, stacked: bool) -> str:
         sim = Simulation(self.scene, threads=threads)

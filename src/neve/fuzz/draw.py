@@ -9,20 +9,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from neve.scene.reading.load import scene_from
+from neve.scene.schema.choices import LAWS, SPLINES, TRANSFERS
 from neve.scene.schema.scene import Scene
-from neve.scene.schema.snow import MOST_HARDENING, MOST_YIELD
+
+if TYPE_CHECKING:
+    from neve._core import Law
 
 Random = np.random.Generator
 
 MOST_STRENGTH = 1.0
 """Largest log-amplitude of the noise on strength."""
 
-_HARDENING = 4.0  # xi (1 - J_P_min): waves at most exp(2) = 7 times as fast; beyond, scenes only take longer
+MOST_HARDENING = 4.0
+"""Largest exponent of hardening: waves at most exp(2) = 7 times as fast; beyond, scenes only take longer."""
+
 _ROOM = 0.99 * math.exp(-MOST_STRENGTH)  # below the limits of thresholds, so that noise keeps to them
 
 STEPS = 150
@@ -72,7 +77,7 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
     duration = STEPS * step
     pull = rng.standard_normal(3) * _log(rng, 1e-3, 1.0) * dx / duration**2  # about a cell or so of fall
     tables = {
-        "about": f"stress {seed}/{number}: {name}",
+        "about": f"fuzz {seed}/{number}: {name}",
         "world": {"gravity": [float(np.clip(a, -1e4, 1e4)) for a in pull]},
         "numerics": numerics,
         "snow": snow,
@@ -80,15 +85,15 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
         "colliders": colliders,
         "run": {"duration": float(np.clip(duration, 1e-9, 86400)), "film": False},
     }
-    return scene_from(tables, where=f"stress scene {seed}/{number}"), name
+    return scene_from(tables, where=f"fuzz scene {seed}/{number}"), name
 
 
 def _numerics(rng: Random, dx: float) -> dict[str, Any]:
-    transfer = str(rng.choice(["pic", "flip", "apic", "polypic", "asflip"]))
+    transfer = TRANSFERS[str(rng.choice(list(TRANSFERS)))]
     table: dict[str, Any] = {
         "dx": dx,
-        "spline": str(rng.choice(["quadratic", "cubic"])),
-        "transfer": transfer,
+        "spline": str(rng.choice(list(SPLINES))),
+        "transfer": transfer.name,
         "precision": str(rng.choice(["float32", "float64"])),
         "particles_per_cell": int(rng.choice([1, 4, 8, 27, 64])),
         "sampling": str(rng.choice(["jittered", "poisson", "regular"])),
@@ -98,9 +103,9 @@ def _numerics(rng: Random, dx: float) -> dict[str, Any]:
         "seed": int(rng.integers(1000)),
         "initial_volume": str(rng.choice(["sampled", "grid"])),
     }
-    if transfer == "polypic":
+    if "polypic_modes" in transfer.options:
         table["polypic_modes"] = int(rng.choice([1, 4, 8, 27]))
-    if transfer in ("flip", "asflip"):
+    if "flip_alpha" in transfer.options:
         table["flip_alpha"] = float(rng.choice([0.0, 0.5, 0.95, 0.99, 1.0]))
         if rng.random() < 0.3:
             table["flip_damping"] = _log(rng, 1e-2, 1e6)
@@ -108,29 +113,35 @@ def _numerics(rng: Random, dx: float) -> dict[str, Any]:
 
 
 def _snow(rng: Random) -> dict[str, Any]:
-    """Draw a law and its constants from the whole of their legal ranges."""
-    law = str(rng.choice(["stomakhin2013", "neo_hookean", "hencky", "drucker_prager", "cam_clay"]))
-    E0, nu = _log(rng, 1e2, 1e11), float(rng.uniform(0.0, 0.49))
-    snow: dict[str, Any] = {"law": law, "plasticity": "snow", "E0": E0, "nu": nu}
-    snow["rho0"] = _log(rng, 1.0, 2000.0)
-    bulk = E0 / (3.0 * (1.0 - 2.0 * nu))
-    if law == "drucker_prager":
-        snow["friction_angle"] = float(rng.uniform(1.0, 80.0))
-        if rng.random() < 0.5:
-            most = MOST_YIELD * bulk * math.tan(math.radians(snow["friction_angle"]))
-            snow["cohesion"] = min(_log(rng, 1e-6, _ROOM) * most, 1e9)
-        return snow
-    if law == "cam_clay":
-        snow |= {"M": float(rng.uniform(0.1, 3.0)), "beta": float(rng.uniform(0.0, 1.0))}
-        snow |= {"p0": min(_log(rng, 1e-4, _ROOM) * MOST_YIELD * bulk, 1e9), "xi": _log(rng, 1e-3, 100.0)}
-    elif rng.random() < 0.25:
-        return snow | {"plasticity": "none"}
-    else:
-        xi = _log(rng, 0.1, 100.0)
-        most = _ROOM * min(MOST_HARDENING / xi, 0.9)
-        snow |= {"xi": xi, "theta_c": most * _log(rng, 1e-3, 1.0), "theta_s": most * _log(rng, 1e-3, 1.0)}
-    soft = max(0.05, 1.0 - _HARDENING / snow["xi"])
-    return snow | {"J_P_min": float(rng.uniform(soft, max(0.97, soft))), "J_P_max": _log(rng, 1.01, 1e4)}
+    """Draw a law, and its constants from the whole of their ranges."""
+    law = LAWS[str(rng.choice(list(LAWS)))]
+    numbers = _constants(rng, law)
+    while law.hardening_exponent(numbers) > MOST_HARDENING:
+        numbers = _constants(rng, law)
+    if law.has_elastic_option and rng.random() < 0.25:
+        elastic = [c.name for c in law.constants if not c.is_plastic]
+        return {"law": law.name, "plasticity": "none"} | {name: numbers[name] for name in elastic}
+    return {"law": law.name, "plasticity": "snow"} | numbers
+
+
+def _constants(rng: Random, law: Law) -> dict[str, float]:
+    """Draw the constants of `law`: thresholds within its limit, and one in five zero if it may be."""
+    numbers = {c.name: _drawn(rng, *c.drawn) for c in law.constants}
+    thresholds = [c for c in law.constants if c.is_threshold]
+    for c in thresholds:
+        if c.low == 0 and not c.open_low and rng.random() < 0.2:
+            numbers[c.name] = 0.0
+    most = law.most_strength(numbers)
+    if math.isfinite(most):
+        factor = most * _log(rng, 1e-3, _ROOM)
+        for c in thresholds:
+            numbers[c.name] = min(numbers[c.name] * factor, 0.99 * c.high)
+    return numbers
+
+
+def _drawn(rng: Random, low: float, high: float) -> float:
+    """Draw a number, on a logarithmic scale where the range spans a factor of 100."""
+    return _log(rng, low, high) if 0 < 100 * low <= high else float(rng.uniform(low, high))
 
 
 def _wave_speed(snow: dict[str, Any]) -> float:

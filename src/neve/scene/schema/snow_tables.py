@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from neve.scene.schema.snow import Snow, used
-from neve.scene.schema.snows import SNOWS, Tag
+from neve.scene.schema.material import Snow, used
+from neve.scene.schema.snow_kinds import SNOWS, Tag
 
 MEANING: dict[Tag, str] = {
     "quoted": "read in public code that quotes the paper, which itself was not at hand",

@@ -1,4 +1,4 @@
-"""The command `neve stress`: run the campaign and tell its outcomes as they come."""
+"""The command `neve fuzz`: run the campaign and tell its outcomes as they come."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import sys
 import warnings
 from dataclasses import asdict
 
+from neve.fuzz.campaign import MOST_GAIN, MOST_SURGE, Outcome, endure
 from neve.scene.errors import SceneWarning
-from neve.stress.campaign import MOST_GAIN, MOST_SURGE, Outcome, endure
 
 
 def run(
@@ -43,7 +43,7 @@ def run(
             f"{100 * surge:.2g} % of what moved between two looks (allowed {100 * MOST_SURGE:g} %)"
         )
         for outcome in bad:
-            print(f"scene {outcome.number} did not hold: neve stress --seed {seed} --only {outcome.number}")
+            print(f"scene {outcome.number} did not hold: neve fuzz --seed {seed} --only {outcome.number}")
     return not bad
 
 

@@ -1,18 +1,19 @@
-"""Twenty scenes of the stress campaign: no crash, nothing lost, mass exact, no energy from nowhere."""
+"""Twenty random scenes: no crash, nothing lost, mass exact, no energy from nowhere."""
 
 import numpy as np
 import pytest
 from verification.scenes import ball, scene, simulate
 
-from neve.stress import draw, endure
-from neve.stress.campaign import Budget, _fault, _mass_by_id
-from neve.stress.draw import SITUATIONS
+from neve.fuzz import draw, endure
+from neve.fuzz.campaign import Budget, _fault, _mass_by_id
+from neve.fuzz.draw import SITUATIONS
+from neve.scene.schema.choices import LAWS, SPLINES, TRANSFERS
 
 
 @pytest.mark.filterwarnings("ignore::neve.scene.errors.SceneWarning")
 @pytest.mark.parametrize("number", range(20))
 def test_scene_holds(number):
-    """`neve stress --only NUMBER` holds; the whole campaign of 200 is a command (docs/validation.md)."""
+    """`neve fuzz --only NUMBER` holds; the whole campaign of 200 is a command (docs/validation.md)."""
     outcome = endure(0, number, threads=1)
     assert outcome.fault == ""
     assert outcome.steps > 0
@@ -25,9 +26,9 @@ def test_campaign_is_seeded_and_wide():
     assert scenes[3] != draw(8, 3)
     assert {name for _, name in scenes} == set(SITUATIONS)
     for seen, count in (
-        ({s.snow.law for s, _ in scenes}, 5),
-        ({s.numerics.transfer for s, _ in scenes}, 5),
-        ({s.numerics.spline for s, _ in scenes}, 2),
+        ({s.snow.law for s, _ in scenes}, len(LAWS)),
+        ({s.numerics.transfer for s, _ in scenes}, len(TRANSFERS)),
+        ({s.numerics.spline for s, _ in scenes}, len(SPLINES)),
         ({s.numerics.precision for s, _ in scenes}, 2),
     ):
         assert len(seen) == count
