@@ -13,7 +13,7 @@
 
 #include "constitutive/laws.hpp"
 #include "math/bspline.hpp"
-#include "mpm/transfer/transfers.hpp"
+#include "transfer/transfers.hpp"
 
 namespace neve::bind {
 

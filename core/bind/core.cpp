@@ -3,7 +3,8 @@
 #include <nanobind/stl/array.h>
 
 #include "bind/choices.hpp"
-#include "mpm/particles.hpp"
+#include "cpu/passes/totals.hpp"
+#include "mpm/report.hpp"
 
 namespace nb = nanobind;
 

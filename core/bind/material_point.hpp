@@ -9,8 +9,8 @@
 
 #include "bind/arrays.hpp"
 #include "bind/snow.hpp"
+#include "cpu/material.hpp"
 #include "math/bspline.hpp"
-#include "mpm/material.hpp"
 
 namespace neve::bind {
 

@@ -7,9 +7,14 @@
 #include "bind/material_point.hpp"
 #include "bind/snow.hpp"
 #include "bind/solids.hpp"
-#include "grid/sort.hpp"
-#include "mpm/p2g.hpp"
-#include "mpm/particles.hpp"
+#include "cpu/g2p.hpp"
+#include "cpu/grid/sort.hpp"
+#include "cpu/grid_update.hpp"
+#include "cpu/p2g.hpp"
+#include "cpu/passes/first_not_finite.hpp"
+#include "cpu/passes/refresh.hpp"
+#include "cpu/passes/totals.hpp"
+#include "cpu/passes/volumes.hpp"
 
 namespace neve::bind {
 

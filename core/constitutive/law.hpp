@@ -23,7 +23,7 @@
 // J_E J_P. To add a law: one header here and its line in laws.hpp.
 #pragma once
 
-#include "list.hpp"
+#include "math/list.hpp"
 #include "math/svd3.hpp"
 
 namespace neve {

@@ -1,7 +1,7 @@
 // B-spline shape functions in units of cells: weights and their derivatives (Steffen et al. 2008; docs/theory.md).
 #pragma once
 
-#include "list.hpp"
+#include "math/list.hpp"
 #include "math/real.hpp"
 
 namespace neve {

@@ -1,9 +1,7 @@
 // What the passes over nodes and particles report: the rates that limit the next time step, and whether all is well.
 #pragma once
 
-#include <algorithm>
-#include <cstdint>
-#include <limits>
+#include "math/compare.hpp"
 
 namespace neve {
 
@@ -33,16 +31,16 @@ struct Report {
   }
 
   void merge(const Report& o) {
-    wave = std::max(wave, o.wave);
-    speed = std::max(speed, o.speed);
-    fastest = std::max(fastest, o.fastest);
-    strain_rate = std::max(strain_rate, o.strain_rate);
-    compression_rate = std::max(compression_rate, o.compression_rate);
-    max_displacement = std::max(max_displacement, o.max_displacement);
-    min_volume_ratio = std::min(min_volume_ratio, o.min_volume_ratio);
+    wave = max(o.wave, wave);
+    speed = max(o.speed, speed);
+    fastest = max(o.fastest, fastest);
+    strain_rate = max(o.strain_rate, strain_rate);
+    compression_rate = max(o.compression_rate, compression_rate);
+    max_displacement = max(o.max_displacement, max_displacement);
+    min_volume_ratio = min(o.min_volume_ratio, min_volume_ratio);
     finite = finite && o.finite;
     drifted = drifted || o.drifted;
-    offending_id = std::min(offending_id, o.offending_id);
+    offending_id = min(o.offending_id, offending_id);
   }
 };
 
@@ -56,9 +54,9 @@ struct GridReport {
   bool finite = true;  // every node has a finite velocity
 
   void merge(const GridReport& o) {
-    speed = std::max(speed, o.speed);
-    max_velocity_difference = std::max(max_velocity_difference, o.max_velocity_difference);
-    max_velocity_change = std::max(max_velocity_change, o.max_velocity_change);
+    speed = max(o.speed, speed);
+    max_velocity_difference = max(o.max_velocity_difference, max_velocity_difference);
+    max_velocity_change = max(o.max_velocity_change, max_velocity_change);
     finite = finite && o.finite;
   }
 };

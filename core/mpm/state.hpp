@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <new>
-#include <stdexcept>
-
-#include "math/mat3.hpp"
 
 namespace neve {
 
@@ -126,38 +124,5 @@ struct State {
     f(x), f(v), f(C), f(modes), f(F_E), f(tau), f(J_P), f(m), f(V0), f(stiffness), f(strength);
   }
 };
-
-// ---- lanes of a field ----
-
-template <class R>
-NEVE_INLINE Vec3<R> load_vector(const Columns<scalar_t<R>>& f, std::size_t p, int count, int first = 0) {
-  return {load<R>(f.column(first) + p, count), load<R>(f.column(first + 1) + p, count),
-          load<R>(f.column(first + 2) + p, count)};
-}
-template <class R>
-NEVE_INLINE void store_vector(Columns<scalar_t<R>>& f, std::size_t p, const Vec3<R>& a, int count,
-                              int first = 0) {
-  for (int k = 0; k < 3; ++k) store(f.column(first + k) + p, a[k], count);
-}
-template <class R>
-NEVE_INLINE Mat3<R> load_matrix(const Field<scalar_t<R>, 9>& f, std::size_t p, int count) {
-  Mat3<R> a;
-  for (int k = 0; k < 9; ++k) a(k % 3, k / 3) = load<R>(f.column(k) + p, count);
-  return a;
-}
-template <class R>
-NEVE_INLINE void store_matrix(Field<scalar_t<R>, 9>& f, std::size_t p, const Mat3<R>& a, int count) {
-  for (int k = 0; k < 9; ++k) store(f.column(k) + p, a(k % 3, k / 3), count);
-}
-template <class R>
-NEVE_INLINE Sym3<R> load_symmetric(const Field<scalar_t<R>, 6>& f, std::size_t p, int count) {
-  return {load<R>(f.column(0) + p, count), load<R>(f.column(1) + p, count), load<R>(f.column(2) + p, count),
-          load<R>(f.column(3) + p, count), load<R>(f.column(4) + p, count), load<R>(f.column(5) + p, count)};
-}
-template <class R>
-NEVE_INLINE void store_symmetric(Field<scalar_t<R>, 6>& f, std::size_t p, const Sym3<R>& a, int count) {
-  const R* entry[6] = {&a.xx, &a.yy, &a.zz, &a.xy, &a.xz, &a.yz};
-  for (int k = 0; k < 6; ++k) store(f.column(k) + p, *entry[k], count);
-}
 
 }  // namespace neve

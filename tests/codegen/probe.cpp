@@ -1,8 +1,10 @@
 // The hot loops of the step, each as a function of its own, so that test_codegen.py can look at their instructions.
 #include <tuple>
 
-#include "mpm/g2p.hpp"
-#include "mpm/p2g.hpp"
+#include "cpu/block_update.hpp"
+#include "cpu/g2p.hpp"
+#include "cpu/p2g.hpp"
+#include "transfer/weights.hpp"
 
 namespace neve::probe {
 

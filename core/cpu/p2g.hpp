@@ -1,8 +1,10 @@
-// Particles to grid: mass, momentum and force (Stomakhin et al. 2013, section 4.1, steps 1 and 3).
+// Particles to grid: the driver of mass, momentum and force (Stomakhin et al. 2013, section 4.1, steps 1 and 3).
 #pragma once
 
-#include "mpm/stencil.hpp"
-#include "mpm/transfer/weights.hpp"
+#include "cpu/fields.hpp"
+#include "cpu/grid/scatter.hpp"
+#include "mpm/model.hpp"
+#include "mpm/particle_update.hpp"
 #include "threads.hpp"
 
 namespace neve {
@@ -22,76 +24,79 @@ struct Carried {
   }
 };
 
-template <class T, class S, int Q, int Modes>
-NEVE_INLINE void scatter_affine(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c, int count,
-                                Scatter<T, S>& to) {
+template <class T, class Spline, int Q, int Modes>
+NEVE_INLINE void scatter_affine(const Stencils<T, Spline, Q>& st, const Carried<T, Modes>& c, int count,
+                                Scatter<T, Spline>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, row_of_quad(c.mode[0] + 4 * l), row_of_quad(c.mode[1] + 4 * l),
            row_of_quad(c.mode[2] + 4 * l), row_of_quad(c.mode[3] + 4 * l));
   }
 }
-template <class T, class S, int Q, int Modes>
-NEVE_INLINE void scatter_plain(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c, int count,
-                               Scatter<T, S>& to) {
+template <class T, class Spline, int Q, int Modes>
+NEVE_INLINE void scatter_plain(const Stencils<T, Spline, Q>& st, const Carried<T, Modes>& c, int count,
+                               Scatter<T, Spline>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, row_of_quad(c.mode[0] + 4 * l));
   }
 }
-template <class T, class S, int Q, int Modes>
-NEVE_INLINE void scatter_matrix(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c, int count,
-                                Scatter<T, S>& to) {
+template <class T, class Spline, int Q, int Modes>
+NEVE_INLINE void scatter_matrix(const Stencils<T, Spline, Q>& st, const Carried<T, Modes>& c, int count,
+                                Scatter<T, Spline>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, Row<T>{}, row_of_quad(c.mode[1] + 4 * l), row_of_quad(c.mode[2] + 4 * l),
            row_of_quad(c.mode[3] + 4 * l));
   }
 }
-template <class T, class S, int Q, int Modes>
-NEVE_INLINE void scatter_modes(const Stencils<T, S, Q>& st, const Carried<T, Modes>& c, int count,
-                               Scatter<T, S>& to) {
+template <class T, class Spline, int Q, int Modes>
+NEVE_INLINE void scatter_modes(const Stencils<T, Spline, Q>& st, const Carried<T, Modes>& c, int count,
+                               Scatter<T, Spline>& to) {
   for (int l = 0; l < count; ++l) {
     to.move_to(st.cell[l]);
     to.add(st, l, c.mode);
   }
 }
 
-template <class T, class S, class X>
+template <class T, class Spline, class Transfer>
 void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const Home& home, double dt) {
   using R = Lanes<T>;
   Tile<T> tile, force;
   tile.clear();
-  if constexpr (X::has_change) force.clear();
-  const auto frame = TileFrame<T>::template of<S>(model.dx, home.at);
-  Scatter<T, S> to(tile), to_force(force);
-  Stencils<T, S, X::To::count> st;
-  Carried<T, X::modes> carried;
+  if constexpr (Transfer::has_change) force.clear();
+  const auto step = StepConstants<T>::template of<Spline>(model.dx, dt, model.alpha(dt));
+  const auto frame = TileFrame<T>::template of<Spline>(model.dx, home.at);
+  Scatter<T, Spline> to(tile), to_force(force);
+  Stencils<T, Spline, Transfer::ScatterWeights::count> st;
+  Carried<T, Transfer::modes> carried;
   for (std::uint32_t done = 0; done < home.count; done += width<R>) {
     const std::size_t p = home.begin + done;
     const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
-    st.template fill<typename X::To>(frame, load_vector<R>(state.x, p, count));
+    st.template fill<typename Transfer::ScatterWeights>(frame, load_vector<R>(state.x, p, count));
     const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
-    carried.set(0, load_vector<R>(state.v, p, count) * m, m);
-    if constexpr (X::has_matrix)
-      carried.set_matrix(X::template matrix<S, R>(state, p, count, model.dx, dt, m, V0));
-    if constexpr (X::modes > 4) {
-      for (int k = 4; k < X::modes; ++k)
+    const Contribution<R> given =
+        contribution<Transfer>(load_vector<R>(state.v, p, count), m, load_matrix<R>(state.C, p, count),
+                               load_symmetric<R>(state.tau, p, count), V0, step);
+    carried.set(0, given.momentum, given.mass);
+    if constexpr (Transfer::has_matrix) carried.set_matrix(given.A);
+    if constexpr (Transfer::modes > 4) {
+      for (int k = 4; k < Transfer::modes; ++k)
         carried.set(k, load_vector<R>(state.modes, p, count, 3 * (k - 4)) * m, splat<R>(0));
       scatter_modes(st, carried, count, to);
-    } else if constexpr (X::has_matrix) {
+    } else if constexpr (Transfer::has_matrix) {
       scatter_affine(st, carried, count, to);
     } else {
       scatter_plain(st, carried, count, to);
     }
-    if constexpr (X::has_change) {
-      carried.set_matrix(X::template force<S, R>(state, p, count, model.dx, V0));
+    if constexpr (Transfer::has_change) {
+      carried.set_matrix(Transfer::force(load_symmetric<R>(state.tau, p, count), V0, step.cells));
       scatter_matrix(st, carried, count, to_force);
     }
   }
   to.flush();
   tile.add_to(grid, home, &Grid<T>::node);
-  if constexpr (X::has_change) {
+  if constexpr (Transfer::has_change) {
     to_force.flush();
     force.add_to(grid, home, &Grid<T>::node_change);
   }
@@ -101,7 +106,7 @@ void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const
 
 // Fill the grid from the particles. Eight passes, one per colour of home: within a pass no two tiles share a node,
 // and the order in which a node receives its sums is that of the colours, whatever the threads do.
-template <class T, class S, class X>
+template <class T, class Spline, class Transfer>
 void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {
 #if defined(_OPENMP)
 #pragma omp parallel
@@ -113,7 +118,7 @@ void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt)
 #endif
     for (std::int64_t b = 0; b < blocks; ++b) {
       std::memset(grid.node(static_cast<std::int32_t>(b)), 0, block_values * sizeof(T));
-      if constexpr (X::has_change) {
+      if constexpr (Transfer::has_change) {
         std::memset(grid.node_change(static_cast<std::int32_t>(b)), 0, block_values * sizeof(T));
       }
     }
@@ -124,7 +129,7 @@ void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt)
 #endif
       for (std::int64_t k = 0; k < homes; ++k) {
         const auto h = static_cast<std::size_t>(colour[static_cast<std::size_t>(k)]);
-        detail::p2g_home<T, S, X>(model, state, grid, grid.homes[h], dt);
+        detail::p2g_home<T, Spline, Transfer>(model, state, grid, grid.homes[h], dt);
       }
     }
   }

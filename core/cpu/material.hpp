@@ -2,8 +2,8 @@
 #pragma once
 
 #include "constitutive/laws.hpp"
+#include "cpu/fields.hpp"
 #include "mpm/model.hpp"
-#include "mpm/state.hpp"
 
 namespace neve {
 

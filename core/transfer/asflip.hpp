@@ -6,8 +6,8 @@
 //   gamma = 1 if det F_E of the trial state >= exp(-0.001) and no solid holds the particle, else 0
 #pragma once
 
-#include "mpm/transfer/apic.hpp"
-#include "mpm/transfer/flip.hpp"
+#include "transfer/apic.hpp"
+#include "transfer/flip.hpp"
 
 namespace neve {
 
@@ -23,44 +23,38 @@ struct Asflip {
   static constexpr bool has_bounded_energy = false;  // no step gives the particles more than the grid had
   static constexpr bool has_change = true;
   static constexpr bool has_matrix = true;
-  static constexpr bool has_path = true;
+  static constexpr bool separate_position_velocity = true;
   static constexpr int modes = 4;
-  using To = AffineWeights;
-  using From = AffineWeights;
+  using ScatterWeights = AffineWeights;
+  using GatherWeights = AffineWeights;
 
-  template <class S, class R>
-  NEVE_INLINE static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
-                                    double, R m, R) {
-    return scaled(load_matrix<R>(state.C, p, count), m * scalar_t<R>(dx));
+  template <class R>
+  NEVE_INLINE static Mat3<R> matrix(const Mat3<R>& C, const Sym3<R>&, R m, R, scalar_t<R>,
+                                    const CellScales<scalar_t<R>>& cells) {
+    return scaled(C, m * cells.dx);
   }
 
-  template <class S, class R>
-  NEVE_INLINE static Mat3<R> force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
-                                   R V0) {
-    return mls_force<S>(state, p, count, dx, V0);
+  template <class R>
+  NEVE_INLINE static Mat3<R> force(const Sym3<R>& tau, R V0, const CellScales<scalar_t<R>>& cells) {
+    return mls_force(tau, V0, cells);
   }
 
-  template <class S, class R>
-  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
-    return Apic::velocity_gradient<S>(G, dx);
+  template <class R>
+  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, const CellScales<scalar_t<R>>& cells) {
+    return Apic::velocity_gradient(G, cells);
   }
 
   template <class R>
   NEVE_INLINE static Vec3<R> velocity(const Vec3<R>& v, const Vec3<R>& pic, const Vec3<R>& change,
-                                      double alpha) {
-    return Flip::velocity(v, pic, change, alpha);
+                                      const FlipBlend<scalar_t<R>>& blend) {
+    return Flip::velocity(v, pic, change, blend);
   }
 
   // The velocity that positions follow.
   template <class R, class M>
-  NEVE_INLINE static Vec3<R> path(const Vec3<R>& v, const Vec3<R>& pic, R J_trial, M held) {
+  NEVE_INLINE static Vec3<R> position_velocity(const Vec3<R>& v, const Vec3<R>& pic, R J_trial, M held) {
     constexpr double apart = 0.99900049983337499;  // exp(-0.001)
-    return select((J_trial >= scalar_t<R>(apart)) & ~held, v, pic);
-  }
-
-  template <class R>
-  NEVE_INLINE static void keep(State<scalar_t<R>>& state, std::size_t p, int count, const Mat3<R>& C) {
-    store_matrix(state.C, p, C, count);
+    return select((J_trial >= scalar_t<R>(apart)) & negated(held), v, pic);
   }
 };
 

@@ -2,8 +2,8 @@
 // choice. f is the fraction of the particle's place between the stencil's first node and the next, in cells.
 #pragma once
 
-#include "mpm/model.hpp"
-#include "mpm/state.hpp"
+#include "math/mat3.hpp"
+#include "transfer/scales.hpp"
 
 namespace neve {
 
@@ -91,16 +91,15 @@ struct QuadraticDuals {
 };
 
 // The MLS force -V0 D^-1 tau (Hu et al. 2018), per cell: the matrix that multiplies w (x_i - x_p) / dx.
-template <class S, class R>
-NEVE_INLINE Mat3<R> mls_force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx, R V0) {
-  return scaled(full(load_symmetric<R>(state.tau, p, count)), V0 * scalar_t<R>(-S::inverse_inertia / dx));
+template <class R>
+NEVE_INLINE Mat3<R> mls_force(const Sym3<R>& tau, R V0, const CellScales<scalar_t<R>>& cells) {
+  return scaled(full(tau), V0 * -cells.affine);
 }
 
 // The classic force -V0 tau, per cell: the matrix that multiplies dx grad w.
 template <class R>
-NEVE_INLINE Mat3<R> gradient_force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
-                                   R V0) {
-  return scaled(full(load_symmetric<R>(state.tau, p, count)), V0 * scalar_t<R>(-1 / dx));
+NEVE_INLINE Mat3<R> gradient_force(const Sym3<R>& tau, R V0, const CellScales<scalar_t<R>>& cells) {
+  return scaled(full(tau), V0 * -cells.gradient);
 }
 
 }  // namespace neve

@@ -1,33 +1,16 @@
-// Grid: velocities, gravity, forces, and collisions (Stomakhin et al. 2013, section 4.1, steps 4 to 6, explicit).
+// Grid: the driver of velocities, gravity, forces and collisions in one block of nodes (Stomakhin et al. 2013, section
+// 4.1, steps 4 to 6, explicit). What happens to a node is in mpm/node_update.hpp and coupling/.
 #pragma once
 
 #include <limits>
 
 #include "coupling/body_solver.hpp"
-#include "mpm/model.hpp"
-#include "mpm/report.hpp"
-#include "mpm/stencil.hpp"
-#include "threads.hpp"
+#include "cpu/grid/grid.hpp"
+#include "cpu/near.hpp"
+#include "math/rows.hpp"
+#include "mpm/node_update.hpp"
 
-namespace neve {
-
-namespace detail {
-
-// The solids whose surface may lie within `reach` of the point.
-template <class T>
-std::vector<Solid<T>> solids_near(const std::vector<Solid<T>>& solids, const Vec3<T>& x, T reach) {
-  std::vector<Solid<T>> near;
-  for (const Solid<T>& solid : solids) {
-    if (is_near(solid, x, reach)) near.push_back(solid);
-  }
-  return near;
-}
-
-template <class T>
-Vec3<T> node_position(const Model<T>& model, BlockCoord at, int i, int j, int k) {
-  const auto dx = static_cast<T>(model.dx);
-  return {T(4 * at.x + i) * dx, T(4 * at.y + j) * dx, T(4 * at.z + k) * dx};
-}
+namespace neve::detail {
 
 template <class T>
 struct BlockUpdate {
@@ -41,20 +24,20 @@ struct BlockUpdate {
     gravity_step = row_of_quad(quad);
   }
 
-  // One row of four nodes: v_n = (m v) / m, v = v_n + dt f / m + dt g. Nodes without mass stay zero; so do those whose
-  // mass is denormal (their weight is below 1e-30), since 1 / m would overflow.
+  // A row of four nodes: momenta become velocities at the end of the step, forces their changes. Nodes without a velocity
+  // stay zero.
   void row(T* node, T* change) const {
     const Row<T> a = load_row<T>(node);
     const Row<T> m = last_of_quads<T>(a);
-    const auto full = m >= std::numeric_limits<T>::min() * T(4);
-    const Row<T> inv = T(1) / select(full, m, splat<Row<T>>(1));
+    const auto full = has_velocity(m);
+    const Row<T> inverse_m = inverse_mass(m);
     const Row<T> mass = mass_only(m);
     Row<T> step = gravity_step;
     if (has_change) {
-      step += load_row<T>(change) * inv * dt;
+      step = velocity_change(gravity_step, load_row<T>(change), inverse_m, dt);
       store_row<T>(change, select(full, step, Row<T>{}));
     }
-    store_row<T>(node, select(full, select(is_mass(), mass, a * inv + step), Row<T>{}));
+    store_row<T>(node, select(full, select(is_mass(), mass, node_velocity(a, inverse_m, step)), Row<T>{}));
   }
 
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
@@ -151,11 +134,8 @@ struct BlockUpdate {
   T skin() const { return T(skin_cells * model.dx); }
 
   std::vector<Solid<T>> solids_near_block(const Grid<T>& grid, std::int32_t b) const {
-    const auto dx = static_cast<T>(model.dx);
-    const Vec3<T> corner = node_position(model, coord(grid, b), 0, 0, 0),
-                  half{T(1.5) * dx, T(1.5) * dx, T(1.5) * dx};
-    return solids_near(model.solids, corner + half,
-                       T(3.2) * dx);  // half a block's diagonal, and the widest margin
+    return solids_near_nodes(model, coord(grid, b), 1.5,
+                             3.2);  // half a block's diagonal, and the widest margin
   }
 
   void bound_velocities(Grid<T>& grid, std::int32_t b) const {
@@ -191,70 +171,4 @@ struct BlockUpdate {
   static Row<T> mass_only(Row<T> m) { return select(is_mass(), m, Row<T>{}); }
 };
 
-// Let the snow of the waiting blocks and the bodies find their common velocities.
-template <class T>
-void solve_bodies(Model<T>& model, Grid<T>& grid, const BlockUpdate<T>& update,
-                  const std::vector<char>& waits, double dt) {
-  std::size_t count = 0;
-  for (std::size_t b = 0; b < waits.size(); ++b) {
-    if (!waits[b]) continue;
-    if (grid.contacts.size() == count) grid.contacts.emplace_back();
-    grid.contacts[count++].clear(static_cast<std::int32_t>(b));
-  }
-  each_index(count, [&](std::size_t k) { update.find_contacts(grid, grid.contacts[k]); });
-  const std::vector<Twist> U = BodyVelocitySolver(model.bodies, dt).solve(grid.contacts, count);
-  each_index(count, [&](std::size_t k) { update.apply(grid, grid.contacts[k], U); });
-  for (std::size_t i = 0; i < U.size(); ++i) {
-    Solid<T>& solid = model.solids[static_cast<std::size_t>(model.bodies.solids[i])];
-    solid.velocity = linear<T>(U[i]);
-    solid.omega = angular<T>(U[i]);
-  }
-}
-
-// The differences of velocity that a home's particles can see.
-template <class T>
-GridReport grid_report_of(const Grid<T>& grid, const Home& home) {
-  constexpr T far = std::numeric_limits<T>::max();
-  Vec3<T> low{far, far, far}, high{-far, -far, -far};
-  GridReport out;
-  for (std::int32_t b : home.nodes) {
-    const BlockBounds<T>& bounds = grid.bounds[static_cast<std::size_t>(b)];
-    for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], bounds.low[k]);
-      high[k] = std::max(high[k], bounds.high[k]);
-    }
-    out.max_velocity_change =
-        std::max(out.max_velocity_change, std::sqrt(3.0) * static_cast<double>(bounds.change));
-    out.finite = out.finite && bounds.finite;
-  }
-  double difference2 = 0, speed2 = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double l = low[k], h = high[k];
-    difference2 += (h - l) * (h - l);
-    speed2 += std::max(l * l, h * h);
-  }
-  out.max_velocity_difference = std::sqrt(difference2);
-  out.speed = std::sqrt(speed2);
-  return out;
-}
-
-}  // namespace detail
-
-// Turn momenta into velocities at the end of the step, and look at what they would do to the particles. Bodies
-// get the velocities that they will have then.
-template <class T>
-GridReport grid_update(Model<T>& model, Grid<T>& grid, double dt) {
-  const detail::BlockUpdate<T> update(model, dt, grid.has_change);
-  const auto blocks = static_cast<std::int64_t>(grid.blocks.size());
-  std::vector<char> waits(grid.blocks.size());
-#if defined(_OPENMP)
-#pragma omp parallel for schedule(dynamic, 8)
-#endif
-  for (std::int64_t b = 0; b < blocks; ++b)
-    waits[static_cast<std::size_t>(b)] = update.block(grid, static_cast<std::int32_t>(b));
-  if (!model.bodies.solids.empty()) detail::solve_bodies(model, grid, update, waits, dt);
-  return merge_each<GridReport>(grid.homes.size(),
-                                [&](std::size_t h) { return detail::grid_report_of(grid, grid.homes[h]); });
-}
-
-}  // namespace neve
+}  // namespace neve::detail

@@ -6,11 +6,9 @@
 //   c_pr = sum_i w_ip s_r v_i / sum_i w_ip s_r^2
 #pragma once
 
-#include <type_traits>
-
-#include "mpm/modes.hpp"
-#include "mpm/transfer/apic.hpp"
-#include "mpm/transfer/pic.hpp"
+#include "transfer/apic.hpp"
+#include "transfer/modes.hpp"
+#include "transfer/pic.hpp"
 
 namespace neve {
 
@@ -19,16 +17,35 @@ struct Polypic : Apic {
   static constexpr int modes = Q * Q * Q;
   static constexpr bool squares = Q > 2;
   static constexpr auto& order = modes_of<Q>;
-  using To = std::conditional_t<Q == 2, AffineWeights, QuadraticWeights>;
-  using From = std::conditional_t<Q == 2, AffineWeights, QuadraticDuals>;
+  using ScatterWeights = std::conditional_t<Q == 2, AffineWeights, QuadraticWeights>;
+  using GatherWeights = std::conditional_t<Q == 2, AffineWeights, QuadraticDuals>;
 
   // What turns the gathered sum of mode n into its coefficient: 1 / sum w z^2 for each degree 1.
   template <class S>
   static constexpr double scale(int n) {
     double scale = 1;
-    for (int degree : order[static_cast<std::size_t>(n)].degree)
-      scale *= degree == 1 ? S::inverse_inertia : 1;
+    for (int degree : order[n].degree) scale *= degree == 1 ? S::inverse_inertia : 1;
     return scale;
+  }
+
+  // The coefficient of a mode beyond v and C from its gathered sum; `kept` of each axis by kept().
+  template <class S, class R>
+  NEVE_INLINE static Vec3<R> coefficient(int n, const Vec3<R>& sum, const Vec3<R>& kept) {
+    Vec3<R> c = sum * scalar_t<R>(scale<S>(n));
+    if constexpr (squares) {
+      for (int a = 0; a < 3; ++a) {
+        if (order[n].degree[a] == 2) c = c * kept[a];
+      }
+    }
+    return c;
+  }
+
+  // What is kept of an axis' square modes when the particle moves from one fraction of a cell to another. On its way it
+  // takes them to where they weigh more or less: where more, they are scaled down, so that moving never adds energy.
+  template <class S, class R>
+  NEVE_INLINE static R kept(R from, R to) {
+    const R before = square_norm<S>(from), after = square_norm<S>(to);
+    return select(after > before, sqrt(before / select(after > R{}, after, splat<R>(1))), splat<R>(1));
   }
 };
 

@@ -3,7 +3,7 @@
 
 #include "math/bspline.hpp"
 #include "mpm/model.hpp"
-#include "mpm/transfer/transfers.hpp"
+#include "transfer/transfers.hpp"
 
 namespace neve {
 

@@ -1,11 +1,11 @@
 // The transfers that a scene can choose. All that names them follows from this list.
 #pragma once
 
-#include "mpm/transfer/apic.hpp"
-#include "mpm/transfer/asflip.hpp"
-#include "mpm/transfer/flip.hpp"
-#include "mpm/transfer/pic.hpp"
-#include "mpm/transfer/polypic.hpp"
+#include "transfer/apic.hpp"
+#include "transfer/asflip.hpp"
+#include "transfer/flip.hpp"
+#include "transfer/pic.hpp"
+#include "transfer/polypic.hpp"
 
 namespace neve {
 

@@ -4,7 +4,7 @@
 //   (m v)_i = sum_p w_ip m_p v_p - dt sum_p V0_p tau_p grad w_ip,   v_p = sum_i w_ip v_i,   grad v_p = sum_i v_i grad w_ip^T
 #pragma once
 
-#include "mpm/transfer/weights.hpp"
+#include "transfer/weights.hpp"
 
 namespace neve {
 
@@ -16,29 +16,27 @@ struct Pic {
   static constexpr bool has_bounded_energy = true;  // no step gives the particles more than the grid had
   static constexpr bool has_change = false;
   static constexpr bool has_matrix = true;
-  static constexpr bool has_path = false;
+  static constexpr bool separate_position_velocity = false;
   static constexpr int modes = 4;
-  using To = GradientWeights;
-  using From = GradientWeights;
+  using ScatterWeights = GradientWeights;
+  using GatherWeights = GradientWeights;
 
-  template <class S, class R>
-  NEVE_INLINE static Mat3<R> matrix(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
-                                    double dt, R, R V0) {
-    return gradient_force(state, p, count, dx, V0 * scalar_t<R>(dt));
-  }
-
-  template <class S, class R>
-  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
-    return scaled(G, scalar_t<R>(1 / dx));
+  template <class R>
+  NEVE_INLINE static Mat3<R> matrix(const Mat3<R>&, const Sym3<R>& tau, R, R V0, scalar_t<R> dt,
+                                    const CellScales<scalar_t<R>>& cells) {
+    return gradient_force(tau, V0 * dt, cells);
   }
 
   template <class R>
-  NEVE_INLINE static Vec3<R> velocity(const Vec3<R>&, const Vec3<R>& pic, const Vec3<R>&, double) {
+  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, const CellScales<scalar_t<R>>& cells) {
+    return scaled(G, cells.gradient);
+  }
+
+  template <class R>
+  NEVE_INLINE static Vec3<R> velocity(const Vec3<R>&, const Vec3<R>& pic, const Vec3<R>&,
+                                      const FlipBlend<scalar_t<R>>&) {
     return pic;
   }
-
-  template <class R>
-  NEVE_INLINE static void keep(State<scalar_t<R>>&, std::size_t, int, const Mat3<R>&) {}
 };
 
 }  // namespace neve

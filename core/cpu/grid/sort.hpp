@@ -8,8 +8,8 @@
 #include <cmath>
 #include <string>
 
-#include "grid/blocks.hpp"
-#include "mpm/choices.hpp"
+#include "cpu/dispatch.hpp"
+#include "cpu/grid/grid.hpp"
 #include "threads.hpp"
 
 namespace neve {

@@ -6,7 +6,7 @@
 // Force and momentum stay apart on the grid, so that no force means a change of exactly zero.
 #pragma once
 
-#include "mpm/transfer/weights.hpp"
+#include "transfer/weights.hpp"
 
 namespace neve {
 
@@ -19,33 +19,28 @@ struct Flip {
   static constexpr bool has_bounded_energy = true;  // no step gives the particles more than the grid had
   static constexpr bool has_change = true;
   static constexpr bool has_matrix = false;
-  static constexpr bool has_path = false;
+  static constexpr bool separate_position_velocity = false;
   static constexpr int modes = 4;
-  using To = GradientWeights;
-  using From = GradientWeights;
+  using ScatterWeights = GradientWeights;
+  using GatherWeights = GradientWeights;
 
   // The matrix of the force, per cell.
-  template <class S, class R>
-  NEVE_INLINE static Mat3<R> force(const State<scalar_t<R>>& state, std::size_t p, int count, double dx,
-                                   R V0) {
-    return gradient_force(state, p, count, dx, V0);
+  template <class R>
+  NEVE_INLINE static Mat3<R> force(const Sym3<R>& tau, R V0, const CellScales<scalar_t<R>>& cells) {
+    return gradient_force(tau, V0, cells);
   }
 
-  template <class S, class R>
-  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, double dx) {
-    return scaled(G, scalar_t<R>(1 / dx));
+  template <class R>
+  NEVE_INLINE static Mat3<R> velocity_gradient(const Mat3<R>& G, const CellScales<scalar_t<R>>& cells) {
+    return scaled(G, cells.gradient);
   }
 
   template <class R>
   NEVE_INLINE static Vec3<R> velocity(const Vec3<R>& v, const Vec3<R>& pic, const Vec3<R>& change,
-                                      double alpha) {
-    using T = scalar_t<R>;
+                                      const FlipBlend<scalar_t<R>>& blend) {
     const Vec3<R> flip = v + change;
-    return pic * T(1 - alpha) + flip * T(alpha);
+    return pic * blend.pic + flip * blend.flip;
   }
-
-  template <class R>
-  NEVE_INLINE static void keep(State<scalar_t<R>>&, std::size_t, int, const Mat3<R>&) {}
 };
 
 }  // namespace neve

@@ -1,0 +1,184 @@
+// Grid to particles: the driver of steps 7 to 10 (Stomakhin et al. 2013, section 4.1) and of the stress for the next step.
+// What happens to a particle is mpm/particle_update.hpp; here packs of particles are gathered, loaded and stored.
+#pragma once
+
+#include "cpu/grid/gather.hpp"
+#include "cpu/material.hpp"
+#include "cpu/near.hpp"
+#include "mpm/particle_report.hpp"
+#include "threads.hpp"
+
+namespace neve {
+
+namespace detail {
+
+template <class T, class Spline, class Transfer>
+class HomeGather {
+  using R = Lanes<T>;
+  static constexpr int L = width<R>;
+
+ public:
+  HomeGather(const Model<T>& model, State<T>& state, Grid<T>& grid, std::size_t h, double dt, bool commit)
+      : model_(model),
+        state_(state),
+        home_(grid.homes[h]),
+        exchange_(commit ? &grid.particle_exchange[h] : nullptr),
+        step_(StepConstants<T>::template of<Spline>(model.dx, dt, model.alpha(dt))),
+        frame_(TileFrame<T>::template of<Spline>(model.dx, grid.homes[h].at)),
+        from_(tile_),
+        from_change_(change_) {
+    if (exchange_) exchange_->clear();
+    tile_.load_from(grid, home_, &Grid<T>::node);
+    if constexpr (Transfer::has_change) change_.load_from(grid, home_, &Grid<T>::node_change);
+    solids_ = solids_near_nodes(model, home_.at, 3.5, 7.1);
+  }
+
+  Report run() {
+    for (std::uint32_t done = 0; done < home_.count; done += L) {
+      const int count = std::min<int>(L, static_cast<int>(home_.count - done));
+      advance_pack(home_.begin + done, count);
+    }
+    Report r = extremes_.report();
+    r.drifted = drifted_;
+    r.offending_id = offending_id_;
+    return r;
+  }
+
+ private:
+  // The particles of a pack, as values.
+  struct Pack {
+    const State<T>& state;
+    std::size_t p;
+    int count;
+    Vec3<R> at;
+
+    const Vec3<R>& x() const { return at; }
+    Vec3<R> v() const { return load_vector<R>(state.v, p, count); }
+    Mat3<R> F_E() const { return load_matrix<R>(state.F_E, p, count); }
+    R J_P() const { return load<R>(state.J_P.column(0) + p, count); }
+    R m() const { return load<R>(state.m.column(0) + p, count); }
+    R V0() const { return load<R>(state.V0.column(0) + p, count); }
+  };
+
+  void advance_pack(std::size_t p, int count) {
+    const Pack pack{state_, p, count, load_vector<R>(state_.x, p, count)};
+    stencils_.template fill<typename Transfer::GatherWeights>(frame_, pack.at);
+    gather(count);
+    const Advanced<R> now = advance<Transfer>(
+        pack, gathered(), step_, solids_,
+        [&](const Mat3<R>& F_trial, const R& J_P)
+            NEVE_INLINE_LAMBDA { return return_map(model_, state_, p, count, F_trial, J_P); },
+        [&](const auto& solid, const auto& met, const auto&... exchanged) {
+          if (exchange_) record(exchange_->of(solid.index), met, pack.m(), exchanged...);
+        });
+    check(pack, now);
+    if (exchange_) keep(p, count, now);
+  }
+
+  void gather(int count) {
+    for (int l = 0; l < count; ++l) {
+      if constexpr (Transfer::modes > 4) {
+        from_.modes(stencils_, l, sums_);
+      } else {
+        const Row<T> s = from_.sums(stencils_, l);
+        for (int k = 0; k < 4; ++k) store_quad<T>(sums_[k] + 4 * l, s, k);
+      }
+    }
+    if constexpr (Transfer::has_change) {
+      for (int l = 0; l < count; ++l)
+        store_quad<T>(sums_[Transfer::modes] + 4 * l, from_change_.sum(stencils_, l), 0);
+    }
+  }
+
+  Vec3<R> vector_sum(int n) const {
+    Vec3<R> a;
+    R unused;
+    load_quads(sums_[n], a.x, a.y, a.z, unused);
+    return a;
+  }
+  Gathered<R> gathered() const {
+    Gathered<R> g{vector_sum(0), {vector_sum(1), vector_sum(2), vector_sum(3)}};
+    if constexpr (Transfer::has_change) g.change = vector_sum(Transfer::modes);
+    return g;
+  }
+
+  // Store what a step has made of a pack.
+  void keep(std::size_t p, int count, const Advanced<R>& now) {
+    store_vector(state_.x, p, now.x, count);
+    store_vector(state_.v, p, now.v, count);
+    store_matrix(state_.F_E, p, now.material.F_E, count);
+    store(state_.J_P.column(0) + p, now.material.J_P, count);
+    store_symmetric(state_.tau, p, now.material.stress.tau, count);
+    if constexpr (Transfer::keeps_C) store_matrix(state_.C, p, now.grad_v, count);
+    if constexpr (Transfer::modes > 4) keep_modes(p, count, now.x - now.displacement, now.x);
+  }
+
+  // The further modes from their sums, as the particle takes them along.
+  void keep_modes(std::size_t p, int count, const Vec3<R>& from, const Vec3<R>& to) {
+    Vec3<R> kept;
+    if constexpr (Transfer::squares) {
+      for (int a = 0; a < 3; ++a)
+        kept[a] = Transfer::template kept<Spline>(fraction(from[a], a), fraction(to[a], a));
+    }
+    for (int n = 4; n < Transfer::modes; ++n) {
+      const Vec3<R> c = Transfer::template coefficient<Spline>(n, vector_sum(n), kept);
+      store_vector(state_.modes, p, c, count, 3 * (n - 4));
+    }
+  }
+  R fraction(R x, int axis) const {
+    const R u = frame_.local(x, axis);
+    return u - floor(u);
+  }
+
+  void check(const Pack& pack, const Advanced<R>& now) {
+    const auto here = first_lanes<R>(pack.count);
+    const R bad = extremes_.add_step(here, now, pack.m(), pack.V0(), step_);
+    if (any(bad > R{})) find_offender(pack, bad);
+    for (int a = 0; a < 3; ++a) {
+      const R u = frame_.local(now.x[a], a);
+      drifted_ = drifted_ || any(here & ((u < T(0)) | (u >= T(Spline::reach))));
+    }
+  }
+
+  void find_offender(const Pack& pack, R bad) {
+    for (int l = 0; l < pack.count; ++l) {
+      if (bad[l] > T(0))
+        offending_id_ = std::min(offending_id_, state_.id[pack.p + static_cast<std::size_t>(l)]);
+    }
+  }
+
+  const Model<T>& model_;
+  State<T>& state_;
+  const Home& home_;
+  ExchangeSum* exchange_;  // none: a trial, which moves nothing
+  StepConstants<T> step_;
+  TileFrame<T> frame_;
+  Tile<T> tile_, change_;
+  Gather<T, Spline> from_, from_change_;
+  std::vector<Solid<T>> solids_;
+  Stencils<T, Spline, Transfer::GatherWeights::count> stencils_;
+  Extremes<R> extremes_;
+  bool drifted_ = false;
+  std::uint32_t offending_id_ = Report::nobody;
+  alignas(64) T sums_[Transfer::modes + Transfer::has_change][4 * L];  // of each mode; then of the change
+};
+
+}  // namespace detail
+
+// Move the particles by one step; with `commit` false, only report what the step would do to them.
+template <class T, class Spline, class Transfer>
+Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, bool commit) {
+  const Report r = merge_each<Report>(grid.homes.size(), [&](std::size_t h) {
+    return detail::HomeGather<T, Spline, Transfer>(model, state, grid, h, dt, commit).run();
+  });
+  if (!commit) return r;
+  if (r.drifted) grid.current = false;
+  if (!model.solids.empty()) {
+    grid.exchanged.resize(model.solids.size());
+    for (const ExchangeSum& sum : grid.node_exchange) sum.add_to(grid.exchanged);
+    for (const ExchangeSum& sum : grid.particle_exchange) sum.add_to(grid.exchanged);
+  }
+  return r;
+}
+
+}  // namespace neve

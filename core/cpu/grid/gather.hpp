@@ -1,0 +1,83 @@
+// From the nodes of a tile to particles.
+#pragma once
+
+#include "cpu/grid/stencil.hpp"
+
+namespace neve {
+
+// Reads sums over a stencil from the tile.
+template <class T, class S>
+class Gather {
+ public:
+  explicit Gather(const Tile<T>& tile) : tile_(tile.value) {}
+
+  // Four quads: sum w u, sum g_x u, sum g_y u, sum g_z u, of lane l.
+  NEVE_INLINE Row<T> sums(const Stencils<T, S>& st, int l) const {
+    const T* corner = tile_ + st.cell[l];
+    Row<T> a{}, ax{}, ay{};
+#pragma GCC unroll 4
+    for (int i = 0; i < S::nodes; ++i) {
+      Row<T> r{}, ry{};
+#pragma GCC unroll 4
+      for (int j = 0; j < S::nodes; ++j) {
+        const Row<T> u = load_row<T>(corner + row_offset(i, j));
+        r += st.y[0][j][l] * u;
+        ry += st.y[1][j][l] * u;
+      }
+      a += st.x[0][i][l] * r;
+      ax += st.x[1][i][l] * r;
+      ay += st.x[0][i][l] * ry;
+    }
+    const Row<T> wz = row_of_weights(st.z[0] + 4 * l), sz = row_of_weights(st.z[1] + 4 * l);
+    return sum_nodes<T>(wz * a, wz * ax, wz * ay, sz * a);
+  }
+
+  // For each mode, in the order of modes.hpp, the quad sum x_a y_b z_c u of lane l, into sum[mode] + 4 l.
+  template <int Q>
+  NEVE_INLINE void modes(const Stencils<T, S, Q>& st, int l, T (*sum)[4 * lane_count<T>]) const {
+    const T* corner = tile_ + st.cell[l];
+    Row<T> p[Q][Q] = {};
+#pragma GCC unroll 4
+    for (int i = 0; i < S::nodes; ++i) {
+      Row<T> r[Q] = {};
+#pragma GCC unroll 4
+      for (int j = 0; j < S::nodes; ++j) {
+        const Row<T> u = load_row<T>(corner + row_offset(i, j));
+#pragma GCC unroll 3
+        for (int b = 0; b < Q; ++b) r[b] += st.y[b][j][l] * u;
+      }
+#pragma GCC unroll 9
+      for (int ab = 0; ab < Q * Q; ++ab) p[ab / Q][ab % Q] += st.x[ab / Q][i][l] * r[ab % Q];
+    }
+    const auto of = [&](int n) {
+      if (n >= Q * Q * Q) return Row<T>{};
+      const int* d = modes_of<Q>[n].degree;
+      return row_of_weights(st.z[d[2]] + 4 * l) * p[d[0]][d[1]];
+    };
+    for (int n = 0; n < Q * Q * Q; n += 4) {
+      const Row<T> s = sum_nodes<T>(of(n), of(n + 1), of(n + 2), of(n + 3));
+      for (int k = 0; k < std::min(4, Q * Q * Q - n); ++k) store_quad<T>(sum[n + k] + 4 * l, s, k);
+    }
+  }
+
+  // The quad sum w u alone.
+  template <int Q>
+  NEVE_INLINE Row<T> sum(const Stencils<T, S, Q>& st, int l) const {
+    const T* corner = tile_ + st.cell[l];
+    Row<T> a{};
+#pragma GCC unroll 4
+    for (int i = 0; i < S::nodes; ++i) {
+      Row<T> r{};
+#pragma GCC unroll 4
+      for (int j = 0; j < S::nodes; ++j) r += st.y[0][j][l] * load_row<T>(corner + row_offset(i, j));
+      a += st.x[0][i][l] * r;
+    }
+    a *= row_of_weights(st.z[0] + 4 * l);
+    return sum_nodes<T>(a, a, a, a);
+  }
+
+ private:
+  const T* tile_;
+};
+
+}  // namespace neve

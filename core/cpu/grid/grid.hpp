@@ -1,0 +1,57 @@
+// The sparse grid: blocks of 4x4x4 nodes, allocated where particles are.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "coupling/block_contacts.hpp"
+#include "coupling/exchange.hpp"
+#include "cpu/grid/blocks.hpp"
+#include "mpm/state.hpp"
+
+namespace neve {
+
+inline constexpr int block_values = 64 * 4;
+
+// What grid_update sees of a block's velocities.
+template <class T>
+struct BlockBounds {
+  Vec3<T> low, high;  // over the nodes that are not too light; low > high if there are none
+  T change;           // largest change of velocity, along one axis
+  bool finite;
+};
+
+template <class T>
+struct Grid {
+  std::vector<Home> homes;  // by rising key, so neighbours in memory are neighbours in space
+  std::array<std::vector<std::int32_t>, 8>
+      colours;                     // homes of one parity per axis: their tiles never overlap
+  std::vector<BlockCoord> blocks;  // node blocks, by rising key
+  Column<T> momentum;              // 4 per node: (m v, m) after p2g, (v, m) after grid_update
+  Column<T> change;                // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
+  std::size_t count = 0;           // particles sorted
+  T lightest = T(0);               // mass of the lightest particle [kg]
+  bool current = false;            // the homes still hold all their particles
+  bool has_change = false;
+  std::vector<BlockBounds<T>> bounds;  // of each block, by grid_update
+  std::vector<ExchangeSum> node_exchange,
+      particle_exchange;                   // of each block and each home: one step's exchange with solids
+  std::vector<Exchange> exchanged;         // with each solid, over the steps since it was last taken
+  std::vector<BlockContacts<T>> contacts;  // of blocks whose nodes may meet a solid that the snow moves
+
+  T* node(std::int32_t block) { return momentum.data() + std::size_t(block) * block_values; }
+  T* node_change(std::int32_t block) { return change.data() + std::size_t(block) * block_values; }
+  std::size_t bytes() const {
+    return (momentum.size() + change.size()) * sizeof(T) + homes.size() * sizeof(Home) +
+           blocks.size() * sizeof(BlockCoord) + order.size() * sizeof(std::uint32_t) + spare.size() +
+           home_of.size() * sizeof(std::int32_t);
+  }
+
+  // scratch of sort()
+  std::vector<std::uint32_t> order;
+  std::vector<std::int32_t> home_of;
+  Column<char> spare;
+};
+
+}  // namespace neve

@@ -1,0 +1,84 @@
+// What a step does to one particle, from values to values (Stomakhin et al. 2013, section 4.1).
+//
+// R is a scalar, or a pack of particles that move together. Where the values come from and go to is the business of who
+// calls: core/cpu loads and stores packs of columns.
+#pragma once
+
+#include "constitutive/law.hpp"
+#include "coupling/swept_contact.hpp"
+#include "mpm/step_constants.hpp"
+
+namespace neve {
+
+// What a particle gives to the nodes of its stencil: w_ip (momentum + A (x_i - x_p) / dx) and w_ip mass; A = 0 for
+// transfers without a matrix. (PolyPIC adds its further modes.)
+template <class R>
+struct Contribution {
+  Vec3<R> momentum;  // [kg m/s]
+  R mass;            // [kg]
+  Mat3<R> A;         // [kg m/s], columns along the axes of x_i - x_p
+};
+
+// 1. Mass and momentum; and 3. the force times dt, for transfers that let it ride on the momentum.
+template <class Transfer, class R>
+NEVE_INLINE Contribution<R> contribution(const Vec3<R>& v, R m, const Mat3<R>& C, const Sym3<R>& tau, R V0,
+                                         const StepConstants<scalar_t<R>>& step) {
+  Contribution<R> out{v * m, m, {}};
+  if constexpr (Transfer::has_matrix) out.A = Transfer::matrix(C, tau, m, V0, step.dt, step.cells);
+  return out;
+}
+
+// What the nodes give back: sum_i w_ip v_i; G = sum_i w_ip v_i (x_i - x_p)^T / dx, or with gradients of weights; and the
+// change of velocity sum_i w_ip (v_i - v_i^n) of transfers that keep it.
+template <class R>
+struct Gathered {
+  Vec3<R> v;  // [m/s]
+  Mat3<R> G;  // [m/s]
+  Vec3<R> change{};
+};
+
+template <class R>
+struct Advanced {
+  Vec3<R> x, v;          // [m], [m/s]
+  Mat3<R> grad_v;        // [1/s]; the affine velocity C of transfers that keep one
+  Mapped<R> material;    // F_E, J_P and the stress
+  Vec3<R> displacement;  // x - x^n [m]
+};
+
+// Move a particle by one step.
+//
+// `particle` gives x, v, F_E, J_P and m when called for them; return_map(F_trial, J_P) is the particle's law; `exchanged`
+// is called as by move_past for each solid that it meets.
+template <class Transfer, class R, class Particle, class Solids, class Law, class F>
+NEVE_INLINE Advanced<R> advance(const Particle& particle, const Gathered<R>& grid,
+                                const StepConstants<scalar_t<R>>& step, const Solids& solids,
+                                Law&& return_map, F&& exchanged) {
+  Advanced<R> out;
+  out.grad_v = Transfer::velocity_gradient(grid.G, step.cells);
+
+  // 7. Deformation, plastic flow and hardening; and the stress for the next step.
+  const Mat3<R> F_E = particle.F_E();
+  const R J_P = particle.J_P();
+  const Mat3<R> F_trial = F_E + scaled(out.grad_v * F_E, step.dt);
+  out.material = return_map(F_trial, J_P);
+
+  // 8. Velocity.
+  out.v = Transfer::velocity(particle.v(), grid.v, grid.change, step.blend);
+
+  // 9. Collisions with solids.
+  const Vec3<R> x = particle.x();
+  const R m = particle.m();
+  Vec3<R> path = out.v;
+  if constexpr (Transfer::separate_position_velocity) {
+    path =
+        Transfer::position_velocity(out.v, grid.v, determinant(F_trial), held_by_any(solids, x, step.skin));
+  }
+  move_past(solids, x, out.v, path, step.dt, step.cells.dx, m, exchanged);
+
+  // 10. Position.
+  out.displacement = path * step.dt;
+  out.x = x + out.displacement;
+  return out;
+}
+
+}  // namespace neve
