@@ -88,7 +88,7 @@ def measure(name: str, out: Path, threads: int | None) -> None:
     }
     (out / f"{name}.json").write_text(json.dumps(results) + "\n")
     painter = Preview(scene, 960, 640, threads or 0)
-    image = painter.draw(np.array(s.x), sim.bodies(), J_P=np.array(s.J_P))
+    image = painter.draw(np.array(s.x), sim.solids(), J_P=np.array(s.J_P))
     Image.fromarray(image).save(out / f"{name}.png")
     print(name, {key: value for key, value in results.items() if key != "mass"}, flush=True)
 

@@ -95,7 +95,7 @@ def roll(load: float, dx: float, threads: int | None) -> dict[str, Any]:
     begin, ways = time.perf_counter(), []
     while sim.time < 1.5:
         sim.advance(0.05)
-        ways.append((sim.time, *sim.bodies()[-1][1].position))
+        ways.append((sim.time, *sim.solids()[-1][1].position))
         print(f"{load:g} kg, {sim.time:.2f} s, axle at {ways[-1][1]:.2f} m", flush=True)
     seconds = time.perf_counter() - begin
     across, height = profile(sim.state.x, 0.25 * dx)

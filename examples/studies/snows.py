@@ -55,7 +55,7 @@ def pictures(kind: str, dx: float, threads: int | None) -> list[Image.Image]:
     drawn = []
     for moment in MOMENTS:
         sim.advance(moment - sim.time)
-        image = painter.draw(np.array(sim.state.x), sim.bodies(), J_P=np.array(sim.state.J_P))
+        image = painter.draw(np.array(sim.state.x), sim.solids(), J_P=np.array(sim.state.J_P))
         drawn.append(Image.fromarray(image).resize(CELL, Image.Resampling.LANCZOS))
     return drawn
 

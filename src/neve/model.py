@@ -53,7 +53,7 @@ class Model:
         for solid in self.solids:
             _add(self.native, solid)
         for i, solid in enumerate(self.solids):
-            if solid.moved_by == "engine":
+            if solid.motion == "dynamic":
                 self.native.make_dynamic(i)
         self.limit_press(1.0)
         for i, collider in enumerate(self.colliders):
@@ -72,7 +72,7 @@ class Model:
         """
         self.solid_speed = 0.0
         for i, collider in enumerate(self.colliders):
-            if self.solids[i].moved_by != "rest":
+            if self.solids[i].motion != "static":
                 self._place(i, pose(collider, time))
         if self.rigid:
             for i, p in enumerate(self.rigid.poses(), len(self.colliders)):
@@ -92,7 +92,7 @@ class Model:
     @property
     def solids_move(self) -> bool:
         """Whether any solid changes its place in time."""
-        return any(solid.moved_by != "rest" for solid in self.solids)
+        return any(solid.motion != "static" for solid in self.solids)
 
 
 def _fastest(solid: Solid, now: Pose) -> float:

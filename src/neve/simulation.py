@@ -194,8 +194,8 @@ class Simulation:
         self.stats.stage_seconds["sort"] += perf_counter() - refreshed
         return report
 
-    def bodies(self) -> list[tuple[Solid, Pose]]:
-        """Return every solid with its pose now."""
+    def solids(self) -> list[tuple[Solid, Pose]]:
+        """Return every solid, the colliders before the bodies, with its pose now."""
         return list(zip(self.model.solids, self.model.poses(self.time), strict=True))
 
     def change(self, scene: Scene) -> None:

@@ -177,19 +177,19 @@ def test_same_bytes_for_any_number_of_threads(threads):
     x = np.linspace(-4, 4, 41)
     bodies = [
         ground_of(0.2 * np.sin(x)[:, None] * np.cos(x)),
-        at(mesh_solid(SMALL_BALL, moved_by="engine"), *PLACE),
+        at(mesh_solid(SMALL_BALL, motion="dynamic"), *PLACE),
         at(mesh_solid(BOX)),
     ]
     many, one = (draw(bodies, crowd(), n, size=SMALL) for n in (threads, 1))
     assert np.array_equal(many, one)
 
 
-@pytest.mark.parametrize("moved_by", ["rest", "script"])
-def test_a_picture_does_not_depend_on_the_one_before(moved_by):
+@pytest.mark.parametrize("motion", ["static", "scripted"])
+def test_a_picture_does_not_depend_on_the_one_before(motion):
     """A ball passes before a box of triangles: what is kept from earlier frames does not show, and that of
     bodies at rest is dropped when they are found elsewhere after all."""
     stage = Scene(sources=(Source.of("sphere"),), camera=CAMERA, light=LIGHT, numerics=Numerics(dx=0.1))
-    box, ball = mesh_solid(BOX), mesh_solid(SMALL_BALL, color=(0.1, 0.1, 0.6), moved_by=moved_by)
+    box, ball = mesh_solid(BOX), mesh_solid(SMALL_BALL, color=(0.1, 0.1, 0.6), motion=motion)
     preview = Preview(stage, *SMALL)
     for x, fall in ((-1.0, 0.3), (0.2, 0.2), (0.2, 0.1), (0.3, 0.0)):
         last = preview.draw(

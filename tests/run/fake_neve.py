@@ -87,7 +87,7 @@ class Simulation:
             stage_seconds=dict.fromkeys(STAGES, 0.1),
         )
 
-    def bodies(self):
+    def solids(self):
         at = SimpleNamespace(
             position=np.full(3, self.time), rotation=np.eye(3), velocity=np.ones(3), omega=np.zeros(3)
         )

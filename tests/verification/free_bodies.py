@@ -13,7 +13,7 @@ def ball(radius, density, **motion):
     """A ball: solid, mass, inertia about each axis."""
     m = density * 4 / 3 * np.pi * radius**3
     return Free(
-        Solid("ball", "sphere", np.full(3, radius), moved_by="engine"),
+        Solid("ball", "sphere", np.full(3, radius), motion="dynamic"),
         m,
         np.full(3, 0.4 * m * radius**2),
         **motion,
@@ -26,7 +26,7 @@ def block(size, density, mode="separate", mu_c=0.5, **motion):
     m = density * a * b * c
     inertia = m / 12 * np.array([b * b + c * c, a * a + c * c, a * a + b * b])
     half = 0.5 * np.asarray(size)
-    return Free(Solid("block", "box", half, mode, mu_c, moved_by="engine"), m, inertia, **motion)
+    return Free(Solid("block", "box", half, mode, mu_c, motion="dynamic"), m, inertia, **motion)
 
 
 class Free:

@@ -99,7 +99,7 @@ def materials(sim):
 def bodies(sim):
     """Copy the colliders at the simulation's time into the oracle."""
     out = []
-    for solid, pose in sim.bodies():
+    for solid, pose in sim.solids():
         size = {
             "plane": lambda half: (),
             "box": lambda half: tuple(2 * half),

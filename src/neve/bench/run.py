@@ -181,7 +181,7 @@ def preview() -> Iterator[Once]:
         scene = landing_block(BLOCKS[name].cells)
         sim = Simulation(scene)
         sim.advance(10 * DT)
-        painter, bodies, times = Preview(scene), sim.bodies(), []
+        painter, bodies, times = Preview(scene), sim.solids(), []
         for _ in range(4):
             begun = perf_counter()
             painter.draw(sim.state.x, bodies, J_P=sim.state.J_P)

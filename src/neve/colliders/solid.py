@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Color = tuple[float, float, float]
-MovedBy = Literal["rest", "script", "engine"]
+Motion = Literal["static", "scripted", "dynamic"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,8 @@ class Solid:
         color: red, green and blue in the film, or None
         finish: what the film shows it to be made of, or None
         visible: whether the film shows it
-        moved_by: nobody ("rest"), keyframes or a constant velocity ("script"), or the rigid-body engine
+        motion: "static", "scripted" (a collider with keyframes or a constant velocity), or "dynamic" (a body,
+            which forces move)
         mesh: triangles and signed distance of a mesh
         terrain: heights of a terrain; its own z points up
     """
@@ -50,7 +51,7 @@ class Solid:
     color: Color | None = None
     finish: Finish | None = None
     visible: bool = True
-    moved_by: MovedBy = "rest"
+    motion: Motion = "static"
     mesh: SolidMesh | None = None
     terrain: HeightField | None = None
 
@@ -72,41 +73,13 @@ class Solid:
         return np.inf if self.endless else self.form.reach_of(self.half)
 
 
-def solid_of(collider: Collider, name: str, dx: float) -> Solid:
-    """Return the solid that `collider` describes, as fine as a snow grid of spacing `dx` [m] asks for.
+def solid_of(described: Collider | Body, name: str, dx: float) -> Solid:
+    """Return the solid of a collider or a body, as fine as a snow grid of spacing `dx` [m] asks for.
 
     `name`: used in messages.
 
     Errors: SceneError for a mesh or a height map that cannot be used.
     """
-    moves = bool(collider.keyframes) or any(collider.velocity) or any(collider.spin)
-    return _solid(
-        collider,
-        name,
-        "script" if moves else "rest",
-        solid_mesh(collider, dx, name) if isinstance(collider, Mesh) else None,
-        height_field(collider, name) if isinstance(collider, Terrain) else None,
-    )
-
-
-def solid_of_body(body: Body, name: str, dx: float) -> Solid:
-    """Return the solid of `body`, which forces move, for a snow grid of spacing `dx` [m].
-
-    `name`: used in messages.
-
-    Errors: SceneError for a mesh that cannot be used.
-    """
-    return _solid(body, name, "engine", solid_mesh(body, dx, name) if isinstance(body, Mesh) else None)
-
-
-def _solid(
-    described: Collider | Body,
-    name: str,
-    moved_by: MovedBy,
-    mesh: SolidMesh | None,
-    terrain: HeightField | None = None,
-) -> Solid:
-    """Take over what a solid has from its table in the scene."""
     return Solid(
         name=name,
         shape=described.shape,
@@ -116,7 +89,14 @@ def _solid(
         color=described.color,
         finish=described.finish,
         visible=described.visible,
-        moved_by=moved_by,
-        mesh=mesh,
-        terrain=terrain,
+        motion=_motion(described),
+        mesh=solid_mesh(described, dx, name) if isinstance(described, Mesh) else None,
+        terrain=height_field(described, name) if isinstance(described, Terrain) else None,
     )
+
+
+def _motion(described: Collider | Body) -> Motion:
+    if isinstance(described, Body):
+        return "dynamic"
+    moves = bool(described.keyframes) or any(described.velocity) or any(described.spin)
+    return "scripted" if moves else "static"

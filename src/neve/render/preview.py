@@ -85,7 +85,7 @@ class Preview:
             solid.color or STEEL,
             "ground" if is_ground(solid) else solid.finish or "paint",
             self._mesh(solid) if solid.mesh or solid.terrain else None,
-            is_static=solid.moved_by == "rest",
+            is_static=solid.motion == "static",
         )
 
     def _mesh(self, solid: Solid) -> _render.Mesh:

@@ -167,7 +167,7 @@ def _add_collider(spec: Any, collider: Collider, solid: Solid) -> None:
     Its own friction is none: of two that touch the larger one counts, and a collider has no say in it.
     """
     at = pose(collider, 0.0)
-    if solid.moved_by != "script":
+    if solid.motion != "scripted":
         _add_geom(spec, spec.worldbody, solid, (at.position, at.rotation), 0.0, True)
         return
     body = spec.worldbody.add_body(name=solid.name, mocap=True, pos=at.position, quat=quaternion(at.rotation))
@@ -245,7 +245,7 @@ def _find_places(
 
 def _find_scripted(made: Assembly, colliders: Sequence[Collider], solids: Sequence[Solid]) -> None:
     for collider, solid in zip(colliders, solids, strict=True):
-        if solid.moved_by == "script":
+        if solid.motion == "scripted":
             body = made.model.body(solid.name)
             made.scripted.append((collider, int(body.mocapid[0]), int(body.geomadr[0])))
 

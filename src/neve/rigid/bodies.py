@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.colliders.motion import pose
-from neve.colliders.solid import Solid, solid_of_body
+from neve.colliders.solid import Solid, solid_of
 from neve.geometry.pose import Pose, cross
 from neve.rigid.assembly import Assembly, assemble
 from neve.rigid.constraint_inertia import damping, support
@@ -45,7 +45,7 @@ class RigidBodies:
         """
         self._mj = engine()
         bodies = tuple(
-            solid_of_body(body, f"bodies.{i}", scene.numerics.dx) for i, body in enumerate(scene.bodies)
+            solid_of(body, f"bodies.{i}", scene.numerics.dx) for i, body in enumerate(scene.bodies)
         )
         self._assembly: Assembly = assemble(scene, colliders, bodies)
         self._model = self._assembly.model

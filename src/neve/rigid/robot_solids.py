@@ -70,7 +70,7 @@ def _solid(model: Any, index: int, loaded: Loaded, name: str, dx: float) -> Soli
         color=robot.color or (r, g, b),
         finish=robot.finish,
         visible=robot.visible,
-        moved_by="engine",
+        motion="dynamic",
         mesh=_mesh(model, index, dx) if shape == "mesh" else None,
         terrain=_terrain(model, index) if shape == "terrain" else None,
     )

@@ -124,7 +124,7 @@ def _run(
             scene=scene,
             toml=toml,
             neve=version(),
-            solids=[solid for solid, _ in sim.bodies()],
+            solids=[solid for solid, _ in sim.solids()],
             done=done,
             redraw=checkpoint is not None and not is_drawn_alike(checkpoint.scene, toml),
             threads=sim.threads,

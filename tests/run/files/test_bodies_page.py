@@ -31,7 +31,7 @@ def simulation(text, folder):
 
 def place(sim, body):
     """The pose of a body by its name."""
-    return next(pose for solid, pose in sim.bodies() if solid.name == body)
+    return next(pose for solid, pose in sim.solids() if solid.name == body)
 
 
 def test_ball_falls_on_a_layer(tmp_path):
@@ -77,7 +77,7 @@ def test_robot_goes_with_its_run(tmp_path, monkeypatch):
     (tmp_path / "home").rename(tmp_path / "gone")
     moved = (tmp_path / "away").rename(tmp_path / "there")
     parted = run_scene(load(moved), moved, threads=1, frames=4, resume=True, quiet=True)
-    assert [solid.name for solid, _ in parted.bodies()] == ["colliders.0", "robots.0.hull", "robots.0.wheel"]
+    assert [solid.name for solid, _ in parted.solids()] == ["colliders.0", "robots.0.hull", "robots.0.wheel"]
     assert np.array_equal(whole.model.rigid.save()["engine"], parted.model.rigid.save()["engine"])
     rows = [(tmp_path / name / "bodies.csv").read_bytes() for name in ("whole", "there")]
     assert rows[0] == rows[1]

@@ -19,12 +19,12 @@ QUICK_STEP = [
 
 def at(sim: Simulation, name: str) -> Any:
     """Where the solid of this name is."""
-    return next(pose for solid, pose in sim.bodies() if solid.name == name)
+    return next(pose for solid, pose in sim.solids() if solid.name == name)
 
 
 def number(sim: Simulation, name: str) -> int:
     """The row of the solid of this name in what was exchanged."""
-    return [solid.name for solid, _ in sim.bodies()].index(name)
+    return [solid.name for solid, _ in sim.solids()].index(name)
 
 
 def by_id(sim: Simulation) -> NDArray[np.float64]:

@@ -19,7 +19,7 @@ def started(name, dx):
 
 def body(sim):
     """The body that the snow moves: where it is, and its row in the tables of solids."""
-    (found,) = [(pose, i) for i, (solid, pose) in enumerate(sim.bodies()) if solid.moved_by == "engine"]
+    (found,) = [(pose, i) for i, (solid, pose) in enumerate(sim.solids()) if solid.motion == "dynamic"]
     return found
 
 

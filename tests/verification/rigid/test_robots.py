@@ -69,7 +69,7 @@ def test_what_collides_becomes_a_solid(car):
     ]  # fmt: skip
     hull, wheel = rigid.solids[1], rigid.solids[3]
     assert (hull.shape, list(hull.half), hull.mode, hull.mu_c) == ("box", [0.3, 0.12, 0.04], "slip", 0.2)
-    assert (wheel.shape, list(wheel.half), wheel.moved_by) == ("cylinder", [0.1, 0.1, 0.03], "engine")
+    assert (wheel.shape, list(wheel.half), wheel.motion) == ("cylinder", [0.1, 0.1, 0.03], "dynamic")
     assert wheel.color == pytest.approx((0.1, 0.2, 0.3))
     poses = rigid.poses()
     assert poses[1].position == pytest.approx([1, 2, 3.15])

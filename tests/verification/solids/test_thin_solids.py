@@ -24,7 +24,7 @@ def plate(**more):
 
 def across(sim):
     """The particles' signed distances from the plate's middle [m], by id."""
-    pose = sim.bodies()[0][1]
+    pose = sim.solids()[0][1]
     return (columns(sim)["x"] - pose.position) @ pose.rotation[:, 0]
 
 
@@ -97,7 +97,7 @@ def test_blade_that_turns():
     sim = simulate(scene([box(size=(0.8, 0.8, 0.2))], [blade], precision="float32", dt="auto"))
 
     def local():
-        pose = sim.bodies()[0][1]
+        pose = sim.solids()[0][1]
         return ((columns(sim)["x"] - pose.position) @ pose.rotation)[:, :2]
 
     before = local()

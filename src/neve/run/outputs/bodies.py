@@ -64,7 +64,7 @@ class BodyOutput:
 def rows(context: FrameContext) -> Iterator[dict[str, object]]:
     """Yield the row of each solid of the simulation now; there is no mean force in the first frame."""
     sim = context.sim
-    bodies = sim.bodies()
+    bodies = sim.solids()
     duration = 1.0 / sim.scene.run.fps
     pushed = sim.stats.exchanged[:, :6] / duration if context.frame > 0 else np.full((len(bodies), 6), np.nan)
     for (solid, pose), push in zip(bodies, pushed, strict=True):

@@ -113,7 +113,7 @@ class FrameContext:
     def content(self) -> Frame:
         """The particles and bodies of this frame as a frame file holds them, in the order of their id."""
         state = self.sim.state
-        bodies = [(pose.position, pose.rotation) for _, pose in self.sim.bodies()]
+        bodies = [(pose.position, pose.rotation) for _, pose in self.sim.solids()]
         return make_frame(state.x, state.v, state.J_P, state.id, state.material, bodies, self.sim.time)
 
     def add_row(self, name: str, values: Mapping[str, object]) -> None:

@@ -89,10 +89,10 @@ def fall(
         gravity=(0.0, 0.0, -G),
         **{"precision": "float32", "dx": dx, **numerics},
     )
-    ball = sim.bodies()[-1][1]
+    ball = sim.solids()[-1][1]
     while -ball.velocity[2] > STOPPED * speed and sim.time < LONGEST:
         sim.advance(1e-3)
-        ball = sim.bodies()[-1][1]
+        ball = sim.solids()[-1][1]
     depth = float(RADIUS - ball.position[2])
     return Fall(
         depth=depth,

@@ -185,7 +185,7 @@ def drive(load: float, pull: float = 0.0, dx: float = DX, seconds: float = SECON
     begun, impulse = sim.time, sim.exchanged[-1].copy()
     while sim.time < seconds - 1e-9:
         sim.advance(0.01)
-        now = sim.bodies()[-1][1]
+        now = sim.solids()[-1][1]
         rows.append((RADIUS - now.position[2], now.velocity[0], now.omega[1] * RADIUS))
     sinkage, speed, rim = np.mean(rows, axis=0)
     force_on = (sim.exchanged[-1] - impulse) / (sim.time - begun) / weight

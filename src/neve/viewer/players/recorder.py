@@ -64,7 +64,7 @@ class Recorder:
         if self.last is None:
             return
         state = sim.state
-        bodies = [(pose.position, pose.rotation) for _, pose in sim.bodies()]
+        bodies = [(pose.position, pose.rotation) for _, pose in sim.solids()]
         content = make_frame(
             np.asarray(state.x), state.v, state.J_P, state.id, state.material, bodies, sim.time
         )

@@ -78,7 +78,7 @@ def of_simulation(
 
 
 def _poses(sim: Simulation) -> list[Pose]:
-    return [pose for _, pose in sim.bodies()]
+    return [pose for _, pose in sim.solids()]
 
 
 def _volume_ratio(state: Any) -> NDArray[Any]:

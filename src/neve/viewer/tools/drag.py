@@ -35,7 +35,7 @@ class DragController:
         if not self._goals:
             return
         scene = sim.scene
-        where = {solid.name: pose for solid, pose in sim.bodies()}
+        where = {solid.name: pose for solid, pose in sim.solids()}
         for name, goal in list(self._goals.items()):
             pose = where.get(name)
             if pose is None:
