@@ -31,14 +31,16 @@ def _between_keyframes(collider: Collider, t: float) -> Pose:
     keys = collider.keyframes
     i = bisect_right([key.t for key in keys], t) - 1
     if i < 0 or i == len(keys) - 1:
-        rest = keys[max(i, 0)]
-        return Pose(_position(collider, rest), _rotation(collider, rest), np.zeros(3), np.zeros(3))
+        key = keys[max(i, 0)]
+        return Pose(_position(collider, key), _rotation(collider, key), np.zeros(3), np.zeros(3))
     a, b = keys[i], keys[i + 1]
     span, share = b.t - a.t, (t - a.t) / (b.t - a.t)
     x0, R0 = _position(collider, a), _rotation(collider, a)
-    way = _position(collider, b) - x0
+    displacement = _position(collider, b) - x0
     angle = rotation_vector(_rotation(collider, b) @ R0.T)
-    return Pose(x0 + share * way, rotation_matrix(share * angle) @ R0, way / span, angle / span)
+    return Pose(
+        x0 + share * displacement, rotation_matrix(share * angle) @ R0, displacement / span, angle / span
+    )
 
 
 def _position(collider: Collider, key: Keyframe | None = None) -> Array:

@@ -40,10 +40,10 @@ def size() -> int:
 
 def recall(key: str) -> dict[str, NDArray[Any]] | None:
     """Return the arrays that were kept as `key`; None if there are none, or the file is damaged."""
-    place = folder()
-    if place is None:
+    kept_in = folder()
+    if kept_in is None:
         return None
-    path = place / f"{key}.npz"
+    path = kept_in / f"{key}.npz"
     try:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as arrays:
             found = {name: arrays[name] for name in arrays.files}
@@ -59,30 +59,30 @@ def recall(key: str) -> dict[str, NDArray[Any]] | None:
 
 def keep(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
     """Keep `arrays` as `key`, whole or not at all; a folder that refuses is only logged."""
-    place = folder()
-    if place is None:
+    kept_in = folder()
+    if kept_in is None:
         return
-    temporary = place / f".{key}.{os.getpid()}.tmp"
+    temporary = kept_in / f".{key}.{os.getpid()}.tmp"
     try:
-        place.mkdir(parents=True, exist_ok=True)
+        kept_in.mkdir(parents=True, exist_ok=True)
         try:
             with open(temporary, "wb") as file:
                 np.savez(file, **arrays)  # type: ignore[arg-type]
-            os.replace(temporary, place / f"{key}.npz")
+            os.replace(temporary, kept_in / f"{key}.npz")
         except BaseException:
             with contextlib.suppress(OSError):
                 temporary.unlink()
             raise
-        _prune(spared=place / f"{key}.npz")
+        _prune(spared=kept_in / f"{key}.npz")
     except OSError as error:
-        _log.warning("nothing is kept in the cache folder %s: %s", place, error.strerror or error)
+        _log.warning("nothing is kept in the cache folder %s: %s", kept_in, error.strerror or error)
 
 
 def _files() -> list[tuple[Path, os.stat_result]]:
-    place = folder()
+    kept_in = folder()
     found = []
     with contextlib.suppress(OSError):
-        for path in place.glob("*.npz") if place else ():
+        for path in kept_in.glob("*.npz") if kept_in else ():
             with contextlib.suppress(OSError):
                 found.append((path, path.stat()))
     return found

@@ -29,47 +29,47 @@ DOUBTFUL_SHARE = 0.03
 """Share of doubtful points from which on a mesh bounds no body."""
 
 
-def read_mesh(part: Mesh, name: str) -> Triangles:
-    """Return the surface in the file of `part` [m], in the axes of the body: the file's origin is 0, z is up.
+def read_mesh(mesh: Mesh, name: str) -> Triangles:
+    """Return the surface in the file of `mesh` [m]: the file's origin is 0, z is up.
 
-    `name` tells the part in messages. Warns with SceneWarning of a mesh with small holes: they are closed.
+    `name`: used in messages. Warns with SceneWarning of a mesh with small holes: they are closed.
     Errors: SceneError, one sentence: unreadable, empty, no area, not finite, or open without a `thickness`.
     """
-    vertices, faces = _read(where(part.file, "meshes"), _told(part, name))
+    vertices, faces = _read(where(mesh.file, "meshes"), _key(mesh, name))
     if not len(faces):
         raise SceneError(
-            f"{_told(part, name)} holds no triangles: it is empty, or not the kind of file that its name says"
+            f"{_key(mesh, name)} holds no triangles: it is empty, or not the kind of file that its name says"
         )
     if not np.isfinite(vertices).all():
-        raise SceneError(f"{_told(part, name)} has a vertex whose coordinates are no finite numbers")
-    if part.up == "y":
+        raise SceneError(f"{_key(mesh, name)} has a vertex whose coordinates are no finite numbers")
+    if mesh.up == "y":
         vertices = vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
-    if (np.abs(vertices) * part.metres).max() > 1e6:
+    if (np.abs(vertices) * mesh.metres).max() > 1e6:
         raise SceneError(
-            f"{_told(part, name)} reaches beyond 1e6 m: set {name}.unit or a smaller {name}.scale"
+            f"{_key(mesh, name)} reaches beyond 1e6 m: set {name}.unit or a smaller {name}.scale"
         )
-    surface = tidied(vertices * part.metres, faces)
+    surface = tidied(vertices * mesh.metres, faces)
     if not len(surface.faces):
-        raise SceneError(f"{_told(part, name)} has no area: all of its triangles are points or lines")
-    if part.thickness == 0:
-        _require_inside(surface, part, name)
+        raise SceneError(f"{_key(mesh, name)} has no area: all of its triangles are points or lines")
+    if mesh.thickness == 0:
+        _require_inside(surface, mesh, name)
     return surface
 
 
-def warn_if_small(surface: Triangles, part: Mesh, dx: float, name: str) -> None:
+def warn_if_small(surface: Triangles, mesh: Mesh, dx: float, name: str) -> None:
     """Warn with SceneWarning of a mesh that is smaller than two cells along each axis."""
-    length = float((surface.high - surface.low).max()) + part.thickness
+    length = float((surface.high - surface.low).max()) + mesh.thickness
     if length < 2 * dx * (1 - 1e-9):
         warnings.warn(
-            f"{_told(part, name)} is {length:.3g} m large, less than two cells of numerics.dx = {dx:g}: set "
-            f"{name}.scale = {_up(part.scale * 2 * dx / length)} or larger, another {name}.unit, or "
+            f"{_key(mesh, name)} is {length:.3g} m large, less than two cells of numerics.dx = {dx:g}: set "
+            f"{name}.scale = {_up(mesh.scale * 2 * dx / length)} or larger, another {name}.unit, or "
             f"numerics.dx = {length / 2:.2g} or smaller",
             SceneWarning,
             stacklevel=2,
         )
 
 
-def _require_inside(surface: Triangles, part: Mesh, name: str) -> None:
+def _require_inside(surface: Triangles, mesh: Mesh, name: str) -> None:
     """Refuse a surface that has no inside: whose winding number is in doubt at too many points around it.
 
     Where a surface has no boundary the winding number is whole anywhere (Jacobson et al. 2013, section 3).
@@ -80,11 +80,11 @@ def _require_inside(surface: Triangles, part: Mesh, name: str) -> None:
     share = doubtful_share(surface)
     if share > DOUBTFUL_SHARE:
         raise SceneError(
-            f"{_told(part, name)} is open ({holes} edges have a face on one side only), so that it has no "
+            f"{_key(mesh, name)} is open ({holes} edges have a face on one side only), so that it has no "
             f"inside: close it, or set {name}.thickness to make a body of its faces"
         )
     warnings.warn(
-        f"{_told(part, name)} has small holes ({holes} edges with a face on one side only), which are closed "
+        f"{_key(mesh, name)} has small holes ({holes} edges with a face on one side only), which are closed "
         "as smoothly as the rest allows: check the film, or mend the mesh",
         SceneWarning,
         stacklevel=2,
@@ -101,8 +101,8 @@ def doubtful_share(surface: Triangles) -> float:
     return float(np.mean(np.abs(winding - np.rint(winding)) > DOUBT))
 
 
-def _told(part: Mesh, name: str) -> str:
-    return f"{name}.file = {json.dumps(part.file, ensure_ascii=False)}"
+def _key(mesh: Mesh, name: str) -> str:
+    return f"{name}.file = {json.dumps(mesh.file, ensure_ascii=False)}"
 
 
 def _up(value: float) -> str:
@@ -110,50 +110,50 @@ def _up(value: float) -> str:
     return f"{math.ceil(value * 10.0**digits - 1e-9) / 10.0**digits:g}"
 
 
-def _read(path: Path, told: str) -> tuple[Array, NDArray[np.int64]]:
+def _read(path: Path, key: str) -> tuple[Array, NDArray[np.int64]]:
     """Return vertices (n, 3) and faces (m, 3) of all that the file holds, in its own units and axes."""
     import trimesh
 
     try:
         with _silence():
             loaded = trimesh.load(str(path), process=False, skip_materials=True)
-            parts = list(_parts(loaded))
+            pieces = list(_pieces(loaded))
     except MemoryError:
         raise
     except OSError as error:
         reason = (error.strerror or str(error)).rstrip(".")
-        raise SceneError(f"{told} cannot be read: {reason[:1].lower()}{reason[1:]}") from None
+        raise SceneError(f"{key} cannot be read: {reason[:1].lower()}{reason[1:]}") from None
     except Exception:  # whatever a damaged file makes its reader stumble over
         raise SceneError(
-            f"{told} cannot be read: it is damaged, or not the kind of file that its name says"
+            f"{key} cannot be read: it is damaged, or not the kind of file that its name says"
         ) from None
     begin, vertices, faces = 0, [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)]
-    for corners, rows in parts:
+    for corners, rows in pieces:
         if len(rows) and not (rows.min() >= 0 and rows.max() < len(corners)):
-            raise SceneError(f"{told} cannot be read: a triangle has a corner that is not there")
+            raise SceneError(f"{key} cannot be read: a triangle has a corner that is not there")
         vertices.append(corners)
         faces.append(rows + begin)
         begin += len(corners)
     return np.concatenate(vertices), np.concatenate(faces)
 
 
-def _parts(loaded: Any) -> Iterator[tuple[Array, NDArray[np.int64]]]:
+def _pieces(loaded: Any) -> Iterator[tuple[Array, NDArray[np.int64]]]:
     """Yield vertices and faces of every mesh in what was loaded, each where the scene graph puts it."""
     if not hasattr(loaded, "graph"):
         yield from _of(loaded, np.eye(4))
         return
     for node in loaded.graph.nodes_geometry:
-        place, name = loaded.graph[node]
-        yield from _of(loaded.geometry[name], np.asarray(place, dtype=np.float64))
+        transform, name = loaded.graph[node]
+        yield from _of(loaded.geometry[name], np.asarray(transform, dtype=np.float64))
 
 
-def _of(geometry: Any, place: Array) -> Iterator[tuple[Array, NDArray[np.int64]]]:
+def _of(geometry: Any, transform: Array) -> Iterator[tuple[Array, NDArray[np.int64]]]:
     faces = getattr(geometry, "faces", None)
     if faces is None or not len(faces):  # lines, or points
         return
-    vertices = np.asarray(geometry.vertices, dtype=np.float64) @ place[:3, :3].T + place[:3, 3]
+    vertices = np.asarray(geometry.vertices, dtype=np.float64) @ transform[:3, :3].T + transform[:3, 3]
     rows = np.asarray(faces, dtype=np.int64)
-    yield vertices, rows[:, ::-1] if np.linalg.det(place[:3, :3]) < 0 else rows
+    yield vertices, rows[:, ::-1] if np.linalg.det(transform[:3, :3]) < 0 else rows
 
 
 @contextlib.contextmanager

@@ -30,9 +30,9 @@ FORMAT = 1
 """Version of what is kept in the cache; another one is never read."""
 BAND_CELLS, BAND_SAMPLES = 1, 4
 """The distances are fine within so many cells of snow, and so many of their own spacings, of the surface."""
-USUAL = 256 * 2**20
+DEFAULT_BYTES = 256 * 2**20
 """Bytes that a grid may take whose `detail` is left out."""
-MOST = 4 * 2**30
+MAX_BYTES = 4 * 2**30
 """Bytes that any grid may take: a mistyped detail must not fill the memory."""
 BRICK_CELLS, BRICK_BYTES, NODE_BYTES = 8, 16 * 9**3, 16
 RAYS = 2000
@@ -78,17 +78,17 @@ class SolidMesh:
         return self.thickness or 2.0 * self.surface.tree.volume / self.surface.area
 
 
-def solid_mesh(part: Mesh, dx: float, name: str) -> SolidMesh:
-    """Return the body in the file of `part`, as fine as a snow grid of spacing `dx` [m] asks for.
+def solid_mesh(described: Mesh, dx: float, name: str) -> SolidMesh:
+    """Return the solid in the file of `described`, as fine as a snow grid of spacing `dx` [m] asks for.
 
-    `name` tells the part in messages. Warns with SceneWarning of small holes, of a body smaller than two
+    `name`: used in messages. Warns with SceneWarning of small holes, of a body smaller than two
     cells, and of a grid that had to be coarser than is usual.
     Errors: SceneError, one sentence; see `read_mesh`.
     """
-    surface = read_mesh(part, name)
-    warn_if_small(surface, part, dx, name)
-    spacing = _spacing(surface, part, dx, name)
-    return of_triangles(surface, spacing, _band(spacing, dx), part.thickness)
+    surface = read_mesh(described, name)
+    warn_if_small(surface, described, dx, name)
+    spacing = _spacing(surface, described, dx, name)
+    return of_triangles(surface, spacing, _band(spacing, dx), described.thickness)
 
 
 def filled(surface: Triangles, dx: float) -> SolidMesh:
@@ -97,7 +97,7 @@ def filled(surface: Triangles, dx: float) -> SolidMesh:
     def needed(spacing: float) -> float:
         return grid_bytes(surface, spacing, _band(spacing, dx))
 
-    spacing = _affordable(_wish(thinnest(surface), dx), needed, USUAL)
+    spacing = _affordable(_preferred_spacing(thinnest(surface), dx), needed, DEFAULT_BYTES)
     return of_triangles(surface, spacing, _band(spacing, dx))
 
 
@@ -153,26 +153,26 @@ def grid_bytes(surface: Triangles, spacing: float, band: float, thickness: float
     return bricks * BRICK_BYTES + float(np.prod(size / edge + 2)) * NODE_BYTES
 
 
-def _spacing(surface: Triangles, part: Mesh, dx: float, name: str) -> float:
+def _spacing(surface: Triangles, described: Mesh, dx: float, name: str) -> float:
     """Return the spacing of the samples [m]: `detail`, or half a cell, less for thin parts, if affordable."""
 
     def needed(spacing: float) -> float:
-        return grid_bytes(surface, spacing, _band(spacing, dx), part.thickness)
+        return grid_bytes(surface, spacing, _band(spacing, dx), described.thickness)
 
-    if part.detail is not None:
-        if needed(part.detail) > MOST:
-            least = _affordable(part.detail, needed, MOST)
+    if described.detail is not None:
+        if needed(described.detail) > MAX_BYTES:
+            least = _affordable(described.detail, needed, MAX_BYTES)
             raise SceneError(
-                f"{name}.detail = {part.detail:g} would take {needed(part.detail) / 2**30:.2g} GB: use at "
-                f"least {least:.2g}"
+                f"{name}.detail = {described.detail:g} would take {needed(described.detail) / 2**30:.2g} GB: "
+                f"use at least {least:.2g}"
             )
-        return part.detail
-    wish = _wish(part.thickness or thinnest(surface), dx)
-    spacing = _affordable(wish, needed, USUAL)
-    if spacing > wish:
+        return described.detail
+    preferred = _preferred_spacing(described.thickness or thinnest(surface), dx)
+    spacing = _affordable(preferred, needed, DEFAULT_BYTES)
+    if spacing > preferred:
         warnings.warn(
-            f"{name}.detail is {spacing:.2g} m, because {wish:.2g} m would take "
-            f"{needed(wish) / 2**20:.0f} MB for this mesh: set it yourself, or scale the mesh down",
+            f"{name}.detail is {spacing:.2g} m, because {preferred:.2g} m would take "
+            f"{needed(preferred) / 2**20:.0f} MB for this mesh: set it yourself, or scale the mesh down",
             SceneWarning,
             stacklevel=2,
         )
@@ -184,7 +184,7 @@ def _band(spacing: float, dx: float) -> float:
     return max(BAND_CELLS * dx, BAND_SAMPLES * spacing)
 
 
-def _wish(thin: float, dx: float) -> float:
+def _preferred_spacing(thin: float, dx: float) -> float:
     """Return half a cell of `dx` [m], or half of how `thin` the body is, but an eighth of a cell at least."""
     return min(0.5 * dx, max(0.5 * thin, 0.125 * dx))
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from neve._core import HeightField
 
 Array = NDArray[np.float64]
-MOST = 2**27
+MAX_SAMPLES = 2**27
 """Samples that a map may have."""
 BITS, PIXEL_SCALE, GEO_KEYS, NO_DATA = 258, 33550, 34735, 42113
 """Tags of a GeoTIFF (TIFF 6.0; OGC 19-008r4, section 7; GDAL's own for missing values)."""
@@ -39,48 +39,50 @@ class _Map:
 
 
 def height_field(terrain: Terrain, name: str) -> HeightField:
-    """Return the heights of `terrain` [m] over a rectangle around its centre; `name` tells it in messages.
+    """Return the heights of `terrain` [m] over a rectangle around its centre.
+
+    `name`: used in messages.
 
     Errors: SceneError, one sentence: unreadable, of colours or another rank, not finite, without a size.
     """
-    told = f"{name}.file = {json.dumps(terrain.file, ensure_ascii=False)}"
+    key = f"{name}.file = {json.dumps(terrain.file, ensure_ascii=False)}"
     path = where(terrain.file, "terrains")
-    found = _array(path, told) if path.suffix.lower() == ".npy" else _picture(path, told)
+    found = _array(path, key) if path.suffix.lower() == ".npy" else _picture(path, key)
     shape = found.values.shape
     if len(shape) != 2 or min(shape) < 2:
         axes = f"{len(shape)} axes" if len(shape) != 2 else f"{shape[0]} x {shape[1]} numbers"
-        raise SceneError(f"{told} has {axes}: a height map has two axes, x and y, each of 2 numbers or more")
-    if found.values.size > MOST:
+        raise SceneError(f"{key} has {axes}: a height map has two axes, x and y, each of 2 numbers or more")
+    if found.values.size > MAX_SAMPLES:
         raise SceneError(
-            f"{told} has {found.values.size:.3g} heights, more than {MOST:.3g}: use a smaller map"
+            f"{key} has {found.values.size:.3g} heights, more than {MAX_SAMPLES:.3g}: use a smaller map"
         )
     if lost := np.count_nonzero(~np.isfinite(found.values)):
-        raise SceneError(f"{told} has gaps, {lost} in all, where the height is no finite number: fill them")
+        raise SceneError(f"{key} has gaps, {lost} in all, where the height is no finite number: fill them")
     pixel = found.pixel or (0.0, 0.0)
     if terrain.size is None and found.pixel is None:
-        raise SceneError(f"{name}.size is missing, and {told} does not say how many metres a pixel is")
+        raise SceneError(f"{name}.size is missing, and {key} does not say how many metres a pixel is")
     size = np.array(terrain.size or np.multiply(pixel, np.array(shape) - 1), dtype=np.float64)
     heights = found.values * (terrain.height / (found.full or 1.0))
     if max(np.abs(heights).max(), size.max()) > 1e6:
-        raise SceneError(f"{told} reaches beyond 1e6 m: set {name}.size, or a smaller {name}.height")
+        raise SceneError(f"{key} reaches beyond 1e6 m: set {name}.size, or a smaller {name}.height")
     return _core.geometry.HeightField(np.ascontiguousarray(heights, dtype=np.float32), size)
 
 
-def _array(path: Path, told: str) -> _Map:
+def _array(path: Path, key: str) -> _Map:
     """Read the array heights[x, y] of a NumPy file."""
     try:
         values = np.load(path, allow_pickle=False)
     except MemoryError:
         raise
     except Exception as error:  # whatever a damaged file makes its reader stumble over
-        raise _unreadable(told, error) from None
+        raise _unreadable(key, error) from None
     if not isinstance(values, np.ndarray) or values.dtype.kind not in "iuf":
-        raise SceneError(f"{told} holds no numbers: a height map is an array of whole or real numbers")
+        raise SceneError(f"{key} holds no numbers: a height map is an array of whole or real numbers")
     bits = 8 * values.dtype.itemsize if values.dtype.kind in "iu" else 32
     return _Map(values.astype(np.float64), _full(bits))
 
 
-def _picture(path: Path, told: str) -> _Map:
+def _picture(path: Path, key: str) -> _Map:
     """Read a picture of one channel, seen from above: x to the right, y upward."""
     from PIL import Image
 
@@ -90,16 +92,16 @@ def _picture(path: Path, told: str) -> _Map:
             with Image.open(path) as image:
                 tags = dict(getattr(image, "tag_v2", {}))
                 mode, pixels = image.mode, image.width * image.height
-                rows = np.asarray(image) if pixels <= MOST else np.zeros((0, 0))
+                rows = np.asarray(image) if pixels <= MAX_SAMPLES else np.zeros((0, 0))
     except MemoryError:
         raise
     except Exception as error:  # whatever a damaged file makes its reader stumble over
-        raise _unreadable(told, error) from None
-    if pixels > MOST:
-        raise SceneError(f"{told} has {pixels:.3g} pixels, more than {MOST:.3g}: use a smaller map")
+        raise _unreadable(key, error) from None
+    if pixels > MAX_SAMPLES:
+        raise SceneError(f"{key} has {pixels:.3g} pixels, more than {MAX_SAMPLES:.3g}: use a smaller map")
     if mode not in ("L", "I", "F") and not mode.startswith("I;16"):
         raise SceneError(
-            f"{told} is a picture in colours: a height map has one channel, of 8 or 16 bits or of reals"
+            f"{key} is a picture in colours: a height map has one channel, of 8 or 16 bits or of reals"
         )
     bits = tags[BITS][0] if BITS in tags else 8 if mode == "L" else 16
     if mode == "F":
@@ -124,7 +126,7 @@ def _in_degrees(tags: dict[int, Any]) -> bool:
     return bool(np.any((rows[1:, 0] == MODEL_TYPE) & (rows[1:, 3] == GEOGRAPHIC)))
 
 
-def _unreadable(told: str, error: Exception) -> SceneError:
+def _unreadable(key: str, error: Exception) -> SceneError:
     if isinstance(error, OSError) and error.errno and error.strerror:
-        return SceneError(f"{told} cannot be read: {error.strerror[:1].lower()}{error.strerror[1:]}")
-    return SceneError(f"{told} cannot be read: it is damaged, or not the kind of file that its name says")
+        return SceneError(f"{key} cannot be read: {error.strerror[:1].lower()}{error.strerror[1:]}")
+    return SceneError(f"{key} cannot be read: it is damaged, or not the kind of file that its name says")

@@ -86,8 +86,8 @@ def tidied(vertices: Array, faces: NDArray[np.integer]) -> Triangles:
     Equal vertices become one; faces that are lines or points, and repeated ones, go; faces of a
     connected part face the same side, the outside where neighbours disagreed; and so does the whole.
     """
-    unique, place = np.unique(vertices + 0.0, axis=0, return_inverse=True)  # -0.0 + 0.0 is 0.0
-    corners = place.reshape(-1)[faces].astype(np.int32).reshape(-1, 3)
+    unique, rows = np.unique(vertices + 0.0, axis=0, return_inverse=True)  # -0.0 + 0.0 is 0.0
+    corners = rows.reshape(-1)[faces].astype(np.int32).reshape(-1, 3)
     corners = corners[_has_area(unique, corners)]
     _, first = np.unique(np.sort(corners, axis=1), axis=0, return_index=True)
     corners = corners[np.sort(first)]

@@ -15,9 +15,9 @@ from neve.colliders.solid import Solid
 from neve.geometry.pose import rotation_matrix
 from neve.rigid.engine import engine, quaternion, reason
 from neve.rigid.hulls import add_mesh, add_terrain, lift_of
-from neve.rigid.inertia import bulk_of
-from neve.rigid.robot_solids import Place
-from neve.rigid.robots import Loaded, add_robot, place_joints
+from neve.rigid.inertia import mass_properties
+from neve.rigid.robot_solids import Attachment
+from neve.rigid.robots import LoadedRobot, add_robot, place_joints
 from neve.scene.errors import SceneError
 from neve.scene.schema.bodies import DENSITY, Motor
 from neve.scene.schema.scene import Body, Collider, Scene
@@ -35,7 +35,7 @@ LIGHTEST = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class Control:
-    """Hold what an actuator is told: values at increasing times, straight lines between."""
+    """Hold the control of an actuator: values at increasing times, straight lines between."""
 
     actuator: int
     times: Array
@@ -44,23 +44,23 @@ class Control:
 
 @dataclass
 class Assembly:
-    """Hold the engine's model and who is who in it.
+    """Hold the engine's model, and where the scene's solids are in it.
 
     Attributes:
         model: mujoco.MjModel
-        places: of each solid of bodies, in their order; those of robots follow
+        attachments: of each solid of bodies, in their order; those of robots follow
         robots: what was read of each robot
         scripted: colliders that move, each with its number among the engine's mocap bodies and its geom
-        controls: what actuators are told
-        start: places of the joints at the start
+        controls: of the actuators
+        start: positions of the joints at the start
         speeds: velocities of the degrees of freedom at the start
     """
 
     model: Any
-    places: list[Place] = field(default_factory=list)
+    attachments: list[Attachment] = field(default_factory=list)
     scripted: list[tuple[Collider, int, int]] = field(default_factory=list)
     controls: list[Control] = field(default_factory=list)
-    robots: list[Loaded] = field(default_factory=list)
+    robots: list[LoadedRobot] = field(default_factory=list)
     start: Array = field(default_factory=lambda: np.zeros(0))
     speeds: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -73,7 +73,7 @@ class _Frame:
     rotation: Array
 
     def inside(self, position: Array, rotation: Array) -> tuple[Array, Array]:
-        """Return a place in the world as seen from this frame."""
+        """Return a position and a rotation in the world as seen from this frame."""
         return self.rotation.T @ (position - self.position), self.rotation.T @ rotation
 
 
@@ -93,7 +93,7 @@ def assemble(scene: Scene, colliders: Sequence[Solid], bodies: Sequence[Solid]) 
     robots = [add_robot(spec, robot, f"robots.{i}") for i, robot in enumerate(scene.robots)]
     made = Assembly(model=_compiled(spec), robots=robots)
     made.start = place_joints(made.model, robots)
-    _find_places(made, bodies, scene.bodies, frames)
+    _find_attachments(made, bodies, scene.bodies, frames)
     _find_scripted(made, scene.colliders, colliders)
     _tune_motors(made, _motors(scene.bodies, bodies, robots))
     made.controls += _controls(made.model, scene.bodies, bodies, robots)
@@ -106,7 +106,7 @@ def _new_spec(gravity: tuple[float, float, float]) -> Any:
 
     implicitfast changes the momentum of a free body by force times step to rounding, and a spinning one gains
     no energy (MuJoCo's documentation, numerical integration). No islands: they save time only among many
-    heaps of bodies. No automatic reset: a body that loses its numbers is to be told, not put back.
+    heaps of bodies. No automatic reset: a body whose state is not finite must be reported, not put back.
     """
     mujoco = engine()
     spec = mujoco.MjSpec()
@@ -125,8 +125,8 @@ def _compiled(spec: Any) -> Any:
     try:
         return spec.compile()
     except (ValueError, engine().FatalError) as error:
-        part = re.search(r"Element name '([^']+)'", str(error))
-        raise SceneError(f"{part[1] if part else 'a body'} cannot be moved: {reason(error)}") from None
+        element = re.search(r"Element name '([^']+)'", str(error))
+        raise SceneError(f"{element[1] if element else 'a body'} cannot be moved: {reason(error)}") from None
 
 
 def _geom(spec: Any, solid: Solid) -> dict[str, Any]:
@@ -141,13 +141,13 @@ def _geom(spec: Any, solid: Solid) -> dict[str, Any]:
 
 
 def _add_geom(
-    spec: Any, body: Any, solid: Solid, place: tuple[Array, Array], friction: float, meets: bool
+    spec: Any, body: Any, solid: Solid, where: tuple[Array, Array], friction: float, meets: bool
 ) -> None:
-    """Add the shape of `solid`, without mass, to a body of the engine at `place` in its frame."""
+    """Add the shape of `solid`, without mass, to a body of the engine, at `where` in its frame."""
     body.add_geom(
         name=solid.name,
-        pos=place[0] + place[1] @ lift_of(solid),
-        quat=quaternion(place[1]),
+        pos=where[0] + where[1] @ lift_of(solid),
+        quat=quaternion(where[1]),
         mass=0.0,
         friction=[friction, 0.005, 0.0001],
         solref=[TIME_CONSTANT, 1.0],
@@ -176,11 +176,11 @@ def _add_collider(spec: Any, collider: Collider, solid: Solid) -> None:
 
 def _add_body(spec: Any, body: Body, solid: Solid, frames: Sequence[_Frame]) -> _Frame:
     """Add a body with its joint and motor, and return the frame that the engine gives it."""
-    bulk = bulk_of(solid)
+    properties = mass_properties(solid)
     density = DENSITY if body.density is None else body.density
-    mass = density * bulk.volume if body.mass is None else body.mass
-    moments, axes = bulk.principal()
-    moments *= mass / bulk.volume
+    mass = density * properties.volume if body.mass is None else body.mass
+    moments, axes = properties.principal()
+    moments *= mass / properties.volume
     if min(mass, *moments) < LIGHTEST:
         raise SceneError(
             f"{solid.name} has a mass of {mass:.3g} kg and moments of inertia from {min(moments):.3g} kg m2: "
@@ -188,16 +188,16 @@ def _add_body(spec: Any, body: Body, solid: Solid, frames: Sequence[_Frame]) -> 
         )
     R = rotation_matrix(np.radians(body.rotation))
     center = np.array(body.origin)
-    frame = _Frame(center + R @ bulk.center, R @ axes)
+    frame = _Frame(center + R @ properties.center, R @ axes)
     if body.parent is None:
-        host, place = spec.worldbody, (frame.position, frame.rotation)
+        host, where = spec.worldbody, (frame.position, frame.rotation)
     else:
         host = spec.body(f"bodies.{body.parent}")
-        place = frames[body.parent].inside(frame.position, frame.rotation)
+        where = frames[body.parent].inside(frame.position, frame.rotation)
     made = host.add_body(
         name=solid.name,
-        pos=place[0],
-        quat=quaternion(place[1]),
+        pos=where[0],
+        quat=quaternion(where[1]),
         mass=mass,
         ipos=np.zeros(3),
         inertia=moments,
@@ -235,12 +235,12 @@ def _add_joint(spec: Any, made: Any, body: Body, frame: _Frame, name: str) -> No
             motor.forcerange = [-body.motor.limit, body.motor.limit]
 
 
-def _find_places(
+def _find_attachments(
     made: Assembly, solids: Sequence[Solid], bodies: Sequence[Body], frames: Sequence[_Frame]
 ) -> None:
     for solid, body, frame in zip(solids, bodies, frames, strict=True):
-        place = frame.inside(np.array(body.origin), rotation_matrix(np.radians(body.rotation)))
-        made.places.append(Place(made.model.body(solid.name).id, *place))
+        where = frame.inside(np.array(body.origin), rotation_matrix(np.radians(body.rotation)))
+        made.attachments.append(Attachment(made.model.body(solid.name).id, *where))
 
 
 def _find_scripted(made: Assembly, colliders: Sequence[Collider], solids: Sequence[Solid]) -> None:
@@ -251,7 +251,7 @@ def _find_scripted(made: Assembly, colliders: Sequence[Collider], solids: Sequen
 
 
 def _motors(
-    bodies: Sequence[Body], solids: Sequence[Solid], robots: Sequence[Loaded]
+    bodies: Sequence[Body], solids: Sequence[Solid], robots: Sequence[LoadedRobot]
 ) -> Iterator[tuple[str, Motor]]:
     """Yield the full name of each joint that has a motor here, which is also that of its actuator."""
     for body, solid in zip(bodies, solids, strict=True):
@@ -265,8 +265,8 @@ def _motors(
 def _tune_motors(made: Assembly, motors: Iterable[tuple[str, Motor]]) -> None:
     """Set the gains of motors, from the inertia of the joint at the start where none is given.
 
-    A speed is reached as 1 - exp(-t gain / I), within 5 % at t = 3 I / gain; a place, critically damped, as
-    1 - (1 + w t) exp(-w t), w^2 = gain / I, within 5 % at w t = 4.74.
+    A speed is reached as 1 - exp(-t gain / I), within 5 % at t = 3 I / gain; a position, critically damped,
+    as 1 - (1 + w t) exp(-w t), w^2 = gain / I, within 5 % at w t = 4.74.
     """
     mujoco, model = engine(), made.model
     data = mujoco.MjData(model)
@@ -295,9 +295,9 @@ def _set_gain(actuator: Any, motor: Motor, inertia: float) -> None:
 
 
 def _controls(
-    model: Any, bodies: Sequence[Body], solids: Sequence[Solid], robots: Sequence[Loaded]
+    model: Any, bodies: Sequence[Body], solids: Sequence[Solid], robots: Sequence[LoadedRobot]
 ) -> Iterator[Control]:
-    """Yield what the motors of bodies and the actuators of robots are told."""
+    """Yield the controls of the motors of bodies and of the actuators of robots."""
     for body, solid in zip(bodies, solids, strict=True):
         if body.motor is None:
             continue

@@ -13,21 +13,21 @@ from neve.colliders.motion import pose
 from neve.colliders.solid import Solid, solid_of
 from neve.geometry.pose import Pose, cross
 from neve.rigid.assembly import Assembly, assemble
-from neve.rigid.constraint_inertia import damping, support
+from neve.rigid.constraint_inertia import constraint_inertia, damping
 from neve.rigid.coupled_bodies import LostBody
 from neve.rigid.engine import engine, quaternion
 from neve.rigid.overlap import require_apart
-from neve.rigid.robot_solids import parts_of
+from neve.rigid.robot_solids import robot_solids
 from neve.scene.schema.scene import Scene
 
 Array = NDArray[np.float64]
 
-LONGEST = 5e-4
+MAX_STEP = 5e-4
 """Longest step of the engine [s]."""
-USUAL = 1e-4
-"""What the engine takes for the length of its step before the first one [s]."""
-FARTHEST = 1e10
-"""Places and velocities beyond this are lost, as they are for the engine [m, m/s, rad/s]."""
+FIRST_STEP = 1e-4
+"""Length of the engine's step that is assumed before the first one [s]."""
+LARGEST = 1e10
+"""Positions and velocities beyond this count as lost, as they do for the engine [m, m/s, rad/s]."""
 
 
 class RigidBodies:
@@ -49,17 +49,17 @@ class RigidBodies:
         )
         self._assembly: Assembly = assemble(scene, colliders, bodies)
         self._model = self._assembly.model
-        parts = [
-            part
+        of_robots = [
+            found
             for loaded in self._assembly.robots
-            for part in parts_of(self._model, loaded, scene.numerics.dx)
+            for found in robot_solids(self._model, loaded, scene.numerics.dx)
         ]
-        self._assembly.places += [place for _, place in parts]
-        self.solids = (*bodies, *(solid for solid, _ in parts))
-        """The solids that the engine moves: all bodies, then the parts of all robots that collide."""
+        self._assembly.attachments += [attachment for _, attachment in of_robots]
+        self.solids = (*bodies, *(solid for solid, _ in of_robots))
+        """The solids that the engine moves: all bodies, then those of all robots."""
         self._data = self._mj.MjData(self._model)
         self._signature = int(self._mj.mjtState.mjSTATE_INTEGRATION)
-        self._model.opt.timestep = USUAL
+        self._model.opt.timestep = FIRST_STEP
         self._data.qpos[:] = self._assembly.start
         self._data.qvel[:] = self._assembly.speeds
         self._refresh()
@@ -80,11 +80,11 @@ class RigidBodies:
         at the frame's origin [N s] and moment about it [N m s]. A = J (M + h D + K)^-1 J^T with the Jacobian
         J of U and the mass matrix M of the joints; D is the damping of joints and motors, which the engine
         takes implicitly, h the length of its last step. K is what contacts, limits and equalities add that
-        hold now (`support`): a body that lies on the ground gives way no more than the ground lets it.
+        hold now (`constraint_inertia`): a body on the ground yields no more than the ground lets it.
         """
         J = self._jacobian
         moved = np.zeros_like(J)
-        held = support(self._mj, self._model, self._data)
+        held = constraint_inertia(self._mj, self._model, self._data)
         if self._damping is not None or held is not None:
             inertia = self._damped_inertia() + (0.0 if held is None else held)
             moved[:] = np.linalg.solve(inertia, J.T).T
@@ -105,8 +105,8 @@ class RigidBodies:
             rates = np.linalg.solve(self._damped_inertia(), data.qfrc_smooth + data.qfrc_constraint)
         found = self._jacobian @ rates
         change = np.zeros((6, model.nv))
-        for i, place in enumerate(self._assembly.places):
-            mj.mj_jacDot(model, data, change[:3], change[3:], self._positions[i], place.body)
+        for i, held in enumerate(self._assembly.attachments):
+            mj.mj_jacDot(model, data, change[:3], change[3:], self._positions[i], held.body)
             found[6 * i : 6 * i + 6] += change @ data.qvel
         return np.asarray(found.reshape(-1, 6))
 
@@ -115,9 +115,9 @@ class RigidBodies:
 
         exchanged: (n, 7), impulse of the snow on each solid [N s], its moment about the frame's origin
         [N m s], work [J] (not used). It acts as a constant force and torque. The engine takes equal steps of
-        at most LONGEST.
+        at most MAX_STEP.
 
-        Errors: LostBody if what was exchanged, or a place or a velocity afterwards, is not finite.
+        Errors: LostBody if what was exchanged, or a position or a velocity afterwards, is not finite.
         """
         model, data = self._model, self._data
         wrenches = np.asarray(exchanged, dtype=np.float64)[:, :6] / dt
@@ -127,13 +127,13 @@ class RigidBodies:
         if abs(time - data.time) > 1e-9 * max(1.0, time):
             data.time = time
             self._refresh()
-        count = max(1, math.ceil(dt / LONGEST - 1e-9))
+        count = max(1, math.ceil(dt / MAX_STEP - 1e-9))
         model.opt.timestep = dt / count
-        self._push(wrenches)
+        self._apply(wrenches)
         for i in range(count):
             if i:
                 data.time = time + i * model.opt.timestep
-                self._look()
+                self._begin_step()
             self._set_controls(data.time)
             self._mj.mj_step2(model, data)
         data.xfrc_applied[:] = 0.0
@@ -201,7 +201,7 @@ class RigidBodies:
     @property
     def mass(self) -> Array:
         """Mass of the body that carries each solid [kg], (n,)."""
-        return np.array([self._model.body_mass[place.body] for place in self._assembly.places])
+        return np.array([self._model.body_mass[held.body] for held in self._assembly.attachments])
 
     def _sums(self) -> tuple[Array, Array]:
         """Return momentum and angular momentum, from the velocities of the centres of mass."""
@@ -217,19 +217,19 @@ class RigidBodies:
             angular += np.cross(data.xipos[body], p) + axes @ (model.body_inertia[body] * spin)
         return momentum, angular
 
-    def _push(self, wrenches: Array) -> None:
+    def _apply(self, wrenches: Array) -> None:
         """Apply a force at each solid's frame and a torque about it, as they stand now [N, N m], (n, 6)."""
         data = self._data
         data.xfrc_applied[:] = 0.0
-        for place, x, wrench in zip(self._assembly.places, self._positions, wrenches, strict=True):
+        for held, x, wrench in zip(self._assembly.attachments, self._positions, wrenches, strict=True):
             force, torque = wrench[:3], wrench[3:]
-            data.xfrc_applied[place.body, :3] += force
-            data.xfrc_applied[place.body, 3:] += torque + cross(x - data.xipos[place.body], force)
+            data.xfrc_applied[held.body, :3] += force
+            data.xfrc_applied[held.body, 3:] += torque + cross(x - data.xipos[held.body], force)
 
-    def _look(self) -> None:
-        """Do the first half of a step of the engine: places, velocities, contacts, and what these aim at.
+    def _begin_step(self) -> None:
+        """Do the first half of a step of the engine: positions, velocities, contacts, and what these aim at.
 
-        The engine takes mocap bodies for resting ones. What a contact aims at, -B u - K r with the velocity u
+        The engine takes mocap bodies to be at rest. What a contact aims at, -B u - K r with the velocity u
         of one surface past the other, is therefore corrected by the velocity of a moving collider's surface.
         """
         model, data = self._model, self._data
@@ -262,23 +262,23 @@ class RigidBodies:
 
     def _require_finite(self, time: float) -> None:
         state = np.concatenate((self._data.qpos, self._data.qvel))
-        if np.all(np.abs(state) < FARTHEST):  # false for NaN
+        if np.all(np.abs(state) < LARGEST):  # false for NaN
             return
         self._refresh()
         lost = [
             solid.name
             for solid, at in zip(self.solids, self.poses(), strict=True)
-            if not all(np.all(np.abs(u) < FARTHEST) for u in (at.position, at.velocity, at.omega))
+            if not all(np.all(np.abs(u) < LARGEST) for u in (at.position, at.velocity, at.omega))
         ]
-        who = lost[0] if lost else "a joint"
+        name = lost[0] if lost else "a joint"
         raise LostBody(
-            f"{who} has no finite place or velocity at t = {time:.6g} s: check masses, gains and velocities"
+            f"{name} has no finite place or velocity at t = {time:.6g} s: check masses, gains and velocities"
         )
 
     def _refresh(self) -> None:
-        """Derive from places and velocities of the joints what the questions of a step need."""
+        """Derive from the positions and velocities of the joints what the methods above need."""
         model, data = self._model, self._data
-        self._look()
+        self._begin_step()
         self._set_controls(data.time)
         self._mj.mj_fwdActuation(model, data)
         kept = data.qacc_warmstart.copy()  # of the engine's own last step
@@ -286,13 +286,13 @@ class RigidBodies:
         self._mj.mj_fwdConstraint(model, data)
         data.qacc_warmstart[:] = kept
         self._damping = damping(self._mj, model, data)
-        places = self._assembly.places
-        self._positions = np.zeros((len(places), 3))
-        self._rotations = np.zeros((len(places), 3, 3))
-        self._jacobian = np.zeros((6 * len(places), model.nv))
-        for i, place in enumerate(places):
-            R = data.xmat[place.body].reshape(3, 3)
-            self._positions[i] = data.xpos[place.body] + R @ place.position
-            self._rotations[i] = R @ place.rotation
+        attachments = self._assembly.attachments
+        self._positions = np.zeros((len(attachments), 3))
+        self._rotations = np.zeros((len(attachments), 3, 3))
+        self._jacobian = np.zeros((6 * len(attachments), model.nv))
+        for i, held in enumerate(attachments):
+            R = data.xmat[held.body].reshape(3, 3)
+            self._positions[i] = data.xpos[held.body] + R @ held.position
+            self._rotations[i] = R @ held.rotation
             rows = self._jacobian[6 * i : 6 * i + 6]
-            self._mj.mj_jac(model, data, rows[:3], rows[3:], self._positions[i], place.body)
+            self._mj.mj_jac(model, data, rows[:3], rows[3:], self._positions[i], held.body)

@@ -30,7 +30,7 @@ def damping(mj: Any, model: Any, data: Any) -> Array | None:
     return found if found.any() else None
 
 
-def support(mj: Any, model: Any, data: Any) -> Array | None:
+def constraint_inertia(mj: Any, model: Any, data: Any) -> Array | None:
     """Return K = sum of J^T D J (nv, nv) over the constraints that hold in `data`; None if there are none.
 
     A constraint of the engine answers an acceleration a with the force D (a_ref - J a) as long as it holds

@@ -1,4 +1,4 @@
-"""What the step asks of whoever moves the solids that give way to the snow."""
+"""The interface of whatever moves bodies: what a step with snow needs from it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 class LostBody(RuntimeError):
-    """Say which body has no finite place or velocity any more, and when. One sentence."""
+    """Raised when a body has no finite position or velocity; names the body and the time."""
 
 
 class CoupledBodies(Protocol):

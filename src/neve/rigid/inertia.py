@@ -17,12 +17,12 @@ from neve.scene.errors import SceneError
 Array = NDArray[np.float64]
 
 CELLS = 64
-"""Cells along each edge of the box around a mesh, by which it is weighed if its triangles do not tell."""
+"""Cells along each edge of the box around a mesh whose triangles give no integrals, see `of_inside`."""
 
 
 @dataclass(frozen=True, eq=False)
-class Bulk:
-    """Hold what a shape of density 1 weighs, in its own frame.
+class MassProperties:
+    """Hold the mass properties of a shape of density 1, in its own frame.
 
     Attributes:
         volume: [m3]
@@ -45,21 +45,21 @@ class Bulk:
         return moments, axes
 
 
-def bulk_of(solid: Solid) -> Bulk:
+def mass_properties(solid: Solid) -> MassProperties:
     """Return volume, centre of mass and inertia of a solid that has bounds.
 
     Errors: SceneError for a mesh without an inside.
     """
     if solid.mesh:
         if solid.mesh.thickness > 0:
-            return bulk_of_sheet(solid.mesh.vertices, solid.mesh.faces, solid.mesh.thickness)
+            return of_sheet(solid.mesh.vertices, solid.mesh.faces, solid.mesh.thickness)
         if not _winds_once(solid.mesh.surface):
-            return measured_bulk(solid.mesh.surface, solid.name)
-        return bulk_of_mesh(solid.mesh.vertices, solid.mesh.faces)
+            return of_inside(solid.mesh.surface, solid.name)
+        return of_mesh(solid.mesh.vertices, solid.mesh.faces)
     if solid.endless:
         raise ValueError(f"{solid.name}: a {solid.shape} has no mass")
     volume, squares = solid.form.volume_of(solid.half), solid.form.mean_squares(solid.half)
-    return Bulk(volume, np.zeros(3), volume * np.diag(squares.sum() - squares))
+    return MassProperties(volume, np.zeros(3), volume * np.diag(squares.sum() - squares))
 
 
 def _winds_once(surface: Triangles) -> bool:
@@ -67,7 +67,7 @@ def _winds_once(surface: Triangles) -> bool:
     return not surface.open_edges and bool(np.all(windings(surface, surface.low, surface.high, 24)[1] == 1))
 
 
-def bulk_of_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> Bulk:
+def of_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> MassProperties:
     """Return volume, centre of mass and inertia inside a closed triangle mesh: vertices (n, 3), faces (m, 3).
 
     Sums over the tetrahedra between each face and one point, signed by the side on which the face looks at
@@ -85,10 +85,10 @@ def bulk_of_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> Bulk:
     center = (V[:, None] * s).sum(axis=0) / (4.0 * volume)
     second = sum(np.einsum("n,ni,nj->ij", V, p, p) for p in (a, b, c, s)) / 20.0
     second = sign * (second - volume * np.outer(center, center))
-    return Bulk(abs(volume), origin + center, np.trace(second) * np.eye(3) - second)
+    return MassProperties(abs(volume), origin + center, np.trace(second) * np.eye(3) - second)
 
 
-def bulk_of_sheet(vertices: NDArray[Any], faces: NDArray[Any], thickness: float) -> Bulk:
+def of_sheet(vertices: NDArray[Any], faces: NDArray[Any], thickness: float) -> MassProperties:
     """Return volume, centre of mass and inertia of a sheet around triangles: area times `thickness` [m].
 
     Over a triangle of area A with corners a, b, c and s = a + b + c: int x = A s / 3, int x x^T =
@@ -105,16 +105,16 @@ def bulk_of_sheet(vertices: NDArray[Any], faces: NDArray[Any], thickness: float)
     second = sum(np.einsum("n,ni,nj->ij", A, p, p) for p in (a, b, c, s)) / 12.0
     second += np.einsum("ni,nj,n->ij", across, across, 1.0 / A) * thickness**2 / 12.0
     second = thickness * (second - area * np.outer(center, center))
-    return Bulk(thickness * area, origin + center, np.trace(second) * np.eye(3) - second)
+    return MassProperties(thickness * area, origin + center, np.trace(second) * np.eye(3) - second)
 
 
-def measured_bulk(surface: Triangles, name: str) -> Bulk:
+def of_inside(surface: Triangles, name: str) -> MassProperties:
     """Return volume, centre of mass and inertia of where `surface` winds round.
 
-    For triangles that do not tell by themselves: of parts that overlap, that are inside out, or with small
+    For triangles whose sums are no integrals: of pieces that overlap, that are inside out, or with small
     holes. Sums over CELLS^3 cells of the box around it, each whole or not at all.
 
-    Errors: SceneError if there is no inside; `name` tells the body.
+    Errors: SceneError if there is no inside; `name`: used in messages.
     """
     size = surface.high - surface.low
     x, _ = windings(surface, surface.low, surface.high, CELLS)
@@ -122,4 +122,4 @@ def measured_bulk(surface: Triangles, name: str) -> Bulk:
         raise SceneError(f"{name} has no volume to weigh: close its mesh, or set {name}.thickness")
     dV, center = float(np.prod(size / CELLS)), x.mean(axis=0)
     second = dV * (x - center).T @ (x - center)
-    return Bulk(dV * len(x), center, np.trace(second) * np.eye(3) - second)
+    return MassProperties(dV * len(x), center, np.trace(second) * np.eye(3) - second)

@@ -13,7 +13,7 @@ SHARE = 0.05
 def require_apart(model: Any, data: Any) -> None:
     """Raise SceneError, one sentence that names both, if a body is inside another or inside a collider.
 
-    The contacts of `data` are those of the start. What parts of one robot do among themselves is its own.
+    The contacts of `data` are those of the start. Geoms of one robot may overlap one another.
     """
     for contact in data.contact:
         first, second = (int(geom) for geom in contact.geom)

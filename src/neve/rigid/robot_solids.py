@@ -15,7 +15,7 @@ from neve.geometry.mesh import DOUBTFUL_SHARE, doubtful_share
 from neve.geometry.sdf import SolidMesh, filled
 from neve.geometry.triangles import tidied
 from neve.rigid.engine import engine
-from neve.rigid.robots import Loaded
+from neve.rigid.robots import LoadedRobot
 from neve.scene.schema.roles import SHAPES
 
 if TYPE_CHECKING:
@@ -29,18 +29,18 @@ ROUND = 48
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
-    """Say where the frame of a solid sits in the engine: on which body, and how in that body's frame."""
+class Attachment:
+    """Hold on which body of the engine a solid's frame is fixed, and where in that body's frame."""
 
     body: int
     position: Array
     rotation: Array
 
 
-def parts_of(model: Any, loaded: Loaded, dx: float) -> Iterator[tuple[Solid, Place]]:
-    """Yield each part of a robot that collides, as a solid for a snow grid of spacing `dx` [m].
+def robot_solids(model: Any, loaded: LoadedRobot, dx: float) -> Iterator[tuple[Solid, Attachment]]:
+    """Yield each geom of a robot that collides, as a solid for a snow grid of spacing `dx` [m].
 
-    The frame of a part is that of the engine's geom: the centre of a simple shape, and of a mesh its centre
+    The frame of such a solid is that of the engine's geom: the centre of a simple shape; of a mesh its centre
     of mass with the principal axes.
     """
     for geom in loaded.geoms:
@@ -51,11 +51,11 @@ def parts_of(model: Any, loaded: Loaded, dx: float) -> Iterator[tuple[Solid, Pla
         body = int(model.geom_bodyid[index])
         yield (
             _solid(model, index, loaded, name, dx),
-            Place(body, np.array(model.geom_pos[index]), axes.reshape(3, 3)),
+            Attachment(body, np.array(model.geom_pos[index]), axes.reshape(3, 3)),
         )
 
 
-def _solid(model: Any, index: int, loaded: Loaded, name: str, dx: float) -> Solid:
+def _solid(model: Any, index: int, loaded: LoadedRobot, name: str, dx: float) -> Solid:
     shape, half = _simple(model, index)
     robot = loaded.robot
     material = int(model.geom_matid[index])
@@ -89,7 +89,7 @@ def _simple(model: Any, index: int) -> tuple[str, Array]:
 
 
 def _mesh(model: Any, index: int, dx: float) -> SolidMesh:
-    """Return the body of triangles of a capsule, an ellipsoid or a mesh.
+    """Return the triangles and distances of a capsule, an ellipsoid or a mesh.
 
     A mesh that is open, so that it has no inside, counts as its convex hull, as it does for the engine.
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -22,14 +23,14 @@ Array = NDArray[np.float64]
 
 
 @dataclass
-class Loaded:
+class LoadedRobot:
     """Hold a robot that is part of the engine's model.
 
     Attributes:
-        name: in messages and before the names of its parts, such as "robots.0"
+        name: in messages and before the names of its geoms, such as "robots.0"
         robot: what the scene says of it
         geoms: names of its geoms that collide, in the order of the file
-        controls: of each actuator that is told something: its name, times and values
+        controls: of each actuator that the scene controls: its name, times and values
         motors: joints that get a motor here, because their file has none: name and motor
         start: values of joints at the start, by the joint's name
     """
@@ -42,27 +43,29 @@ class Loaded:
     start: dict[str, Array] = field(default_factory=dict)
 
 
-def add_robot(spec: Any, robot: Robot, name: str) -> Loaded:
-    """Read the file of `robot` and add it to `spec`; `name` tells it in messages.
+def add_robot(spec: Any, robot: Robot, name: str) -> LoadedRobot:
+    """Read the file of `robot` and add it to `spec`.
+
+    `name`: used in messages.
 
     Its own options, such as gravity and time step, do not count: those of the scene do.
 
     Errors: SceneError, one sentence: unreadable, a mesh that is missing, nothing that collides, flexible
     parts, no such actuator, keyframe or range.
     """
-    told = f"{name}.file = {json.dumps(robot.file, ensure_ascii=False)}"
-    child = _read(Path(robot.file), told)
+    text = f"{name}.file = {json.dumps(robot.file, ensure_ascii=False)}"
+    child = _read(Path(robot.file), text)
     is_urdf = _is_urdf(Path(robot.file))
     if is_urdf:
-        _find_meshes(child, Path(robot.file).parent, told)
+        _find_meshes(child, Path(robot.file).parent, text)
         child.compiler.fusestatic = False
     if robot.free:
         _set_free(child, name)
-    loaded = Loaded(name, robot, _named_geoms(child, told))
+    loaded = LoadedRobot(name, robot, _named_geoms(child, text))
     _name_joints_and_actuators(child)
     if is_urdf:
         loaded.motors = _motors(child, robot)
-    alone = _compiled(child, told)
+    alone = _compiled(child, text)
     _check_controls(loaded, alone)
     _set_start(loaded, alone)
     for key in list(child.keys):
@@ -97,30 +100,30 @@ def _is_urdf(path: Path) -> bool:
     return False
 
 
-def _read(path: Path, told: str) -> Any:
+def _read(path: Path, text: str) -> Any:
     try:
         return engine().MjSpec.from_file(str(path))
     except (ValueError, OSError, engine().FatalError) as error:
-        raise SceneError(f"{told} cannot be read as a robot: {reason(error)}") from None
+        raise SceneError(f"{text} cannot be read as a robot: {reason(error)}") from None
 
 
-def _compiled(child: Any, told: str) -> Any:
+def _compiled(child: Any, text: str) -> Any:
     try:
         model = child.compile()
     except (ValueError, OSError, engine().FatalError) as error:
-        raise SceneError(f"{told} cannot be used as a robot: {reason(error)}") from None
+        raise SceneError(f"{text} cannot be used as a robot: {reason(error)}") from None
     if model.nflex:
-        raise SceneError(f"{told} has flexible parts (flex), which bodies of Neve are not: take them out")
+        raise SceneError(f"{text} has flexible parts (flex), which bodies of Neve are not: take them out")
     return model
 
 
-def _find_meshes(child: Any, folder: Path, told: str) -> None:
+def _find_meshes(child: Any, folder: Path, text: str) -> None:
     """Make the names of the meshes of a URDF file, seen from its `folder`, absolute."""
     for mesh in child.meshes:
         found = _mesh_file(mesh.file, folder)
         if found is None:
             missing = json.dumps(mesh.file, ensure_ascii=False)
-            raise SceneError(f"{told} names a mesh {missing} that is neither beside the file nor above it")
+            raise SceneError(f"{text} names a mesh {missing} that is neither beside the file nor above it")
         mesh.file = str(found)
 
 
@@ -131,11 +134,11 @@ def _mesh_file(name: str, folder: Path) -> Path | None:
     if scheme == "file":
         bare = Path("/") / bare
     folder = folder.resolve()
-    places = [folder / bare]
+    candidates = [folder / bare]
     if scheme in ("package", "model"):
         inside = Path(*bare.parts[1:]) if len(bare.parts) > 1 else bare
-        places = [up / end for up in (folder, *folder.parents) for end in (bare, inside)]
-    return next((place for place in places if place.is_file()), None)
+        candidates = [up / end for up in (folder, *folder.parents) for end in (bare, inside)]
+    return next((path for path in candidates if path.is_file()), None)
 
 
 def _set_free(child: Any, name: str) -> None:
@@ -148,7 +151,7 @@ def _set_free(child: Any, name: str) -> None:
         base.add_freejoint()
 
 
-def _named_geoms(child: Any, told: str) -> list[str]:
+def _named_geoms(child: Any, text: str) -> list[str]:
     """Return the names of all geoms that collide; those without one are named after their body."""
     taken = {geom.name for geom in child.geoms}
     names = []
@@ -159,19 +162,22 @@ def _named_geoms(child: Any, told: str) -> list[str]:
             geom.name = _free_name(geom.parent.name or "geom", taken)
         names.append(geom.name)
     if not names:
-        raise SceneError(f"{told} has no geometry that collides, so that snow would never meet it")
+        raise SceneError(f"{text} has no geometry that collides, so that snow would never meet it")
     return names
 
 
-def _free_name(wish: str, taken: set[str]) -> str:
-    """Return `wish`, or `wish` with the first number that makes it a name of its own; book it as taken."""
-    name = wish if wish not in taken else next(n for i in range(1, 10**9) if (n := f"{wish}{i}") not in taken)
+def _free_name(wanted: str, taken: set[str]) -> str:
+    """Return `wanted`, with the first free number if it is taken, and add it to `taken`."""
+    numbered = (f"{wanted}{i}" for i in itertools.count(1))
+    name = wanted if wanted not in taken else next(other for other in numbered if other not in taken)
     taken.add(name)
     return name
 
 
 def _name_joints_and_actuators(child: Any) -> None:
-    joints, actuators = ({part.name for part in parts} for parts in (child.joints, child.actuators))
+    joints, actuators = (
+        {element.name for element in elements} for elements in (child.joints, child.actuators)
+    )
     for joint in child.joints:
         joint.name = joint.name or _free_name(f"{joint.parent.name}_joint", joints)
     for actuator in child.actuators:
@@ -181,7 +187,8 @@ def _name_joints_and_actuators(child: Any) -> None:
 def _motors(child: Any, robot: Robot) -> list[tuple[str, Motor]]:
     """Give motors to the joints of a URDF file that are controlled: it has none of its own.
 
-    A joint with limits is brought to a place, an endless one to a speed; the file's effort bounds the force.
+    A joint with limits is brought to a position, an endless one to a speed; the file's effort
+    bounds the force.
     """
     mujoco = engine()
     found = []
@@ -196,7 +203,7 @@ def _motors(child: Any, robot: Robot) -> list[tuple[str, Motor]]:
     return found
 
 
-def _check_controls(loaded: Loaded, alone: Any) -> None:
+def _check_controls(loaded: LoadedRobot, alone: Any) -> None:
     """Sort the scene's controls by actuator; refuse an actuator or a value that the robot does not have."""
     names = [alone.actuator(i).name for i in range(alone.nu)]
     timelines: dict[str, list[tuple[float, float]]] = {}
@@ -223,8 +230,8 @@ def _check_controls(loaded: Loaded, alone: Any) -> None:
     loaded.controls = [(name, *np.array(line).T) for name, line in timelines.items()]
 
 
-def _range(alone: Any, actuator: int, name: str, loaded: Loaded) -> tuple[float, float]:
-    """Return what an actuator may be told: its range, or that of the joint that it brings to a place."""
+def _range(alone: Any, actuator: int, name: str, loaded: LoadedRobot) -> tuple[float, float]:
+    """Return what an actuator takes: its range, or that of the joint that it brings to a position."""
     if alone.actuator_ctrllimited[actuator]:
         low, high = alone.actuator_ctrlrange[actuator]
         return float(low), float(high)
@@ -234,30 +241,30 @@ def _range(alone: Any, actuator: int, name: str, loaded: Loaded) -> tuple[float,
     return -np.inf, np.inf
 
 
-def _set_start(loaded: Loaded, alone: Any) -> None:
-    """Take places of the joints and controls from the keyframe of the file that `start` names."""
-    wish = loaded.robot.start
-    if not wish:
+def _set_start(loaded: LoadedRobot, alone: Any) -> None:
+    """Take positions of the joints and controls from the keyframe of the file that `start` names."""
+    start = loaded.robot.start
+    if not start:
         return
     names = [alone.key(i).name for i in range(alone.nkey)]
-    if wish not in names:
+    if start not in names:
         have = f"its file has {', '.join(names)}" if names else "its file has none"
-        raise SceneError(f'{loaded.name}.start = "{wish}" is not a keyframe of the robot: {have}')
-    key = alone.key(wish)
+        raise SceneError(f'{loaded.name}.start = "{start}" is not a keyframe of the robot: {have}')
+    key = alone.key(start)
     widths = {0: 7, 1: 4, 2: 1, 3: 1}
     for i in range(alone.njnt):
         begin = int(alone.jnt_qposadr[i])
         loaded.start[alone.joint(i).name] = key.qpos[begin : begin + widths[int(alone.jnt_type[i])]].copy()
-    told = {name for name, _, _ in loaded.controls}
+    given = {name for name, _, _ in loaded.controls}
     for i in range(alone.nu):
-        if (name := alone.actuator(i).name) not in told:
+        if (name := alone.actuator(i).name) not in given:
             loaded.controls.append((name, np.zeros(1), np.array([key.ctrl[i]])))
 
 
-def place_joints(model: Any, robots: Sequence[Loaded]) -> Array:
-    """Return the places of all joints of `model` at the start: those of the files, or of their keyframes."""
+def place_joints(model: Any, robots: Sequence[LoadedRobot]) -> Array:
+    """Return the positions of all joints at the start: those of the files, or of their keyframes."""
     mujoco = engine()
-    places = np.array(model.qpos0)
+    positions = np.array(model.qpos0)
     for loaded in robots:
         R = rotation_matrix(np.radians(loaded.robot.rotation))
         for name, value in loaded.start.items():
@@ -268,5 +275,5 @@ def place_joints(model: Any, robots: Sequence[Loaded]) -> Array:
                 turned = np.zeros(4)
                 mujoco.mju_mulQuat(turned, quaternion(R), value[3:].copy())
                 value[3:] = turned
-            places[begin : begin + len(value)] = value
-    return places
+            positions[begin : begin + len(value)] = value
+    return positions

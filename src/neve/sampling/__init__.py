@@ -50,7 +50,7 @@ def fill(source: Source, numerics: Numerics, index: int) -> Samples:
     """Place particles in `source`, the scene's source number `index`.
 
     On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and
-    moves with v = velocity + spin x (x - center). Its factors are told in `neve.sampling.factors`.
+    moves with v = velocity + spin x (x - center). Its factors are described in `neve.sampling.factors`.
     Equal arguments give equal bits.
 
     Errors: SceneError if the source is too small or too large for dx, its font lacks a letter, or its

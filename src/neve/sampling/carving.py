@@ -32,10 +32,12 @@ def carved(samples: Samples, model: Model, name: str) -> Samples:
     if not found:
         return samples
     if not free.any():
-        raise SceneError(f"{name} starts wholly inside {_list([who for _, who in found])}: move one of them")
-    told = _list([f"{count} inside {who}" for count, who in found])
+        raise SceneError(
+            f"{name} starts wholly inside {_list([solid for _, solid in found])}: move one of them"
+        )
+    left_out = _list([f"{count} inside {solid}" for count, solid in found])
     warnings.warn(
-        f"{name} starts with {told}, of {len(free)} particles: they are left out",
+        f"{name} starts with {left_out}, of {len(free)} particles: they are left out",
         SceneWarning,
         stacklevel=2,
     )

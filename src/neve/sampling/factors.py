@@ -33,12 +33,12 @@ def factors(source: Source, space: Region, local: Array, seed: int, index: int) 
     profile = source.profile
     if profile and profile.at:
         if profile.by == "depth":
-            place = space.depth(local)
+            coordinate = space.depth(local)
         else:
-            place = space.center[2] + (local + space.middle) @ space.rotation[2] - space.lowest
+            coordinate = space.center[2] + (local + space.middle) @ space.rotation[2] - space.lowest
         for name in made:
             if values := getattr(profile, name):
-                made[name] = made[name] * np.interp(place, profile.at, values)
+                made[name] = made[name] * np.interp(coordinate, profile.at, values)
     return made
 
 

@@ -50,7 +50,9 @@ class MeshSpace:
 
 
 def mesh_space(source: Mesh, numerics: Numerics, name: str) -> MeshSpace:
-    """Return the space inside the mesh of `source`; `name` tells it in messages.
+    """Return the space inside the mesh of `source`.
+
+    `name`: used in messages.
 
     Errors: SceneError for a mesh that cannot be used; see `neve.geometry.mesh.read_mesh`.
     """
@@ -94,7 +96,7 @@ def measured_volume(mesh: SolidMesh, low: Array, high: Array) -> float:
     x, y, z = (low[k] + (np.arange(count[k]) + 0.5) * step[k] for k in range(3))
     layer = np.stack(np.meshgrid(y, z, indexing="ij"), axis=-1).reshape(-1, 2)
     total = 0.0
-    for place in x:
-        phi, _ = mesh.sdf.sample(np.column_stack([np.full(len(layer), place), layer]))
+    for at in x:
+        phi, _ = mesh.sdf.sample(np.column_stack([np.full(len(layer), at), layer]))
         total += float(np.clip(0.5 - np.asarray(phi, dtype=np.float64) / width, 0.0, 1.0).sum())
     return total * float(np.prod(step))

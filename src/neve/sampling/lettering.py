@@ -82,7 +82,9 @@ class Letters:
 def letters(source: Text, spacing: float, name: str) -> Letters:
     """Draw the text of `source` with pixels fine enough for particles `spacing` [m] apart.
 
-    Errors: SceneError if the font cannot be read or lacks a letter; `name` tells the source.
+    Errors: SceneError if the font cannot be read or lacks a letter.
+
+    `name`: used in messages.
     """
     from PIL import Image, ImageDraw
 

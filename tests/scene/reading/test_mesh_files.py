@@ -283,7 +283,7 @@ def test_spacing_follows_thin_parts_and_memory(tmp_path: Path, monkeypatch: pyte
     assert thin.sdf.sample(np.array([[0.1, 0.2, 0.0]]))[0][0] < -0.005, "the plate is there"
     assert solid_mesh(Collider.of("mesh", file=thick, detail=0.08), 0.1, NAME).spacing == 0.08
     assert "detail = 1e-05 would take" in refusal(Collider.of("mesh", file=thick, detail=1e-5))
-    monkeypatch.setattr("neve.geometry.sdf.USUAL", 2**20)
+    monkeypatch.setattr("neve.geometry.sdf.DEFAULT_BYTES", 2**20)
     with pytest.warns(
         SceneWarning, match=r"colliders\.0\.detail is \S+ m, because 0\.025 m would take \d+ MB"
     ):

@@ -131,7 +131,7 @@ def test_bad_maps_are_one_sentence(tmp_path: Path) -> None:
 
 def test_large_maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A map of more samples than are allowed is told before it is unpacked, a picture as an array."""
-    monkeypatch.setattr("neve.geometry.terrain.MOST", 10)
+    monkeypatch.setattr("neve.geometry.terrain.MAX_SAMPLES", 10)
     np.save(tmp_path / "a.npy", HEIGHTS)
     picture(HEIGHTS, tmp_path / "a.png", np.uint8)
     for name, words in {"a.npy": "12 heights, more than 10", "a.png": "12 pixels, more than 10"}.items():

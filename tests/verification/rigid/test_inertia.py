@@ -6,7 +6,7 @@ import pytest
 from neve.colliders.solid import Solid
 from neve.geometry.pose import rotation_matrix
 from neve.geometry.triangles import tidied
-from neve.rigid.inertia import bulk_of, bulk_of_mesh, bulk_of_sheet, measured_bulk
+from neve.rigid.inertia import mass_properties, of_inside, of_mesh, of_sheet
 from neve.scene.errors import SceneError
 
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
@@ -33,7 +33,7 @@ def test_closed_forms(shape, half, inside, volume):
     x = q[inside(q)] * half
     dV = np.prod(half) / 50**3
     second = dV * x.T @ x
-    bulk = bulk_of(Solid("bodies.0", shape, np.array(half)))
+    bulk = mass_properties(Solid("bodies.0", shape, np.array(half)))
     assert bulk.volume == pytest.approx(volume, rel=1e-12)
     assert dV * len(x) == pytest.approx(volume, rel=1e-2)
     assert bulk.inertia == pytest.approx(np.trace(second) * np.eye(3) - second, rel=1e-2, abs=1e-4 * volume)
@@ -49,8 +49,8 @@ def test_mesh_of_a_box_weighs_like_the_box():
         rotation_matrix(np.array([0.3, -1.0, 0.4])),
         np.array([1e3, -5.0, 2.0]),
     )
-    found = bulk_of_mesh(CORNERS * half @ R.T + shift, SIDES)
-    box = bulk_of(Solid("bodies.0", "box", half))
+    found = of_mesh(CORNERS * half @ R.T + shift, SIDES)
+    box = mass_properties(Solid("bodies.0", "box", half))
     assert found.volume == pytest.approx(box.volume, rel=1e-11)
     assert found.center == pytest.approx(shift, abs=1e-11)
     assert found.inertia == pytest.approx(R @ box.inertia @ R.T, abs=1e-11 * np.trace(box.inertia))
@@ -61,7 +61,7 @@ def test_mesh_of_a_box_weighs_like_the_box():
 
 def test_mesh_inside_out_weighs_the_same():
     """Whichever way its triangles look, a closed mesh has the same mass and moments."""
-    out, inward = bulk_of_mesh(CORNERS, SIDES), bulk_of_mesh(CORNERS, SIDES[:, ::-1])
+    out, inward = of_mesh(CORNERS, SIDES), of_mesh(CORNERS, SIDES[:, ::-1])
     assert inward.volume == out.volume == pytest.approx(8.0)
     assert inward.inertia == pytest.approx(out.inertia)
     assert np.linalg.eigvalsh(inward.inertia).min() > 0
@@ -70,8 +70,8 @@ def test_mesh_inside_out_weighs_the_same():
 def test_sheet_weighs_like_a_plate():
     """A square of two triangles and a thickness has volume, centre and moments of the plate, to rounding."""
     corners = np.array([[0, 0, 1], [0.6, 0, 1], [0.6, 0.4, 1], [0, 0.4, 1]], dtype=float)
-    found = bulk_of_sheet(corners, np.array([[0, 1, 2], [0, 2, 3]]), 0.1)
-    plate = bulk_of(Solid("bodies.0", "box", np.array([0.3, 0.2, 0.05])))
+    found = of_sheet(corners, np.array([[0, 1, 2], [0, 2, 3]]), 0.1)
+    plate = mass_properties(Solid("bodies.0", "box", np.array([0.3, 0.2, 0.05])))
     assert found.volume == pytest.approx(plate.volume, rel=1e-13)
     assert found.center == pytest.approx([0.3, 0.2, 1.0], rel=1e-13)
     assert found.inertia == pytest.approx(plate.inertia, abs=1e-16)
@@ -88,7 +88,7 @@ def test_parts_weigh_once_each(turned):
     shift = np.array([3.0, 0.0, 0.0] if turned else [1.0, 0.0, 0.0])
     other = SIDES[:, ::-1] if turned else SIDES
     surface = tidied(np.concatenate([CORNERS, CORNERS + shift]), np.concatenate([SIDES, other + 8]))
-    found = measured_bulk(surface, "bodies.0")
+    found = of_inside(surface, "bodies.0")
     volume = 16.0 if turned else 12.0
     assert found.volume == pytest.approx(volume, rel=0.04)
     assert found.center == pytest.approx(shift / 2, abs=0.04)
@@ -101,4 +101,4 @@ def test_mesh_without_inside_is_told():
     """A cube with a second one, turned inside out, in its place bounds nothing: one sentence says so."""
     surface = tidied(np.concatenate([CORNERS, CORNERS + 1e-9]), np.concatenate([SIDES, SIDES[:, ::-1] + 8]))
     with pytest.raises(SceneError, match=r"bodies\.0 has no volume to weigh"):
-        measured_bulk(surface, "bodies.0")
+        of_inside(surface, "bodies.0")
