@@ -26,8 +26,8 @@ class Frame(NamedTuple):
     J_P: NDArray[np.float32]  # plastic volume ratio [1], (n,)
     id: NDArray[Any]  # name of the particle for the whole run, (n,)
     material: NDArray[Any]  # index of the particle's snow source's material, (n,)
-    body_position: NDArray[np.float32]  # position of each collider [m], (b, 3)
-    body_rotation: NDArray[np.float32]  # rotation matrix of each collider, (b, 3, 3)
+    solid_position: NDArray[np.float32]  # position of each collider and body [m], (s, 3)
+    solid_rotation: NDArray[np.float32]  # rotation matrix of each collider and body, (s, 3, 3)
     time: float  # [s]
 
 
@@ -56,20 +56,20 @@ def make_frame(
     J_P: NDArray[Any],
     id: NDArray[Any],
     material: NDArray[Any],
-    bodies: Iterable[tuple[NDArray[Any], NDArray[Any]]],
+    solids: Iterable[tuple[NDArray[Any], NDArray[Any]]],
     time: float,
 ) -> Frame:
-    """Copy a moment as a frame: particles sorted by id, float32; `bodies` are (position, rotation)."""
+    """Copy a moment as a frame: particles sorted by id, float32; `solids` are (position, rotation)."""
     order = np.argsort(id)
-    poses = list(bodies)
+    poses = list(solids)
     return Frame(
         x=x.take(order, axis=0).astype(np.float32, copy=False),
         v=v.take(order, axis=0).astype(np.float32, copy=False),
         J_P=J_P.take(order, axis=0).astype(np.float32, copy=False),
         id=id[order],
         material=material[order],
-        body_position=np.array([position for position, _ in poses], np.float32).reshape(-1, 3),
-        body_rotation=np.array([rotation for _, rotation in poses], np.float32).reshape(-1, 3, 3),
+        solid_position=np.array([position for position, _ in poses], np.float32).reshape(-1, 3),
+        solid_rotation=np.array([rotation for _, rotation in poses], np.float32).reshape(-1, 3, 3),
         time=time,
     )
 
@@ -91,6 +91,8 @@ def read_frame(folder: Path, frame: int) -> Frame:
     path = frame_path(folder, frame)
     try:
         arrays = read_npz(path)
+        if "body_position" in arrays:
+            raise RunError(f"{path} was written by an older Neve; run its scene.toml again to read it.")
         return Frame(**{name: arrays[name] for name in Frame._fields[:-1]}, time=float(arrays["time"]))
     except OSError as error:
         raise cannot_read(path, error) from error

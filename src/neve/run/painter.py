@@ -50,7 +50,7 @@ class Painter:
 
     def draw(self, content: Frame) -> NDArray[np.uint8]:
         """Return the image of a frame, (height, width, 3)."""
-        return self.draw_arrays(content.x, content.J_P, content.body_position, content.body_rotation)
+        return self.draw_arrays(content.x, content.J_P, content.solid_position, content.solid_rotation)
 
     def draw_arrays(
         self,

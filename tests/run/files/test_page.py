@@ -11,7 +11,7 @@ from neve.io import log
 from neve.io.frames import Frame
 from neve.io.run_folder import RunFolder
 from neve.mpm.time_step import Bound
-from neve.run.outputs import bodies
+from neve.run.outputs import solids
 from neve.run.outputs.registry import usual_files
 from neve.run.resume import FREE
 
@@ -29,7 +29,7 @@ def names(table):
     return [name for first, *_ in table for name in re.findall(r"`([^`]+)`", first)]
 
 
-FILES, LOG, FRAGMENTS, BODIES, ARRAYS = tables()
+FILES, LOG, FRAGMENTS, SOLIDS, ARRAYS = tables()
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ FILES, LOG, FRAGMENTS, BODIES, ARRAYS = tables()
     [
         (LOG, log.COLUMNS),
         (FRAGMENTS, fragments.COLUMNS),
-        (BODIES, bodies.COLUMNS),
+        (SOLIDS, solids.COLUMNS),
         (ARRAYS, Frame._fields),
     ],
 )

@@ -73,7 +73,7 @@ def test_folder_holds_everything(fake, scene, tmp_path):
             "run.json",
             "scene.toml",
             "log.csv",
-            "bodies.csv",
+            "solids.csv",
             "frames",
             "checkpoint",
             "preview.png",
@@ -96,15 +96,15 @@ def test_frames_are_float32_and_ordered_by_id(fake, scene, tmp_path):
             "J_P",
             "id",
             "material",
-            "body_position",
-            "body_rotation",
+            "solid_position",
+            "solid_rotation",
             "time",
         }
         assert np.array_equal(frame["id"], np.arange(sim.count))
         assert np.array_equal(frame["x"], sim.state.x[np.argsort(sim.state.id)])
-        assert {frame[name].dtype for name in ("x", "v", "J_P", "body_position")} == {np.dtype(np.float32)}
-        assert frame["body_position"].shape == (1, 3)
-        assert frame["body_rotation"].shape == (1, 3, 3)
+        assert {frame[name].dtype for name in ("x", "v", "J_P", "solid_position")} == {np.dtype(np.float32)}
+        assert frame["solid_position"].shape == (1, 3)
+        assert frame["solid_rotation"].shape == (1, 3, 3)
         assert frame["time"] == sim.time
 
 

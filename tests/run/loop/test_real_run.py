@@ -101,7 +101,7 @@ def test_folder_of_a_real_run(snowball, tmp_path):
             "run.json",
             "scene.toml",
             "log.csv",
-            "bodies.csv",
+            "solids.csv",
             "frames",
             "checkpoint",
             "preview.png",

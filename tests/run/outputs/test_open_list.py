@@ -42,7 +42,7 @@ least = 3
 kind = "log"
 every_seconds = 0.2
 """
-TABLES = ("fragments.csv", "log.csv", "bodies.csv")
+TABLES = ("fragments.csv", "log.csv", "solids.csv")
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def test_each_output_keeps_its_schedule(fake, listed, tmp_path):
     assert len((out / "side.mp4").read_text().splitlines()) == 9
     assert frames_of(out / "fragments.csv") == [0, 2, 4, 6, 8]
     assert frames_of(out / "log.csv") == [0, 4, 8]
-    assert frames_of(out / "bodies.csv") == list(range(9))
+    assert frames_of(out / "solids.csv") == list(range(9))
     assert load(out / "scene.toml") == listed
 
 

@@ -111,10 +111,10 @@ class FrameContext:
 
     @functools.cached_property
     def content(self) -> Frame:
-        """The particles and bodies of this frame as a frame file holds them, in the order of their id."""
+        """The particles and solids of this frame as a frame file holds them, in the order of their id."""
         state = self.sim.state
-        bodies = [(pose.position, pose.rotation) for _, pose in self.sim.solids()]
-        return make_frame(state.x, state.v, state.J_P, state.id, state.material, bodies, self.sim.time)
+        poses = [(pose.position, pose.rotation) for _, pose in self.sim.solids()]
+        return make_frame(state.x, state.v, state.J_P, state.id, state.material, poses, self.sim.time)
 
     def add_row(self, name: str, values: Mapping[str, object]) -> None:
         """Append a row to the CSV file `name` in the run folder: `frame`, `time` [s], then `values`.

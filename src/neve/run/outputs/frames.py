@@ -14,7 +14,7 @@ from neve.scene.schema.outputs import Scheduled
 class FrameOptions(Scheduled):
     """Hold an entry with kind = "frames"."""
 
-    kind: Literal["frames"] = entry("frames", "Particles and bodies, in frames/NNNNNN.npz.", "")
+    kind: Literal["frames"] = entry("frames", "Particles and solids, in frames/NNNNNN.npz.", "")
 
     def file(self) -> str:
         """Return the name of the folder."""

@@ -23,7 +23,7 @@ BUILT_IN = (
     "picture",
     "film",
     "fragments",
-    "bodies",
+    "solids",
     "log",
     "checkpoint",
 )

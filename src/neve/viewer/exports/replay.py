@@ -227,5 +227,5 @@ def _rounded(x: NDArray[np.float32], low: Vector, step: float) -> Places:
 def _poses(frame: Frame) -> list[list[float]]:
     return [
         [round(float(a), 5) for a in (*p, *np.ravel(r))]
-        for p, r in zip(frame.body_position, frame.body_rotation, strict=True)
+        for p, r in zip(frame.solid_position, frame.solid_rotation, strict=True)
     ]

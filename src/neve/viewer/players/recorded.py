@@ -122,7 +122,7 @@ class Recorded(Player):
             Snapshot(
                 x=frame.x,
                 values={m: measure(m, columns, spacing) for m in self.modes & known},
-                bodies=tuple(zip(frame.body_position, frame.body_rotation, strict=True)),
+                bodies=tuple(zip(frame.solid_position, frame.solid_rotation, strict=True)),
                 time=frame.time,
                 frame=self._at,
                 facts={"particles": len(frame.x)},

@@ -1,4 +1,4 @@
-"""`bodies.csv`: places, motions and forces of all solids in every frame, and a resume."""
+"""`solids.csv`: places, motions and forces of all solids in every frame, and a resume."""
 
 import csv
 
@@ -28,13 +28,13 @@ def falling():
 
 
 def table(out):
-    with open(out / "bodies.csv", newline="") as file:
+    with open(out / "solids.csv", newline="") as file:
         return list(csv.DictReader(file))
 
 
-def vectors(rows, body, name):
-    """The vectors `name` of a body, a row for each frame."""
-    return np.array([[float(row[f"{name}{c}"]) for c in "xyz"] for row in rows if row["body"] == body])
+def vectors(rows, solid, name):
+    """The vectors `name` of a solid, a row for each frame."""
+    return np.array([[float(row[f"{name}{c}"]) for c in "xyz"] for row in rows if row["solid"] == solid])
 
 
 def test_rows_tell_places_and_forces(falling, tmp_path):
@@ -46,7 +46,7 @@ def test_rows_tell_places_and_forces(falling, tmp_path):
     before = Simulation(falling, threads=1).diagnostics()
     sim = run_scene(falling, tmp_path / "run", threads=1, quiet=True)
     rows = table(tmp_path / "run")
-    assert [(row["frame"], row["body"]) for row in rows] == [
+    assert [(row["frame"], row["solid"]) for row in rows] == [
         (str(k), f"colliders.{i}") for k in range(7) for i in (0, 1)
     ]
     assert vectors(rows, "colliders.1", "")[6] == pytest.approx([0, 0, 0.65 - 0.12])
@@ -56,7 +56,9 @@ def test_rows_tell_places_and_forces(falling, tmp_path):
     assert [float(last[f"velocity_{c}"]) for c in "xyz"] == [0, 0, -1]
     assert [float(last[f"omega_{c}"]) for c in "xyz"] == [0, 0, 2]
     assert all(row["force_x"] == row["torque_z"] == "" for row in rows[:2])
-    total = sum(vectors(rows[2:], body, "force_").sum(axis=0) / 50 for body in ("colliders.0", "colliders.1"))
+    total = sum(
+        vectors(rows[2:], solid, "force_").sum(axis=0) / 50 for solid in ("colliders.0", "colliders.1")
+    )
     after = sim.diagnostics()
     weight = after.mass * 9.81 * 0.12 * np.array([0.0, 0.0, -1.0])
     assert np.linalg.norm(total) > 0.1 * np.linalg.norm(weight)
@@ -69,11 +71,11 @@ def test_stopping_changes_nothing(falling, tmp_path):
     run_scene(falling, tmp_path / "straight", threads=1, frames=4, quiet=True)
     run_scene(falling, tmp_path / "parted", threads=1, frames=2, quiet=True)
     run_scene(falling, tmp_path / "parted", threads=1, frames=4, resume=True, quiet=True)
-    texts = [(tmp_path / name / "bodies.csv").read_bytes() for name in ("straight", "parted")]
+    texts = [(tmp_path / name / "solids.csv").read_bytes() for name in ("straight", "parted")]
     assert texts[0] == texts[1]
 
 
-def test_no_bodies_no_table(falling, tmp_path):
+def test_no_solids_no_table(falling, tmp_path):
     """Snow alone in the world leaves no empty table behind."""
     run_scene(falling.model_copy(update={"colliders": ()}), tmp_path / "run", threads=1, frames=1, quiet=True)
-    assert not (tmp_path / "run/bodies.csv").exists()
+    assert not (tmp_path / "run/solids.csv").exists()

@@ -1,4 +1,4 @@
-"""Where bodies are and what the snow does to them: `bodies.csv`, rows for every solid in every frame."""
+"""Where solids are and what the snow does to them: `solids.csv`, a row for every solid in every frame."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from neve.scene.schema.fields import entry
 from neve.scene.schema.outputs import Scheduled
 from neve.schedule import Schedule
 
-FILE = "bodies.csv"
+FILE = "solids.csv"
 
 COLUMNS = (
     "frame",  # number of the frame; 0 is the initial state
     "time",  # simulated time [s]
-    "body",  # name of the body: colliders.0, bodies.1, robots.0.wheel_left
-    *("x", "y", "z"),  # position of the body's own frame [m]
+    "solid",  # its name: colliders.0, bodies.1, robots.0.wheel_left
+    *("x", "y", "z"),  # position of the solid's own frame [m]
     *("rotation_w", "rotation_x", "rotation_y", "rotation_z"),  # unit quaternion from its axes to the world's
     *("velocity_x", "velocity_y", "velocity_z"),  # of the frame's origin [m/s]
     *("omega_x", "omega_y", "omega_z"),  # angular velocity [rad/s]
-    *("force_x", "force_y", "force_z"),  # of the snow on the body, mean since the frame before [N]
+    *("force_x", "force_y", "force_z"),  # of the snow on the solid, mean since the frame before [N]
     *("torque_x", "torque_y", "torque_z"),  # of the snow about the frame's origin, mean likewise [N m]
 )
-"""Columns of `bodies.csv`; all vectors in world axes."""
+"""Columns of `solids.csv`; all vectors in world axes."""
 
 
-class BodyOptions(Scheduled):
-    """Hold an entry with kind = "bodies"."""
+class SolidOptions(Scheduled):
+    """Hold an entry with kind = "solids"."""
 
-    kind: Literal["bodies"] = entry(
-        "bodies", f"Where solids are and what the snow does to them, rows in {FILE}.", ""
+    kind: Literal["solids"] = entry(
+        "solids", f"Where solids are and what the snow does to them, rows in {FILE}.", ""
     )
 
     def file(self) -> str:
@@ -43,10 +43,10 @@ class BodyOptions(Scheduled):
 
 
 @register_output(
-    "bodies", BodyOptions, unasked=lambda scene: bool(scene.colliders or scene.bodies or scene.robots)
+    "solids", SolidOptions, unasked=lambda scene: bool(scene.colliders or scene.bodies or scene.robots)
 )
-class BodyOutput:
-    """Write the rows of `bodies.csv`: one for each solid of the scene in each frame."""
+class SolidOutput:
+    """Write the rows of `solids.csv`: one for each solid of the scene in each frame."""
 
     def begin(self, run: RunContext, schedule: Schedule) -> None:
         """Start the table, or continue it after the rows of frame `done`."""
@@ -64,15 +64,15 @@ class BodyOutput:
 def rows(context: FrameContext) -> Iterator[dict[str, object]]:
     """Yield the row of each solid of the simulation now; there is no mean force in the first frame."""
     sim = context.sim
-    bodies = sim.solids()
+    solids = sim.solids()
     duration = 1.0 / sim.scene.run.fps
-    pushed = sim.stats.exchanged[:, :6] / duration if context.frame > 0 else np.full((len(bodies), 6), np.nan)
-    for (solid, pose), push in zip(bodies, pushed, strict=True):
+    pushed = sim.stats.exchanged[:, :6] / duration if context.frame > 0 else np.full((len(solids), 6), np.nan)
+    for (solid, pose), push in zip(solids, pushed, strict=True):
         values = [float(value) for value in (*_numbers(pose), *push)]
         yield {
             "frame": context.frame,
             "time": float(sim.time),
-            "body": solid.name,
+            "solid": solid.name,
             **dict(zip(COLUMNS[3:], values, strict=True)),
         }
 

@@ -1,0 +1,38 @@
+"""Frame files: what is read back, and what is refused."""
+
+import numpy as np
+import pytest
+
+from neve.io.errors import RunError
+from neve.io.frames import frame_path, make_frame, read_frame, write_frame
+from neve.io.npz import write_npz
+
+SOLIDS = [(np.array([1.0, 2.0, 3.0]), np.eye(3)), (np.zeros(3), -np.eye(3))]
+
+
+def frame():
+    """A frame of two particles, out of the order of their id, and two solids."""
+    x = np.array([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
+    return make_frame(x, -x, np.array([1.0, 0.5]), np.array([7, 3]), np.array([0, 1]), SOLIDS, 0.25)
+
+
+def test_a_frame_is_read_as_it_was_written(tmp_path):
+    """Particles in the order of their id; solids in the order in which they were given."""
+    write_frame(tmp_path, 4, frame())
+    back = read_frame(tmp_path, 4)
+    assert back.id.tolist() == [3, 7]
+    assert back.x.tolist() == [[3.0, 4.0, 5.0], [0.0, 1.0, 2.0]]
+    assert back.solid_position.tolist() == [[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]
+    assert back.solid_rotation[1].tolist() == (-np.eye(3)).tolist()
+    assert back.time == 0.25
+
+
+def test_a_frame_of_an_older_neve_is_refused_in_one_sentence(tmp_path):
+    """An older Neve called the arrays of solids body_position and body_rotation."""
+    old = {name.replace("solid_", "body_"): value for name, value in frame()._asdict().items()}
+    with frame_path(tmp_path, 4).open("wb") as file:
+        write_npz(file, old)
+    with pytest.raises(
+        RunError, match=r"000004\.npz was written by an older Neve; run its scene\.toml again"
+    ):
+        read_frame(tmp_path, 4)
