@@ -18,7 +18,7 @@ using In = nb::ndarray<const T, Shape..., nb::c_contig, nb::device::cpu>;
 // (n,) (n, 3) or (n, 3, 3) views of a field's columns. The owner keeps the memory alive.
 template <class T, int Components>
 View<T> view(Field<T, Components>& f, std::size_t n, nb::handle owner) {
-  const auto s = static_cast<std::int64_t>(f.stride());
+  const auto s = std::int64_t(f.stride());
   if constexpr (Components == 1) {
     return View<T>(f.column(0), {n}, owner, {1});
   } else if constexpr (Components == 9) {
@@ -30,8 +30,8 @@ View<T> view(Field<T, Components>& f, std::size_t n, nb::handle owner) {
 // (n, k, 3): vectors, three columns each.
 template <class T>
 View<T> view(Columns<T>& f, std::size_t n, nb::handle owner) {
-  const auto s = static_cast<std::int64_t>(f.stride());
-  const auto k = static_cast<std::size_t>(f.components() / 3);
+  const auto s = std::int64_t(f.stride());
+  const auto k = std::size_t(f.components() / 3);
   return View<T>(f.column(0), {n, k, 3}, owner, {1, 3 * s, s});
 }
 template <class E>

@@ -47,7 +47,7 @@ nb::tuple sample(const S& solid, const Points& x) {
   each_point(x, [&](std::size_t i) {
     const Surface<double> s = view.at(point(x, i));
     phi[i] = s.phi;
-    for (int k = 0; k < 3; ++k) normal[3 * i + static_cast<std::size_t>(k)] = s.normal[k];
+    for (int k = 0; k < 3; ++k) normal[3 * i + std::size_t(k)] = s.normal[k];
   });
   return nb::make_tuple(a, b);
 }
@@ -67,7 +67,7 @@ nb::tuple closest(const TriangleMesh& mesh, const Points& x) {
   auto c = fresh<std::int32_t>(face, {x.shape(0)});
   each_point(x, [&](std::size_t i) {
     const TriangleMesh::Nearest n = mesh.nearest(point(x, i));
-    for (int k = 0; k < 3; ++k) at[3 * i + static_cast<std::size_t>(k)] = n.point[k];
+    for (int k = 0; k < 3; ++k) at[3 * i + std::size_t(k)] = n.point[k];
     distance[i] = n.distance();
     face[i] = mesh.face(n.triangle);
   });
@@ -149,8 +149,7 @@ nb::dict arrays(const SdfGrid& s) {
     std::copy(values.begin(), values.end(), out);
     return a;
   };
-  const auto x = static_cast<std::size_t>(s.bricks[0]), y = static_cast<std::size_t>(s.bricks[1]),
-             z = static_cast<std::size_t>(s.bricks[2]);
+  const auto x = std::size_t(s.bricks[0]), y = std::size_t(s.bricks[1]), z = std::size_t(s.bricks[2]);
   constexpr std::size_t side = SdfGrid::side;
   nb::dict out;
   out["table"] = copy(s.table, {x, y, z});
@@ -171,13 +170,13 @@ SdfGrid from_arrays(const In<std::int32_t, nb::shape<-1, -1, -1>>& table,
   for (std::size_t k = 0; k < 3; ++k) {
     if (table.shape(k) < 1 || table.shape(k) > (1u << 27) || coarse.shape(k) != table.shape(k) + 1)
       throw nb::value_error("table and coarse do not fit each other");
-    s.bricks[k] = static_cast<std::int32_t>(table.shape(k));
+    s.bricks[k] = std::int32_t(table.shape(k));
   }
   s.table.assign(table.data(), table.data() + table.size());
   s.coarse.assign(coarse.data(), coarse.data() + coarse.size());
   s.fine.assign(fine.data(), fine.data() + fine.size());
   for (std::int32_t brick : s.table) {
-    if (brick < SdfGrid::coarse_only || brick >= static_cast<std::int64_t>(fine.shape(0)))
+    if (brick < SdfGrid::coarse_only || brick >= std::int64_t(fine.shape(0)))
       throw nb::value_error("table names a brick that is not there");
   }
   const double* v = sizes.data();
@@ -238,8 +237,8 @@ void bind_height_field(nb::module_& m) {
              const std::array<double, 2>& size) {
             if (heights.shape(0) > (1u << 20) || heights.shape(1) > (1u << 20))
               throw nb::value_error("heights: at most 2^20 samples a side");
-            new (self) HeightField(heights.data(), static_cast<std::int32_t>(heights.shape(0)),
-                                   static_cast<std::int32_t>(heights.shape(1)), size[0], size[1]);
+            new (self) HeightField(heights.data(), std::int32_t(heights.shape(0)),
+                                   std::int32_t(heights.shape(1)), size[0], size[1]);
           },
           "heights"_a, "size"_a)
       .def("sample", &sample<HeightField>, "points"_a,
@@ -249,7 +248,7 @@ void bind_height_field(nb::module_& m) {
           [](const HeightField& field) {
             const HeightView& s = field.view();
             float* out;
-            auto a = fresh<float>(out, {static_cast<std::size_t>(s.nx), static_cast<std::size_t>(s.ny)});
+            auto a = fresh<float>(out, {std::size_t(s.nx), std::size_t(s.ny)});
             for (std::int32_t i = 0; i < s.nx; ++i) {
               for (std::int32_t j = 0; j < s.ny; ++j) *out++ = s.height(i, j);
             }

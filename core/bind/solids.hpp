@@ -42,7 +42,7 @@ const View* keep(Model<T>& model, std::shared_ptr<Owner> owner) {
 template <class T>
 Solid<T>& add_solid(Model<T>& model, Shape shape, const std::string& mode, double mu_c, double thickness) {
   Solid<T> s{};
-  s.index = static_cast<int>(model.solids.size());
+  s.index = int(model.solids.size());
   s.kind = shape;
   s.mode = contact_of(mode);
   s.mu_c = T(mu_c);
@@ -60,11 +60,10 @@ nb::tuple surface_at(const Model<T>& model, std::size_t index, const In<double, 
   auto a = fresh<double>(phi, {x.shape(0)});
   auto b = fresh<double>(normal, {x.shape(0), 3});
   for (std::size_t p = 0; p < x.shape(0); p += width<R>) {
-    const int count = static_cast<int>(std::min<std::size_t>(width<R>, x.shape(0) - p));
+    const int count = int(std::min<std::size_t>(width<R>, x.shape(0) - p));
     Vec3<R> at{};
     for (int l = 0; l < count; ++l) {
-      for (std::size_t k = 0; k < 3; ++k)
-        at[static_cast<int>(k)][l] = T(x(p + static_cast<std::size_t>(l), k));
+      for (std::size_t k = 0; k < 3; ++k) at[int(k)][l] = T(x(p + std::size_t(l), k));
     }
     const Surface<R> s = neve::surface(solid, at);
     for (int l = 0; l < count; ++l) {
@@ -90,15 +89,15 @@ void bind_motion(nb::class_<Model<T>>& c) {
          s.velocity = vec<T>(velocity);
          s.omega = vec<T>(omega);
          if (s.body < 0) return;
-         Twist& start = self.bodies.start[static_cast<std::size_t>(s.body)];
+         Twist& start = self.bodies.start[std::size_t(s.body)];
          for (std::size_t k = 0; k < 3; ++k) start[k] = velocity.data()[k], start[3 + k] = omega.data()[k];
        },
        nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
       .def(
           "make_dynamic",
           [](M& self, std::size_t i) {
-            self.solids.at(i).body = static_cast<int>(self.bodies.solids.size());
-            self.bodies.solids.push_back(static_cast<int>(i));
+            self.solids.at(i).body = int(self.bodies.solids.size());
+            self.bodies.solids.push_back(int(i));
             self.bodies.start.emplace_back();
             self.bodies.free.emplace_back();
             const std::size_t n = 6 * self.bodies.solids.size();

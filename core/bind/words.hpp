@@ -15,7 +15,7 @@ template <class E, std::size_t N>
 E value_of(const std::string& word, const char* const (&names)[N], const char* what) {
   std::string all;
   for (std::size_t k = 0; k < N; ++k) {
-    if (word == names[k]) return static_cast<E>(k);
+    if (word == names[k]) return E(k);
     all += std::string(k == 0 ? "" : ", ") + names[k];
   }
   throw nb::value_error((std::string(what) + " '" + word + "' is not one of " + all).c_str());

@@ -35,8 +35,7 @@ struct BlockContacts {
            const Vec3<R>& v, R m, int first, T skin) {
     const std::size_t begin = contacts.size();
     each_holding(near, x, m, skin, [&](const Solid<T>& solid, const Vec3<R>& normal, const Mask& inside) {
-      contacts.push_back(
-          {&all[static_cast<std::size_t>(solid.index)], inside, normal, x - spread<R>(solid.centre)});
+      contacts.push_back({&all[std::size_t(solid.index)], inside, normal, x - spread<R>(solid.centre)});
     });
     if (contacts.size() > begin) nodes.push_back({v, m, first, begin, contacts.size()});
   }

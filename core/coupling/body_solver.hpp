@@ -71,7 +71,7 @@ Vec3<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename BlockC
   for (std::size_t e = nodes.begin; e < nodes.end; ++e) {
     const auto& contact = all.contacts[e];
     const int body = contact.solid->body;
-    const Twist* u = body < 0 ? nullptr : &U[static_cast<std::size_t>(body)];
+    const Twist* u = body < 0 ? nullptr : &U[std::size_t(body)];
     const Vec3<T> V = u ? linear<T>(*u) : contact.solid->velocity;
     const Vec3<T> w = u ? angular<T>(*u) : contact.solid->omega;
     const Vec3<R> v_co = spread<R>(V) + cross(spread<R>(w), contact.arm), before = v;
@@ -122,7 +122,7 @@ class Responses {
           if (contact.solid->body < 0) return;
           const Mat3<R> D =
               contact_slope(before, contact.normal, v_co, contact.solid->mode, contact.solid->mu_c);
-          BodyResponse& sum = of(static_cast<std::size_t>(contact.solid->body), part);
+          BodyResponse& sum = of(std::size_t(contact.solid->body), part);
           for (int l = 0; l < width<R>; ++l) {
             if (!contact.inside[l]) continue;
             double arm[3], dv[3], slope[3][3];

@@ -1,9 +1,6 @@
 // What solids do to the snow of grid nodes. `solids` is any range of Solid<T>.
 #pragma once
 
-#include <cmath>
-#include <limits>
-
 #include "coupling/solid.hpp"
 
 namespace neve {

@@ -29,7 +29,7 @@ class ExchangeSum {
     return entries_.emplace_back(solid, Exchange{}).second;
   }
   void add_to(std::vector<Exchange>& by_solid) const {
-    for (const auto& [index, exchange] : entries_) by_solid[static_cast<std::size_t>(index)].add(exchange);
+    for (const auto& [index, exchange] : entries_) by_solid[std::size_t(index)].add(exchange);
   }
 
  private:

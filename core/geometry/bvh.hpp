@@ -62,7 +62,7 @@ class BvhBuilder {
   explicit BvhBuilder(const std::vector<Bounds>& boxes) : boxes_(boxes), order(boxes.size()) {
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
     nodes.reserve(boxes.size());
-    if (!boxes.empty()) build(0, static_cast<std::uint32_t>(boxes.size()), 0);
+    if (!boxes.empty()) build(0, std::uint32_t(boxes.size()), 0);
   }
 
  private:
@@ -76,7 +76,7 @@ class BvhBuilder {
     Bounds centres;
     int operator()(const Point& centre, int axis) const {
       const double width = centres.high[axis] - centres.low[axis];
-      return std::min(bins - 1, static_cast<int>((centre[axis] - centres.low[axis]) / width * bins));
+      return std::min(bins - 1, int((centre[axis] - centres.low[axis]) / width * bins));
     }
   };
 
@@ -100,9 +100,9 @@ class BvhBuilder {
       middle = std::stable_partition(
           begin, end, [&](std::uint32_t i) { return bin(boxes_[i].middle(), split.axis) <= split.bin; });
     }
-    const auto left = static_cast<std::uint32_t>(middle - begin);
+    const auto left = std::uint32_t(middle - begin);
     build(first, left, depth + 1);
-    nodes[self].first = static_cast<std::uint32_t>(nodes.size());
+    nodes[self].first = std::uint32_t(nodes.size());
     build(first + left, count - left, depth + 1);
   }
 
@@ -115,7 +115,7 @@ class BvhBuilder {
       std::array<std::uint32_t, bins> held{};
       for (std::uint32_t i = first; i < first + count; ++i) {
         const Bounds& b = boxes_[order[i]];
-        const auto at = static_cast<std::size_t>(bin(b.middle(), axis));
+        const auto at = std::size_t(bin(b.middle(), axis));
         box[at].add(b), ++held[at];
       }
       std::array<double, bins> right{};
@@ -129,7 +129,7 @@ class BvhBuilder {
       for (std::size_t k = 0; k + 1 < bins; ++k) {
         sum.add(box[k]), n += held[k];
         const double cost = n > 0 ? sum.half_area() * n + right[k + 1] : Bounds::inf;
-        if (cost < best.cost) best = {axis, static_cast<int>(k), cost};
+        if (cost < best.cost) best = {axis, int(k), cost};
       }
     }
     return best;
@@ -139,8 +139,8 @@ class BvhBuilder {
     BvhNode node{};
     constexpr float inf = std::numeric_limits<float>::infinity();
     for (int k = 0; k < 3; ++k) {
-      node.low[k] = std::nextafter(static_cast<float>(box.low[k]), -inf);
-      node.high[k] = std::nextafter(static_cast<float>(box.high[k]), inf);
+      node.low[k] = std::nextafter(float(box.low[k]), -inf);
+      node.high[k] = std::nextafter(float(box.high[k]), inf);
     }
     return node;
   }

@@ -32,8 +32,8 @@ inline bool is_closed(const std::vector<Point>& vertices,
   edges.reserve(3 * faces.size());
   for (const auto& face : faces) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = corner[static_cast<std::size_t>(face[k])];
-      const std::uint64_t b = corner[static_cast<std::size_t>(face[(k + 1) % 3])];
+      const std::uint64_t a = corner[std::size_t(face[k])];
+      const std::uint64_t b = corner[std::size_t(face[(k + 1) % 3])];
       if (a != b) edges.push_back(a < b ? Edge{a << 32 | b, 1} : Edge{b << 32 | a, -1});
     }
   }

@@ -20,7 +20,7 @@ class HeightField {
     if (nx < 2 || ny < 2) throw std::invalid_argument("heights: at least two samples a side");
     if (!(size_x > 0 && size_y > 0 && size_x < 1e30 && size_y < 1e30))
       throw std::invalid_argument("size: two lengths above zero");
-    const auto count = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
+    const auto count = std::size_t(nx) * std::size_t(ny);
     for (std::size_t n = 0; n < count; ++n) {
       if (!(std::fabs(heights[n]) < 1e30f)) throw std::invalid_argument("heights: one is not finite");
       low_ = std::min(low_, heights[n]), high_ = std::max(high_, heights[n]);
@@ -50,9 +50,9 @@ class HeightField {
       for (std::int32_t j = 0; j < view_.ny; ++j) {
         const double wide_y = dy * (std::min(j + 1, view_.ny - 1) - std::max(j - 1, 0));
         float* q = quads_.data() + view_.quad(i, j);
-        q[0] = static_cast<float>(h(i, j));
-        q[1] = static_cast<float>((h(i + 1, j) - h(i - 1, j)) / wide_x);
-        q[2] = static_cast<float>((h(i, j + 1) - h(i, j - 1)) / wide_y);
+        q[0] = float(h(i, j));
+        q[1] = float((h(i + 1, j) - h(i - 1, j)) / wide_x);
+        q[2] = float((h(i, j + 1) - h(i, j - 1)) / wide_y);
         q[3] = 0;
       }
     }
@@ -62,10 +62,10 @@ class HeightField {
   void find_tops(const float* heights) {
     view_.tiles_x = (view_.nx - 2) / HeightView::tile_cells + 1,
     view_.tiles_y = (view_.ny - 2) / HeightView::tile_cells + 1;
-    tops_.assign(static_cast<std::size_t>(view_.tiles_x) * static_cast<std::size_t>(view_.tiles_y), low_);
+    tops_.assign(std::size_t(view_.tiles_x) * std::size_t(view_.tiles_y), low_);
     for (std::int32_t i = 0; i < view_.tiles_x; ++i) {
       for (std::int32_t j = 0; j < view_.tiles_y; ++j) {
-        float& top = tops_[static_cast<std::size_t>(i * view_.tiles_y + j)];
+        float& top = tops_[std::size_t(i * view_.tiles_y + j)];
         const std::int32_t i_end = std::min(HeightView::tile_cells * (i + 1), view_.nx - 1),
                            j_end = std::min(HeightView::tile_cells * (j + 1), view_.ny - 1);
         for (std::int32_t a = HeightView::tile_cells * i; a <= i_end; ++a) {

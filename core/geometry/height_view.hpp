@@ -1,11 +1,6 @@
 // Ground given by heights over a rectangle, in its own frame: local z is up, the rectangle's middle is x = y = 0.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-
 #include "geometry/quads.hpp"
 #include "geometry/surface.hpp"
 
@@ -27,7 +22,7 @@ struct HeightView {
 
   // Where the quad of a sample begins.
   std::size_t quad(std::int32_t i, std::int32_t j) const {
-    return 4 * (static_cast<std::size_t>(i) * static_cast<std::size_t>(ny) + static_cast<std::size_t>(j));
+    return 4 * (std::size_t(i) * std::size_t(ny) + std::size_t(j));
   }
   float height(std::int32_t i, std::int32_t j) const { return quads[quad(i, j)]; }
 
@@ -52,14 +47,14 @@ struct HeightView {
   bool is_near(const Vec3<double>& x, double reach) const {
     const auto tile = [&](double at, double size, std::int32_t n, std::int32_t tiles) {
       const double cell = (at / size + 0.5) * (n - 1);
-      return static_cast<std::int32_t>(std::clamp(std::floor(cell / tile_cells), 0.0, double(tiles - 1)));
+      return std::int32_t(clamp(std::floor(cell / tile_cells), 0.0, double(tiles - 1)));
     };
     const std::int32_t i1 = tile(x.x + reach, size_x, nx, tiles_x),
                        j0 = tile(x.y - reach, size_y, ny, tiles_y),
                        j1 = tile(x.y + reach, size_y, ny, tiles_y);
     for (std::int32_t i = tile(x.x - reach, size_x, nx, tiles_x); i <= i1; ++i) {
       for (std::int32_t j = j0; j <= j1; ++j) {
-        if (x.z - reach <= double(tops[static_cast<std::size_t>(i * tiles_y + j)])) return true;
+        if (x.z - reach <= double(tops[std::size_t(i * tiles_y + j)])) return true;
       }
     }
     return false;
@@ -69,8 +64,7 @@ struct HeightView {
   // The quad at one point, in cells from the first corner.
   template <class T>
   void blend(T u, T v, T* out) const {
-    const std::int32_t i = std::min(static_cast<std::int32_t>(u), nx - 2),
-                       j = std::min(static_cast<std::int32_t>(v), ny - 2);
+    const std::int32_t i = min(std::int32_t(u), nx - 2), j = min(std::int32_t(v), ny - 2);
     const float* p = quads + quad(i, j);
     const auto a = detail::load_two_quads<T>(p), b = detail::load_two_quads<T>(p + quad(1, 0));
     detail::store_blend<T>(a + (b - a) * (u - T(i)), v - T(j), out);

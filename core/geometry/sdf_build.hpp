@@ -29,7 +29,7 @@ class SdfBuilder {
       count *= n + 1;
       if (!(count < 0x1p27))
         throw std::invalid_argument("spacing: too fine, the grid would have more than 2^27 bricks");
-      grid_.bricks[k] = static_cast<std::int32_t>(n);
+      grid_.bricks[k] = std::int32_t(n);
       grid_.box_low[k] = mesh.bounds().middle()[k] - 0.5 * n * brick;
     }
   }
@@ -38,8 +38,7 @@ class SdfBuilder {
   std::size_t bytes() {
     find_bricks();
     const auto& b = grid_.bricks;
-    const auto corners = static_cast<std::size_t>(b[0] + 1) * static_cast<std::size_t>(b[1] + 1) *
-                         static_cast<std::size_t>(b[2] + 1);
+    const auto corners = std::size_t(b[0] + 1) * std::size_t(b[1] + 1) * std::size_t(b[2] + 1);
     return sizeof(SdfGrid) + grid_.table.size() * sizeof(std::int32_t) +
            (4 * corners + places_.size() * SdfGrid::brick_floats) * sizeof(float);
   }
@@ -74,10 +73,8 @@ class SdfBuilder {
   }
   std::size_t row(const Index& b) const {
     const auto& n = grid_.bricks;
-    return (static_cast<std::size_t>(b[0]) * static_cast<std::size_t>(n[1]) +
-            static_cast<std::size_t>(b[1])) *
-               static_cast<std::size_t>(n[2]) +
-           static_cast<std::size_t>(b[2]);
+    return (std::size_t(b[0]) * std::size_t(n[1]) + std::size_t(b[1])) * std::size_t(n[2]) +
+           std::size_t(b[2]);
   }
   float* quad(std::size_t brick, int i, int j, int k) {
     return grid_.fine.data() + brick * SdfGrid::brick_floats + 4 * ((i * side + j) * side + k);
@@ -129,7 +126,7 @@ class SdfBuilder {
         for (at[2] = 0; at[2] < b[2]; ++at[2]) {
           std::int32_t& mark = grid_.table[row(at)];
           if (mark == SdfGrid::coarse_only) continue;
-          mark = static_cast<std::int32_t>(places_.size());
+          mark = std::int32_t(places_.size());
           places_.push_back(at);
         }
       }
@@ -164,22 +161,21 @@ class SdfBuilder {
 
   void fill_coarse() {
     const auto& b = grid_.bricks;
-    const auto ny = static_cast<std::size_t>(b[1] + 1), nz = static_cast<std::size_t>(b[2] + 1);
-    const std::size_t rows = static_cast<std::size_t>(b[0] + 1) * ny;
+    const auto ny = std::size_t(b[1] + 1), nz = std::size_t(b[2] + 1);
+    const std::size_t rows = std::size_t(b[0] + 1) * ny;
     grid_.coarse.resize(4 * rows * nz);
     each_index(rows, [&](std::size_t r) {
       for (std::size_t k = 0; k < nz; ++k) {
         const Point x =
-            place(cells * static_cast<std::int32_t>(r / ny), cells * static_cast<std::int32_t>(r % ny),
-                  cells * static_cast<std::int32_t>(k));
+            place(cells * std::int32_t(r / ny), cells * std::int32_t(r % ny), cells * std::int32_t(k));
         const Value v = value(x);
         put(grid_.coarse.data() + 4 * (r * nz + k), v.phi, straight_normal(x, v));
       }
     });
   }
   static void put(float* quad, double phi, const Point& n) {
-    quad[0] = static_cast<float>(phi);
-    for (int a = 0; a < 3; ++a) quad[a + 1] = static_cast<float>(n[a]);
+    quad[0] = float(phi);
+    for (int a = 0; a < 3; ++a) quad[a + 1] = float(n[a]);
   }
 
   // phi at all samples of one brick; and how many lie off the surface, and how many of those are neither in nor out.
@@ -194,7 +190,7 @@ class SdfBuilder {
           const int k = j % 2 == 0 ? turn : side - 1 - turn;  // to and fro
           const Point x = place(cells * at[0] + i, cells * at[1] + j, cells * at[2] + k);
           v = j == 0 && turn == 0 ? value(x) : value_beside(v, x);
-          quad(n, i, j, k)[0] = static_cast<float>(v.phi);
+          quad(n, i, j, k)[0] = float(v.phi);
           const double d = v.nearest.distance();
           if (!(d > grid_.spacing && d < near)) continue;
           ++share.near;
@@ -219,7 +215,7 @@ class SdfBuilder {
       }
       if (!has) continue;
       const std::int32_t n = grid_.table[row(brick)];
-      if (n != SdfGrid::coarse_only) return quad(static_cast<std::size_t>(n), in[0], in[1], in[2])[0];
+      if (n != SdfGrid::coarse_only) return quad(std::size_t(n), in[0], in[1], in[2])[0];
     }
     return value(place(i, j, k)).phi;
   }
@@ -242,7 +238,7 @@ class SdfBuilder {
             const Point x = place(origin[0] + i, origin[1] + j, origin[2] + k);
             g = straight_normal(x, value(x));
           }
-          for (int a = 0; a < 3; ++a) quad(n, i, j, k)[a + 1] = static_cast<float>(g[a]);
+          for (int a = 0; a < 3; ++a) quad(n, i, j, k)[a + 1] = float(g[a]);
         }
       }
     }

@@ -4,10 +4,6 @@
 // floats: phi and the three parts of the unit normal, so that a point asks for eight neighbouring quads and gets both.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-
 #include "geometry/quads.hpp"
 #include "geometry/surface.hpp"
 
@@ -65,19 +61,18 @@ struct SdfView : SdfLattice {
     double d2 = 0, beyond2 = 0;
     for (int k = 0; k < 3; ++k) {
       const double extent = spacing * cells * bricks[k];
-      const double d = std::max(std::max(low[k] - x[k], x[k] - high[k]), 0.0);
-      const double b = std::max(std::max(box_low[k] - x[k], x[k] - box_low[k] - extent), 0.0);
+      const double d = max(max(low[k] - x[k], x[k] - high[k]), 0.0);
+      const double b = max(max(box_low[k] - x[k], x[k] - box_low[k] - extent), 0.0);
       d2 += d * d, beyond2 += b * b;
     }
     if (d2 > reach * reach) return false;
     if (beyond2 > 0) return true;
     // phi at a corner of the cell, which is no more than its diagonal away, tells enough
-    const auto u = [&](int k) { return std::max((x[k] - box_low[k]) / spacing, 0.0); };
+    const auto u = [&](int k) { return max((x[k] - box_low[k]) / spacing, 0.0); };
     const Cell c = cell_of(u(0), u(1), u(2));
     const std::int32_t brick = table[c.brick];
     const double slack = 1.7321 * spacing;
-    if (brick != coarse_only)
-      return fine[static_cast<std::size_t>(brick) * brick_floats + sample_of(c)] <= reach + slack;
+    if (brick != coarse_only) return fine[std::size_t(brick) * brick_floats + sample_of(c)] <= reach + slack;
     const double phi = coarse[4 * c.corner];
     return phi <= 0 ||
            (reach >= band && phi <= reach + slack * cells);  // without a brick it is farther than the band
@@ -101,20 +96,18 @@ struct SdfView : SdfLattice {
     Cell c;
     const T u[3] = {x, y, z};
     for (std::size_t k = 0; k < 3; ++k) {
-      c.i[k] = std::min(static_cast<int>(u[k]), cells * bricks[k] - 1);
+      c.i[k] = min(int(u[k]), cells * bricks[k] - 1);
       c.b[k] = c.i[k] / cells;
     }
     const auto row = [&](int more) {
-      const auto ny = static_cast<std::size_t>(bricks[1] + more),
-                 nz = static_cast<std::size_t>(bricks[2] + more);
-      return (static_cast<std::size_t>(c.b[0]) * ny + static_cast<std::size_t>(c.b[1])) * nz +
-             static_cast<std::size_t>(c.b[2]);
+      const auto ny = std::size_t(bricks[1] + more), nz = std::size_t(bricks[2] + more);
+      return (std::size_t(c.b[0]) * ny + std::size_t(c.b[1])) * nz + std::size_t(c.b[2]);
     };
     c.brick = row(0), c.corner = row(1);
     return c;
   }
   static std::size_t sample_of(const Cell& c) {
-    return static_cast<std::size_t>(4 * (((c.i[0] % cells) * side + c.i[1] % cells) * side + c.i[2] % cells));
+    return std::size_t(4 * (((c.i[0] % cells) * side + c.i[1] % cells) * side + c.i[2] % cells));
   }
 
   // The quad at one point, in cells from the grid's first corner.
@@ -123,11 +116,11 @@ struct SdfView : SdfLattice {
     const Cell c = cell_of(x, y, z);
     const std::int32_t brick = table[c.brick];
     if (brick != coarse_only) {
-      const float* p = fine + static_cast<std::size_t>(brick) * brick_floats + sample_of(c);
+      const float* p = fine + std::size_t(brick) * brick_floats + sample_of(c);
       blend(p, 4 * side * side, 4 * side, x - T(c.i[0]), y - T(c.i[1]), z - T(c.i[2]), quad);
     } else {
-      const auto dy = static_cast<std::size_t>(4 * (bricks[2] + 1));
-      const std::size_t dx = dy * static_cast<std::size_t>(bricks[1] + 1);
+      const auto dy = std::size_t(4 * (bricks[2] + 1));
+      const std::size_t dx = dy * std::size_t(bricks[1] + 1);
       const T part = T(1) / T(cells);
       blend(coarse + 4 * c.corner, dx, dy, x * part - T(c.b[0]), y * part - T(c.b[1]), z * part - T(c.b[2]),
             quad);

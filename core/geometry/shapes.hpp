@@ -1,10 +1,6 @@
 // The list of shapes: signed distance and normal, thickness.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "geometry/height_view.hpp"
 #include "geometry/sdf_view.hpp"
 
@@ -22,9 +18,9 @@ inline bool is_sampled(Shape shape) { return shape == Shape::mesh || shape == Sh
 template <class T>
 T thickness_of(Shape shape, const Vec3<T>& half) {
   switch (shape) {
-    case Shape::box: return 2 * std::min(half.x, std::min(half.y, half.z));
+    case Shape::box: return 2 * min(half.x, min(half.y, half.z));
     case Shape::sphere: return 2 * half.x;
-    case Shape::cylinder: return 2 * std::min(half.x, half.z);
+    case Shape::cylinder: return 2 * min(half.x, half.z);
     default: return std::numeric_limits<T>::max();
   }
 }
@@ -38,7 +34,7 @@ T bounding_radius(Shape shape, const Vec3<T>& half) {
   switch (shape) {
     case Shape::box: return std::sqrt(dot(half, half));
     case Shape::sphere: return half.x;
-    case Shape::cylinder: return std::hypot(half.x, half.z);
+    case Shape::cylinder: return std::sqrt(half.x * half.x + half.z * half.z);
     default: return std::numeric_limits<T>::max();
   }
 }

@@ -34,11 +34,11 @@ class TriangleMesh {
     std::vector<std::int32_t> ids;
     std::vector<Bounds> boxes;
     for (std::size_t f = 0; f < faces.size(); ++f) {
-      const auto corner = [&](int k) { return vertices[static_cast<std::size_t>(faces[f][k])]; };
+      const auto corner = [&](int k) { return vertices[std::size_t(faces[f][k])]; };
       const Triangle t{corner(0), corner(1), corner(2)};
       if (!has_area(t)) continue;
       triangles.push_back(t);
-      ids.push_back(static_cast<std::int32_t>(f));
+      ids.push_back(std::int32_t(f));
       Bounds& box = boxes.emplace_back();
       box.add(t.a), box.add(t.b), box.add(t.c);
       bounds_.add(box);
@@ -133,7 +133,7 @@ class TriangleMesh {
     }
     for (const auto& face : faces) {
       for (std::int32_t i : face) {
-        if (i < 0 || static_cast<std::size_t>(i) >= vertices.size())
+        if (i < 0 || std::size_t(i) >= vertices.size())
           throw std::invalid_argument("a face of the mesh names a vertex that is not there");
       }
     }
