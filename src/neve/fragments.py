@@ -125,7 +125,7 @@ def rows(f: Fragments, frame: int, time: float) -> Iterator[dict[str, object]]:
 
 
 def summary(f: Fragments) -> dict[str, float]:
-    """Return what one number each says about the fragments.
+    """Return numbers that summarize the fragments.
 
     `fragments` [1]; `decades` of mass from the lightest to the heaviest, log10 [1]; and as shares of the
     whole mass [1] `largest`, `five` (the five largest together) and `powder`.

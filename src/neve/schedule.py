@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 
 
 class Schedule(Protocol):
-    """Anything that can tell whether something is due."""
+    """Decide at which frames something is due."""
 
     def due(self, frame: int) -> bool:
         """Return whether something is due at the end of `frame`; asked once for each frame, in order."""

@@ -15,7 +15,7 @@ FORMAT = 2
 """Version of the checkpoint's layout; a resume needs the same one."""
 
 _PREFIX = "state."
-_ANEW = "start anew with --force"
+_ANEW = "start over with --force"
 
 
 class Arrays(dict[str, Any]):
@@ -59,7 +59,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
         raw = read_npz(path)
         version = int(raw["checkpoint_format"])
     except FileNotFoundError as error:
-        raise RunError(f"{path} does not exist, so there is nothing to go on from; {_ANEW}.") from error
+        raise RunError(f"{path} does not exist, so there is nothing to resume; {_ANEW}.") from error
     except OSError as error:
         raise cannot_read(path, error) from error
     except (ValueError, KeyError, TypeError) as error:
@@ -68,7 +68,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
         older = "an older" if version < FORMAT else "a newer"
         raise RunError(
             f"{path} was written by {older} version of Neve (checkpoint format {version}; this one reads"
-            f" {FORMAT}): go on with that version or {_ANEW}."
+            f" {FORMAT}): use that version or {_ANEW}."
         )
     try:
         arrays = {name.removeprefix(_PREFIX): raw[name] for name in raw if name.startswith(_PREFIX)}

@@ -33,7 +33,7 @@ def cannot_write(path: Path, error: OSError) -> RunError:
     """Turn a failed write of `path` into the error that the user sees."""
     advice = ""
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
-        advice = "; free some space and go on with --resume"
+        advice = "; free some space and continue with --resume"
     return RunError(f"{path} could not be written: {reason(error)}{advice}.")
 
 

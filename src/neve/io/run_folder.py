@@ -1,4 +1,4 @@
-"""The folder of a run: what lies where in it, how it is recognised, made, gone on in and replaced."""
+"""The folder of a run: what lies where in it, how it is recognised, made, resumed and replaced."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class RunFolder:
         Errors: RunError.
         """
         if resume and force:
-            raise RunError("--resume goes on in a run and --force replaces it: choose one of the two.")
+            raise RunError("--resume continues a run and --force replaces it: choose one of the two.")
         try:
             exists = os.path.lexists(self.path)
             if exists and not self.path.is_dir():
@@ -148,7 +148,7 @@ class RunFolder:
             return
         if not resume:
             raise RunError(
-                f"{self.path} already holds a run: go on in it with --resume, replace it with --force,"
+                f"{self.path} already holds a run: continue it with --resume, replace it with --force,"
                 " or choose another --out."
             )
         version = self._version()
@@ -156,7 +156,7 @@ class RunFolder:
             older = "an older" if version < FORMAT else "a newer"
             raise RunError(
                 f"{self.path} was written by {older} version of Neve (run format {version}; this one reads"
-                f" {FORMAT}): go on with that version or start anew with --force."
+                f" {FORMAT}): use that version or start over with --force."
             )
 
     def _version(self) -> int:
@@ -176,7 +176,7 @@ class RunFolder:
             raise self._damaged() from error
 
     def _damaged(self) -> RunError:
-        return RunError(f"{self.card} is damaged; start anew with --force or choose another --out.")
+        return RunError(f"{self.card} is damaged; start over with --force or choose another --out.")
 
     def _clear(self, files: Iterable[str]) -> None:
         """Delete the run's own files, `run.json` last, so that a half-cleared folder is still a run.

@@ -73,8 +73,8 @@ def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
     if not table or tuple(table[0]) != columns:
         kind = path.stem
         raise RunError(
-            f"{path} is no {kind} of this version of Neve, which cannot go on with its rows: move it away and"
-            f" keep it, since a new {kind} does not take them over, or start anew with --force."
+            f"{path} is no {kind} of this version of Neve, so its rows cannot be continued: move it away (the"
+            f" new {kind} starts without them), or start over with --force."
         )
     rows = [dict(zip(columns, cells, strict=True)) for cells in table[1:] if len(cells) == len(columns)]
     return [row for row in rows if row["frame"].isdecimal()]

@@ -139,7 +139,7 @@ def _run(
             reached = _loop(sim, context, last, scheduled, progress, interrupt)
             if reached < last:
                 raise KeyboardInterrupt(
-                    f"stopped after frame {reached} of {last}; go on with: neve run {folder.path} --resume"
+                    f"stopped after frame {reached} of {last}; continue with: neve run {folder.path} --resume"
                 )
             progress.say(f"{folder.path}: frames 0 to {last} are done")
     return sim
@@ -169,8 +169,8 @@ def _begin(
 def _warn_of_version(folder: Path, before: str) -> None:
     if before != version():
         logging.getLogger("neve").warning(
-            "%s: the run was begun with Neve %s and goes on with %s, so its bits may differ from those of a"
-            " run in one go",
+            "%s: the run was started with Neve %s and continues with %s, so its bits may differ from those of"
+            " a run in one go",
             folder,
             before,
             version(),
@@ -187,7 +187,7 @@ def _loop(
 ) -> int:
     """Advance frame by frame, stop between frames when the user asks, and return the last frame done.
 
-    A checkpoint says that its frame is complete: it is written last of a frame and closed first of all.
+    A checkpoint means that its frame is complete, so it is written last in a frame and closed first of all.
     """
     timer = StageTimer()
     frame = run.done or 0

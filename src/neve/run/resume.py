@@ -25,7 +25,7 @@ def check_same(folder: Path, before: str, now: str) -> None:
             was, new_value = (repr(table[key]) if key in table else "absent" for table in (old, new))
             raise RunError(
                 f"{folder} was made with another scene ({key} is {was} there and {new_value} now):"
-                " resume it unchanged, start anew with --force, or choose another --out."
+                " resume it unchanged, start over with --force, or choose another --out."
             )
 
 

@@ -71,7 +71,7 @@ BAD = [
     ("run small.toml --out small.toml", "small.toml is a file"),
     ("run small.toml --out none --resume", "none does not exist, so there is nothing to resume"),
     ("run small.toml --out full --resume", "full holds no Neve run, so there is nothing to resume"),
-    ("run small.toml --out old", "go on in it with --resume, replace it with --force"),
+    ("run small.toml --out old", "continue it with --resume, replace it with --force"),
     ("run small.toml --out old --resume", "old was written by an older version of Neve"),
     ("run small.toml --out old --resume --force", "choose one of the two"),
     ("run old --resume --out other", "--resume continues in old itself: leave out --out other"),

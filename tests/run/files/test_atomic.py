@@ -75,7 +75,7 @@ def test_failure_in_the_block_leaves_the_old_file(old, interruption):
 @pytest.mark.parametrize(
     ("number", "words"),
     [
-        (errno.ENOSPC, "the disk is full; free some space and go on with --resume"),
+        (errno.ENOSPC, "the disk is full; free some space and continue with --resume"),
         (errno.EDQUOT, "the disk quota is used up; free some space"),
         (errno.EROFS, "the disk is read-only"),
         (errno.EACCES, "permission is denied"),
@@ -208,10 +208,10 @@ def test_log_reads_back_numbers_exactly(tmp_path):
 
 
 def test_log_of_another_version_is_one_sentence(tmp_path):
-    """A table with other columns is not gone on with, and whoever moves it away is told what that costs."""
+    """A table with other columns is not continued, and the sentence says what moving it away costs."""
     path = tmp_path / "log.csv"
     path.write_text("frame,time\n0,0\n")
-    with pytest.raises(RunError, match=r"no log of this version of Neve, .* does not take them over"):
+    with pytest.raises(RunError, match=r"no log of this version of Neve, .* starts without them"):
         Log(path, keep_through=3)
     assert path.read_text() == "frame,time\n0,0\n"
 

@@ -186,7 +186,7 @@ def test_stopped_film_goes_on(scene, tmp_path, stop_after, drawn):
     run(fake_neve.Simulation(scene), straight, quiet=True)
     stop_after(3)
     with pytest.raises(
-        KeyboardInterrupt, match=f"stopped after frame 3 of 8; go on with: neve run {out} --resume"
+        KeyboardInterrupt, match=f"stopped after frame 3 of 8; continue with: neve run {out} --resume"
     ):
         run(fake_neve.Simulation(scene), out, quiet=True)
     film = (out / "preview.mp4").read_text()
@@ -265,7 +265,7 @@ def test_resume_under_another_version_is_told(fake, scene, tmp_path, monkeypatch
     run_scene(scene, out, frames=3, resume=True)
     told = [line for line in capsys.readouterr().err.splitlines() if "bits may differ" in line]
     assert len(told) == 1
-    assert f"begun with Neve {version()} and goes on with 99.0" in told[0]
+    assert f"started with Neve {version()} and continues with 99.0" in told[0]
 
 
 def test_further_outputs_follow_their_schedule(fake, scene, tmp_path):
@@ -298,7 +298,7 @@ def test_ctrl_c_finishes_the_frame(fake, scene_file, tmp_path):
     process.send_signal(signal.SIGINT)
     code, told = end(process)
     assert (code, "Traceback" in told) == (130, False)
-    assert f"go on with: neve run {out} --resume" in told.splitlines()[-1]
+    assert f"continue with: neve run {out} --resume" in told.splitlines()[-1]
     done = len(frames(out)) - 1
     assert 1 <= done < 8
     assert read_checkpoint(out / "checkpoint").frame == done

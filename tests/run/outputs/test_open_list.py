@@ -124,7 +124,7 @@ def test_a_film_needs_its_frames_again(fake, listed, tmp_path):
     run(fake.Simulation(listed), out, frames=4, quiet=True)
     (out / ".side.mp4.parts/000001.npz").unlink()
     darker = listed.model_copy(update={"light": listed.light.model_copy(update={"sun_strength": 0.5})})
-    with pytest.raises(RunError, match=r"side\.mp4 needs frame 1 again, of which the run keeps no file"):
+    with pytest.raises(RunError, match=r"side\.mp4 needs frame 1 again, which the run keeps no file of"):
         run_scene(darker, out, resume=True, quiet=True)
 
 

@@ -123,6 +123,6 @@ class _Frames:
             if frame_path(folder, frame).exists():
                 return read_frame(folder, frame)
         raise RunError(
-            f"{self._film} needs frame {frame} again, of which the run keeps no file: resume with the camera,"
-            " the light and the films of before, or start anew with --force."
+            f"{self._film} needs frame {frame} again, which the run keeps no file of: resume with the camera,"
+            " the light and the films of before, or start over with --force."
         )

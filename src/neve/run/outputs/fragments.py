@@ -1,4 +1,4 @@
-"""The pieces of a run: `fragments.csv`, written while the run goes on, or afterwards from its frames."""
+"""The pieces of a run: `fragments.csv`, written during the run, or afterwards from its frames."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class FragmentOutput:
         gone = [frame for frame in self._lost if not frame_path(frames, frame).exists()]
         if gone:
             logging.getLogger("neve").warning(
-                "%s lacks frame %d and %d more, of which the run keeps no file",
+                "%s lacks frame %d and %d more, which the run keeps no files of",
                 self._table.path,
                 gone[0],
                 len(gone) - 1,

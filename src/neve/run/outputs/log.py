@@ -47,15 +47,15 @@ class EnergyWatch:
         if before is None:
             return None
         excess = self._before.growth(before)
-        lively = max(before.lively, self._before.lively)
-        if excess > self.SHARE * lively and not self._reported:
+        moving = max(before.lively, self._before.lively)
+        if excess > self.SHARE * moving and not self._reported:
             self._reported = True
             logging.getLogger("neve").warning(
                 "in frame %d the energy of the snow grew by %.2g J (%.2g %% of what moves) without work: "
                 "lower numerics.cfl or numerics.strain_max, or check xi, theta_c and theta_s",
                 frame,
                 excess,
-                100.0 * excess / lively,
+                100.0 * excess / moving,
             )
         return excess
 

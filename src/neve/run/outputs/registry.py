@@ -41,7 +41,7 @@ class OutputKind:
         options: class of the entries of `[[outputs]]`
         make: class of the output; it takes the options by their names
         unasked: whether a run of a scene has this output although no entry asks for it
-        completes: whether it says that all else of its frame is written, and so is written last
+        completes: whether it marks its frame as complete, and so is written last
     """
 
     name: str

@@ -40,7 +40,7 @@ class OutputOptions(Part):
 
 
 class Scheduled(OutputOptions):
-    """Hold an entry that says how often."""
+    """Hold an entry with a schedule."""
 
     every_frames: Whole | None = entry(
         None, "Number of frames from one to the next, beginning with frame 0, the start.", "1", ge=1
