@@ -1,10 +1,10 @@
 import { PerspectiveCamera } from "three";
 import type { WebGLRenderer } from "three";
-import { aim, Cameras } from "./car/cameras";
-import type { CameraInput } from "./car/cameras";
-import type { Controls } from "./car/controls";
+import { aim, Cameras } from "./car/driver/cameras";
+import type { CameraInput } from "./car/driver/cameras";
+import type { Controls } from "./car/driver/controls";
 import { Car } from "./car/vehicle";
-import { Stage } from "./look/stage";
+import { Stage } from "./render/stage";
 import type { Reading } from "./page/dash";
 import type { Cost } from "./page/figures";
 import { snowSettings } from "./page/snow_settings";
@@ -74,11 +74,11 @@ export class Demo {
   }
 
   /** Let dt [s] pass: car, camera, ground, snow. Nothing is drawn. */
-  advance(dt: number, controls: Controls, look?: CameraInput): void {
+  advance(dt: number, controls: Controls, aimed?: CameraInput): void {
     const { car, stage, camera, settings, field } = this;
     car.step(Math.min(dt, LONGEST), controls);
     stage.braking = car.state.gear === "R" ? controls.throttle : controls.brake; // backwards they change places
-    aim(camera, this.cameras.update(car.state, Math.min(dt, LONGEST), look));
+    aim(camera, this.cameras.update(car.state, Math.min(dt, LONGEST), aimed));
     camera.updateMatrixWorld();
     stage.update(Math.min(dt, LONGEST), car.state, camera, settings);
     const [x, , z] = car.state.position;

@@ -1,5 +1,5 @@
 import { WebGLRenderer } from "three";
-import { Devices } from "./car/devices";
+import { Devices } from "./car/driver/devices";
 import { Demo } from "./demo";
 import { readAddress, writeAddress } from "./page/address";
 import { Dash } from "./page/dash";
@@ -7,7 +7,7 @@ import { Smooth, lines } from "./page/figures";
 import { makePanel } from "./page/panel";
 import { Sharpness } from "./page/sharpness";
 import { element, say } from "./page/words";
-import { HANDS_OFF } from "./car/controls";
+import { HANDS_OFF } from "./car/driver/controls";
 import type { Settings } from "./settings";
 
 declare global {

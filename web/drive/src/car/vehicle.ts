@@ -7,16 +7,16 @@ import type { Settings } from "../settings";
 import type { Place, Stamp } from "../snow/stamps";
 import type { Terrain } from "../world/terrain_type";
 import { BODY, GRAVITY, suspension, WHEELS } from "./body";
-import { Chassis, normalOver, type Strut } from "./chassis";
-import { clean, type Controls } from "./controls";
-import { drivenSpeed, share, type Torque } from "./driveline";
-import { meet, type Meeting, type SnowSample, type Surroundings } from "./footing";
-import { Gearbox, steeringLimit } from "./gearbox";
+import { Chassis, normalOver, type Strut } from "./chassis/chassis";
+import { clean, type Controls } from "./driver/controls";
+import { drivenSpeed, share, type Torque } from "./wheels/driveline";
+import { meet, type Meeting, type SnowSample, type Surroundings } from "./wheels/footing";
+import { Gearbox, steeringLimit } from "./wheels/gearbox";
 import { add, cross, dot, inPlane, scale, turn, unit, type Vec } from "./geometry";
-import type { Standing } from "./obstacles";
+import type { Standing } from "./chassis/obstacles";
 import { bellyStamp, interpolate, upright, wheelStamp, type CarState } from "./state";
-import { roll, type Tyre } from "./tyre";
-import { pushUnderside } from "./underside";
+import { roll, type Tyre } from "./wheels/tyre";
+import { pushUnderside } from "./chassis/underside";
 
 /** Length of a step [s]. More than MOST_STEPS in one frame are let go: the car then is slower than the clock. */
 export const STEP = 1 / 120;
@@ -87,7 +87,7 @@ export class Car {
     this.wheels = WHEELS.map((_, i) => this.freshWheel(i));
     this.tune();
     this.put(this.good);
-    this.state = this.before = this.after = this.look();
+    this.state = this.before = this.after = this.readState();
   }
 
   /** Let dt [s] pass: whole steps of STEP, the rest waits for the next call; `state` lies between the last two. */
@@ -101,7 +101,7 @@ export class Car {
       this.rest -= STEP;
       this.before = this.after;
       this.fixedStep(wanted);
-      this.after = this.look();
+      this.after = this.readState();
     }
     this.state = interpolate(this.before, this.after, Math.min(1, Math.max(0, this.rest / STEP)));
   }
@@ -112,7 +112,7 @@ export class Car {
     const [x, , z] = this.chassis.position;
     const here = { x, z, heading: Math.atan2(ahead[2], ahead[0]) };
     this.put(Object.values(here).every(Number.isFinite) ? here : this.good);
-    this.before = this.after = this.state = this.look();
+    this.before = this.after = this.state = this.readState();
     this.rest = 0;
   }
 
@@ -305,7 +305,7 @@ export class Car {
     }
   }
 
-  private look(): CarState {
+  private readState(): CarState {
     const { chassis, gearbox } = this;
     const { tyreRadius: radius, tyreWidth: width, drive } = this.options.settings;
     const velocity = chassis.velocity;

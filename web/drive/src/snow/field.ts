@@ -3,17 +3,17 @@ import type { GroundSource } from "../world/ground_source";
 import type { Terrain } from "../world/terrain_type";
 import { slideRect, stampRect, STAMPS } from "./footprint";
 import type { Column } from "./law";
-import { Passes } from "./passes";
-import { Patch } from "./patch";
+import { Passes } from "./gpu/passes";
+import { Patch } from "./gpu/patch";
 import { Prints } from "./prints";
-import { Readback } from "./readback";
-import { dueTiles, recoverTiles } from "./recovery";
-import { area, common, hull, joined, wrapped, type Rect } from "./rects";
+import { Readback } from "./gpu/readback";
+import { dueTiles, recoverTiles } from "./gpu/recovery";
+import { area, common, hull, joined, wrapped, type Rect } from "./window/rects";
 import type { SnowSettings } from "./settings";
-import { sampling } from "./shaders";
+import { sampling } from "./gpu/shaders";
 import type { Stamp } from "./stamps";
-import { TILE, tileRect, TileWindow } from "./tiles";
-import { TileTraffic } from "./traffic";
+import { TILE, tileRect, TileWindow } from "./window/tiles";
+import { TileTraffic } from "./window/traffic";
 
 export type { SnowSettings } from "./settings";
 
@@ -140,7 +140,7 @@ export class SnowField {
     const inside = stamps.filter((stamp) => area(common(stampRect(stamp, this.texel), rect)) > 0);
     for (let i = 0; i < inside.length; i += STAMPS) this.press(inside.slice(i, i + STAMPS), dt);
     this.traffic.save({ now: this.now, depth: this.depth });
-    this.look(inside, dt, this.prints.add(inside));
+    this.requestPatch(inside, dt, this.prints.add(inside));
     const due = dueTiles(this.window.tiles, this.settings, this.now);
     if (due.length > 0) recoverTiles(this.passes, due, this.settings, this.now, BUDGET - this.passes.bytes);
     this.passes.end();
@@ -316,7 +316,7 @@ export class SnowField {
   }
 
   /** Ask for a patch about the stamps, those of `turn` among them, and where they go, unless one is on its way. */
-  private look(stamps: readonly Stamp[], dt: number, turn: number): void {
+  private requestPatch(stamps: readonly Stamp[], dt: number, turn: number): void {
     if (this.patchAsked || stamps.length === 0) return;
     const rects = stamps.flatMap((stamp) => {
       const rect = stampRect(stamp, this.texel);

@@ -1,6 +1,6 @@
 import { Vector4 } from "three";
 import { sideShare } from "./law";
-import { common, type Rect } from "./rects";
+import { common, type Rect } from "./window/rects";
 import type { Place, Stamp } from "./stamps";
 
 /** Most stamps that one set of passes takes; more are done in further sets. */

@@ -1,4 +1,4 @@
-/** What the ground is at a place: the interface between terrain, car, snow and look. x east, y up, z south [m]. */
+/** What the ground is at a place: the interface between terrain, car, snow and picture. x east, y up, z south [m]. */
 export interface Terrain {
   /** Height of the ground below the snow [m]. */
   height(x: number, z: number): number;

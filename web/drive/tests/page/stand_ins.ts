@@ -1,8 +1,8 @@
 /** Stand-ins to look at the stage alone: hills, painted ruts, a parked car. */
 import { DataTexture, FloatType, LinearFilter, RepeatWrapping, RGFormat } from "three";
-import type { CarPose, WheelPose } from "../../src/look/car_pose";
-import { tiled } from "../../src/look/noise_texture";
-import type { Tracks } from "../../src/look/snow_surface";
+import type { CarPose, WheelPose } from "../../src/render/car/car_pose";
+import { tiled } from "../../src/render/ground/noise_texture";
+import type { Tracks } from "../../src/render/ground/snow_surface";
 import type { Terrain } from "../../src/world/terrain_type";
 
 const SIZE = 51.2;

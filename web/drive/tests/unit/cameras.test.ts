@@ -1,6 +1,6 @@
 import { PerspectiveCamera } from "three";
 import { describe, expect, it } from "vitest";
-import { ABOVE, aim, Cameras, CAMERAS, STILL, type View } from "../../src/car/cameras";
+import { ABOVE, aim, Cameras, CAMERAS, STILL, type View } from "../../src/car/driver/cameras";
 import { yaw, type Vec } from "../../src/car/geometry";
 import type { CarState } from "../../src/car/state";
 

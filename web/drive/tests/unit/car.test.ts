@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import type { Chassis } from "../../src/car/chassis";
-import { HANDS_OFF, type Controls } from "../../src/car/controls";
+import type { Chassis } from "../../src/car/chassis/chassis";
+import { HANDS_OFF, type Controls } from "../../src/car/driver/controls";
 import { turn } from "../../src/car/geometry";
 import { random } from "../../src/world/noise";
 import { makeTerrain } from "../../src/world/terrain";

@@ -1,6 +1,6 @@
 /** The car on snow that keeps its prints, and tells of none but by them: as if the GPU never sent a copy. */
 import { describe, expect, it } from "vitest";
-import { HANDS_OFF } from "../../src/car/controls";
+import { HANDS_OFF } from "../../src/car/driver/controls";
 import { Car } from "../../src/car/vehicle";
 import { Prints } from "../../src/snow/prints";
 import { options, plain, POWDER } from "./car_world";

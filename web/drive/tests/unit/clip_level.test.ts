@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { DataUtils } from "three";
-import { CLIP_SIZE, ClipLevel, KIND_SIZE, uncovered } from "../../src/look/clip_level";
+import { CLIP_SIZE, ClipLevel, KIND_SIZE, uncovered } from "../../src/render/ground/clip_level";
 import type { Terrain } from "../../src/world/terrain_type";
 
 const PLANE: Terrain = {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { daylight, moonDirection, sunDirection } from "../../src/look/daylight";
+import { daylight, moonDirection, sunDirection } from "../../src/render/sky/daylight";
 
 const HOURS = Array.from({ length: 241 }, (_, k) => k / 10);
 

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
-import { HANDS_OFF } from "../../src/car/controls";
-import { driven, drivenSpeed, share } from "../../src/car/driveline";
-import { Gearbox, steeringLimit } from "../../src/car/gearbox";
+import { HANDS_OFF } from "../../src/car/driver/controls";
+import { driven, drivenSpeed, share } from "../../src/car/wheels/driveline";
+import { Gearbox, steeringLimit } from "../../src/car/wheels/gearbox";
 
 const CAR = { mass: 1500, power: 160e3 };
 const DT = 1 / 120;

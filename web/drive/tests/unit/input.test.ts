@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { clean, HANDS_OFF } from "../../src/car/controls";
+import { clean, HANDS_OFF } from "../../src/car/driver/controls";
 import {
   alive,
   DEAD_ZONE,
@@ -9,7 +9,7 @@ import {
   fromThumbs,
   merge,
   Smoothing,
-} from "../../src/car/input";
+} from "../../src/car/driver/input";
 
 const keys = (...names: string[]) => fromKeys(new Set(names));
 
@@ -105,6 +105,11 @@ describe("presses", () => {
     const edges = new Edges();
     const held = { reset: false, camera: true, lights: false, figures: false };
     const free = { ...held, camera: false };
-    expect([held, held, free, held].map((now) => edges.look(now).camera)).toEqual([true, false, false, true]);
+    expect([held, held, free, held].map((now) => edges.update(now).camera)).toEqual([
+      true,
+      false,
+      false,
+      true,
+    ]);
   });
 });

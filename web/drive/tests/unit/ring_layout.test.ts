@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { ringGrid, ringOrigin } from "../../src/look/ring_layout";
+import { ringGrid, ringOrigin } from "../../src/render/ground/ring_layout";
 
 /** Cells (corner, in cells of `level`) that the triangles of a level cover. */
 function cellsOf(level: number, cells: number, levels: number): Set<string> {

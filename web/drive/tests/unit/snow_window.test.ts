@@ -1,12 +1,12 @@
 import { describe, expect, test } from "vitest";
-import { coverAt, coverLattice, onlyFresh } from "../../src/snow/cover";
+import { coverAt, coverLattice, onlyFresh } from "../../src/snow/window/cover";
 import { origin, RIM_REACH, slideRect, stampRect } from "../../src/snow/footprint";
-import { Patch } from "../../src/snow/patch";
-import { area, assembled, common, joined, modulo, wrapped } from "../../src/snow/rects";
-import { dueTiles } from "../../src/snow/recovery";
+import { Patch } from "../../src/snow/gpu/patch";
+import { area, assembled, common, joined, modulo, wrapped } from "../../src/snow/window/rects";
+import { dueTiles } from "../../src/snow/gpu/recovery";
 import type { WheelStamp } from "../../src/snow/stamps";
-import { TileStore } from "../../src/snow/store";
-import { TILE, tileKey, TileWindow } from "../../src/snow/tiles";
+import { TileStore } from "../../src/snow/window/store";
+import { TILE, tileKey, TileWindow } from "../../src/snow/window/tiles";
 
 const rect = (x0: number, z0: number, x1: number, z1: number) => ({ x0, z0, x1, z1 });
 

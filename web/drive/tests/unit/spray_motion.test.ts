@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import type { CarPose, WheelPose } from "../../src/look/car_pose";
-import { MOST, SprayMotion, STRIDE, throwRate } from "../../src/look/spray_motion";
+import type { CarPose, WheelPose } from "../../src/render/car/car_pose";
+import { MOST, SprayMotion, STRIDE, throwRate } from "../../src/render/car/spray_motion";
 
 const wheel = (x: number, z: number, sinkage: number): WheelPose => ({
   centre: [x, 0.38, z],

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { PEAK_SLIP, roll, slidingGrip, slipCurve, type Footing, type Tyre } from "../../src/car/tyre";
+import { PEAK_SLIP, roll, slidingGrip, slipCurve, type Footing, type Tyre } from "../../src/car/wheels/tyre";
 
 const DT = 1 / 120;
 const footing: Footing = {

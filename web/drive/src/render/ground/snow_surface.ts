@@ -1,0 +1,150 @@
+/** The snow that is seen: grid rings lifted to ground plus depth, and the material of snow, ice and bare ground. */
+import { BufferAttribute, BufferGeometry, Mesh, MeshStandardMaterial, Vector2 } from "three";
+import type { IUniform, Texture } from "three";
+import type { Atmosphere } from "../sky/atmosphere";
+import { put } from "../sky/atmosphere";
+import { ringGlsl, ringGrid } from "./ring_layout";
+import { DEPTH, MATTER, NO_TRACKS, RUT_SHADE, SPARKLE } from "./snow_glsl";
+
+/** What the surface needs to know of a field of tracks. */
+export interface Tracks {
+  readonly glsl: string;
+  readonly uniforms: Record<string, IUniform>;
+  readonly texel: number;
+}
+
+/** How fine the grid is: cells along a side of each ring (a multiple of 4), rings, smallest cell [m]. */
+export interface RingSize {
+  readonly cells: number;
+  readonly levels: number;
+  readonly cell: number;
+}
+
+export const RINGS: RingSize = { cells: 112, levels: 10, cell: 0.1 };
+
+export class SnowSurface {
+  readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
+  private readonly air: Atmosphere;
+  private readonly rings: RingSize;
+  private readonly uniforms = {
+    freshDepth: { value: 0.4 },
+    ringCentre: { value: new Vector2() },
+    ringCell: { value: 0.1 },
+    noiseMap: { value: null as Texture | null },
+  };
+
+  constructor(air: Atmosphere, noise: Texture, rings: RingSize = RINGS) {
+    this.air = air;
+    this.rings = rings;
+    const { positions, indices } = ringGrid(rings.cells, rings.levels);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(positions, 3));
+    geometry.setIndex(new BufferAttribute(indices, 1));
+    this.uniforms.noiseMap.value = noise;
+    this.uniforms.ringCell.value = rings.cell;
+    this.mesh = new Mesh(geometry, this.material(null));
+    this.mesh.frustumCulled = false;
+    this.mesh.receiveShadow = true;
+  }
+
+  /** Show the tracks of a field from now on. */
+  attach(tracks: Tracks): void {
+    this.mesh.material.dispose();
+    this.mesh.material = this.material(tracks);
+  }
+
+  /** Set the depth of fresh snow [m] and the middle of the finest cells [m]. */
+  update(depth: number, x: number, z: number): void {
+    this.uniforms.freshDepth.value = depth;
+    this.uniforms.ringCentre.value.set(x, z);
+  }
+
+  dispose(): void {
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+  }
+
+  private material(tracks: Tracks | null): MeshStandardMaterial {
+    const material = new MeshStandardMaterial({ roughness: 0.9 });
+    const field = `#define snowTexel ${(tracks?.texel ?? 0.05).toFixed(5)}\n${tracks?.glsl ?? NO_TRACKS}\n${DEPTH}`;
+    this.air.dress(material, {
+      key: tracks ? `tracks ${tracks.texel}` : "no tracks",
+      uniforms: { ...this.uniforms, ...tracks?.uniforms },
+      sun: SUN,
+      change: (shader) => {
+        shader.vertexShader = put(
+          shader.vertexShader,
+          "void main() {",
+          `${field}\n${ringGlsl(this.rings.cells)}\nvoid main() {`,
+        );
+        shader.vertexShader = put(shader.vertexShader, "#include <beginnormal_vertex>", VERTEX_NORMAL);
+        shader.vertexShader = put(shader.vertexShader, "#include <begin_vertex>", VERTEX_PLACE);
+        let f = shader.fragmentShader;
+        f = put(f, "void main() {", `${field}\n${MATTER}\n${RUT_SHADE}\n${SPARKLE}\nvoid main() {`);
+        f = put(f, "#include <map_fragment>", FRAGMENT_MATTER);
+        f = put(f, "#include <roughnessmap_fragment>", "float roughnessFactor = matter.roughness;");
+        f = put(f, "#include <normal_fragment_begin>", FRAGMENT_NORMAL);
+        f = put(
+          f,
+          "#include <aomap_fragment>",
+          "reflectedLight.indirectDiffuse *= matter.occlusion;\nreflectedLight.indirectSpecular *= matter.occlusion;",
+        );
+        f = put(f, "#include <opaque_fragment>", `${FRAGMENT_GLINTS}\n#include <opaque_fragment>`);
+        // The ground's code is wanted in the fragments as well as in the vertices.
+        shader.fragmentShader = put(f, "#include <common>", `#include <common>\n${this.air.groundGlsl}`);
+      },
+    });
+    return material;
+  }
+}
+
+const VERTEX_NORMAL = /* glsl */ `
+vec2 xz = ringPlace(position);
+float level = groundLevel(xz);
+vec2 incline = groundSlope(xz, level);
+vec3 objectNormal = normalize(vec3(-incline.x, 1.0, -incline.y));
+`;
+
+const VERTEX_PLACE = /* glsl */ `
+vec3 transformed = vec3(xz.x, groundHeight(xz) + snowDepth(xz, level), xz.y);
+`;
+
+const FRAGMENT_MATTER = /* glsl */ `
+vec2 xz = vPlace.xz;
+float level = groundLevel(xz);
+vec2 ground = groundSlope(xz, level);
+vec3 kind = groundKind(xz, level);
+float near = 1.0 - smoothstep(14.0, 22.0, distance(vPlace, cameraPosition));
+Matter matter = matterAt(xz, level, kind, ground, near);
+diffuseColor.rgb = matter.colour;
+`;
+
+const FRAGMENT_NORMAL = /* glsl */ `
+float faceDirection = 1.0;
+vec3 up = normalize(vec3(-matter.slope.x, 1.0, -matter.slope.y));
+vec3 normal = normalize((viewMatrix * vec4(up, 0.0)).xyz);
+vec3 nonPerturbedNormal = normal;
+`;
+
+// Snow lets light through its edges and throws it forward: a soft tail beyond the terminator, bluer the longer the
+// way in the ice; brighter against a low sun.
+const SUN = /* glsl */ `
+if (matter.inside > 0.0 && near > 0.0) {
+  float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  sunVisible *= mix(1.0, rutLight(xz, matter.depth, ground, lightDirection, dither), matter.inside * near);
+}
+float facing = dot(geometryNormal, directLight.direction);
+float tail = max(0.0, (facing + 0.35) / 1.35) - max(0.0, facing);
+float against = pow(max(0.0, -dot(geometryViewDir, directLight.direction)), 5.0);
+vec3 through = vec3(0.62, 0.82, 1.0) * tail * 0.55 + vec3(1.0, 0.93, 0.86) * 0.13 * against * max(0.0, facing + 0.2);
+reflectedLight.directDiffuse += matter.snowy * sunVisible * directLight.color * through * material.diffuseColor * RECIPROCAL_PI;
+`;
+
+const FRAGMENT_GLINTS = /* glsl */ `
+{
+  vec3 toEye = normalize(cameraPosition - vPlace);
+  float flash = sparkle(xz, lightDirection, toEye) * matter.snowy * mix(0.35, 1.0, matter.loose);
+  float fading = 1.0 - smoothstep(6.0, 60.0, distance(cameraPosition, vPlace));
+  outgoingLight += lightColour * sunVisible * flash * 2.2 * fading;
+}
+`;
