@@ -116,4 +116,4 @@ class _Handler(http.server.BaseHTTPRequestHandler):
                 self.wfile.write(body)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Say nothing: a line for each file is noise."""
+        """Log nothing: a line for each file is noise."""

@@ -67,11 +67,11 @@ def measure(mode: str, columns: Columns, spacing: float) -> Array:
 
 
 def described(names: list[str], scene: Scene) -> list[ModeMessage]:
-    """Return what a page is told of the modes `names`."""
-    told: list[ModeMessage] = []
+    """Return the message of each of the modes `names`."""
+    found: list[ModeMessage] = []
     for name in names:
         mode = MODES[name]
-        told.append(
+        found.append(
             {
                 "name": name,
                 "label": mode.label,
@@ -81,7 +81,7 @@ def described(names: list[str], scene: Scene) -> list[ModeMessage]:
                 "names": mode.names(scene) if mode.names else [],
             }
         )
-    return told
+    return found
 
 
 def _column(name: str) -> Callable[[Columns, float], Array]:

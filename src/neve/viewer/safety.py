@@ -24,7 +24,7 @@ def host_allowed(header: str, host: str) -> bool:
     """Whether a request's Host names this server.
 
     A foreign page can make a name of its own point here (DNS rebinding), but no number: a number is always
-    right, a name only if it is this machine's or the one that the server was told to listen on.
+    right, a name only if it is this machine's or the one that the server listens on.
     """
     name = _name(header)
     if name is None:

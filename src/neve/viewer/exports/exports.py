@@ -42,9 +42,9 @@ class Exports:
         self._closed = False
 
     def start(self, command: commands.Command) -> None:
-        """Put an export in the line, unless many wait already."""
+        """Queue an export, unless four are queued already."""
         if self._waiting >= 4:
-            self._refuse("four exports are in line: wait for one")
+            self._refuse("four exports are queued: wait for one")
             return
         self._waiting += 1
         self._worker.submit(self._make, command)

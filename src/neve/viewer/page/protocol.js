@@ -33,25 +33,25 @@ export const PARTICLE_BYTES = 8;
  */
 
 /**
- * Go on.
+ * Play.
  * @typedef {object} PlayCommand
  * @property {"play"} do
  */
 
 /**
- * Stop where it is.
+ * Pause.
  * @typedef {object} PauseCommand
  * @property {"pause"} do
  */
 
 /**
- * Go on by one frame, and pause.
+ * Play one frame, and pause.
  * @typedef {object} FrameCommand
  * @property {"frame"} do
  */
 
 /**
- * Begin again, live with all changes to the scene.
+ * Begin again; a live run, with all changes to the scene.
  * @typedef {object} RestartCommand
  * @property {"restart"} do
  */
@@ -109,7 +109,7 @@ export const PARTICLE_BYTES = 8;
  */
 
 /**
- * Put a solid of this name at a place [m] with a rotation vector [degrees]; `done` ends the drag.
+ * Put the solid `name` at a position [m] with a rotation vector [degrees]; `done` ends the drag.
  * @typedef {object} MoveCommand
  * @property {"move"} do
  * @property {string} name
@@ -140,7 +140,7 @@ export const PARTICLE_BYTES = 8;
  */
 
 /**
- * Begin to keep the frames of a live run, or end it.
+ * Begin or end the recording of a live run.
  * @typedef {object} RecordCommand
  * @property {"record"} do
  * @property {boolean} on

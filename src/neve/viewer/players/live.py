@@ -168,7 +168,7 @@ class Live(Player):
         self._spent["simulated"] = 0.9 * self._spent.get("simulated", 0.0) + piece
 
     def _publish(self) -> None:
-        """Show this moment now, and the next one when it is worth the cost of copying it."""
+        """Show the present state now, and the next one when it is worth the cost of copying it."""
         began = monotonic()
         self._copy()
         self._due = began + max(PAUSE, (monotonic() - began) / COPYING)

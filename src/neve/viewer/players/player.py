@@ -21,9 +21,9 @@ WAIT = 0.25
 class Player:
     """Run in a thread of its own; the server sees `latest`, which is replaced and never written into.
 
-    on_snapshot is called after each new snapshot, on_scene when what `describe` tells has changed, on_message
-    with each other message to all pages, on_failure with what ended the thread. All are called from the
-    player's thread and must not wait.
+    on_snapshot is called after each new snapshot, on_scene when what `describe` returns has changed,
+    on_message with each other message to all pages, on_failure with what ended the thread. All are called
+    from the player's thread and must not wait.
     """
 
     live = False
@@ -33,7 +33,7 @@ class Player:
         self.scene = scene
         """The scene as the panel shows it and as it would be saved."""
         self.number = 0
-        """Counts the changes of what `describe` tells."""
+        """Counts the changes of what `describe` returns."""
         self.latest: Snapshot | None = None
         self.modes: set[str] = set()
         """Colour modes that some page looks at; the server sets them."""
@@ -82,7 +82,7 @@ class Player:
                 self._take_commands(0.0 if self._busy() else WAIT)
                 if self._busy():
                     self._go_on()
-        except BaseException as error:  # a thread has nobody above it: the server ends, and tells
+        except BaseException as error:  # nothing above a thread catches this: the server ends with it
             self.on_failure(error)
 
     def _take_commands(self, wait: float) -> None:

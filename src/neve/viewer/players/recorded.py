@@ -39,7 +39,7 @@ class Recorded(Player):
         self._numbers = frame_numbers(run.frames)
         if not self._numbers:
             raise RunError(f"{run.path} holds no frames to play: run it first, neve run.")
-        read_frame(run.frames, self._numbers[0])  # a damaged run is told before a server starts
+        read_frame(run.frames, self._numbers[0])  # a damaged run is reported before a server starts
         self._solids = solids(self.scene)
         self._rho0 = np.array([snow.rho0 for snow in material_table(self.scene)], np.float32)
         self._memory: OrderedDict[int, Frame] = OrderedDict()

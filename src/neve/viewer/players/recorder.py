@@ -37,7 +37,7 @@ class Recorder:
         """Frames in it."""
 
     def switch(self, on: bool, sim: Simulation, scene: Scene) -> None:
-        """Begin a recording with this moment, or end it. Errors: SceneError if the disk refuses."""
+        """Begin a recording with the present state, or end it. Errors: SceneError if the disk refuses."""
         if on == self.on:
             return
         self.on = on
@@ -60,7 +60,7 @@ class Recorder:
         self.keep(sim)
 
     def keep(self, sim: Simulation) -> None:
-        """Write this moment as the next frame. Errors: SceneError if the disk refuses; then it ends."""
+        """Write the present state as the next frame. Errors: SceneError if the disk refuses; then it ends."""
         if self.last is None:
             return
         state = sim.state

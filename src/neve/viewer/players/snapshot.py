@@ -1,4 +1,4 @@
-"""Snapshot: one moment of a run, frozen, as the pages see it."""
+"""Snapshot: the state of a run at one time, frozen, as the pages see it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """Hold one moment of a run. It is never written into, so threads share it without a lock.
+    """Hold the state of a run at one time. It is never written into, so threads share it without a lock.
 
     Attributes:
         x: positions [m], (n, 3); row p is the same particle in every snapshot of a run

@@ -1,7 +1,7 @@
 """What a page may ask for. Everything that arrives is checked here; what is not one of these is dropped.
 
 A new command is a class here, its name in `AnyCommand`, and its case in the player that obeys it;
-`python -m neve.viewer.protocol.document` tells the page.
+`python -m neve.viewer.protocol.document` writes its type for the page.
 """
 
 from __future__ import annotations
@@ -37,25 +37,25 @@ class ColorMode(Command):
 
 
 class Play(Command):
-    """Go on."""
+    """Play."""
 
     do: Literal["play"]
 
 
 class Pause(Command):
-    """Stop where it is."""
+    """Pause."""
 
     do: Literal["pause"]
 
 
 class Frame(Command):
-    """Go on by one frame, and pause."""
+    """Play one frame, and pause."""
 
     do: Literal["frame"]
 
 
 class Restart(Command):
-    """Begin again, live with all changes to the scene."""
+    """Begin again; a live run, with all changes to the scene."""
 
     do: Literal["restart"]
 
@@ -113,7 +113,7 @@ class Delete(Command):
 
 
 class Move(Command):
-    """Put a solid of this name at a place [m] with a rotation vector [degrees]; `done` ends the drag."""
+    """Put the solid `name` at a position [m] with a rotation vector [degrees]; `done` ends the drag."""
 
     do: Literal["move"]
     name: Name
@@ -156,7 +156,7 @@ class PageCamera(BaseModel):
 
 
 class Record(Command):
-    """Begin to keep the frames of a live run, or end it."""
+    """Begin or end the recording of a live run."""
 
     do: Literal["record"]
     on: bool

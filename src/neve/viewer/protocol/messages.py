@@ -1,4 +1,4 @@
-"""What the server tells the pages. The one definition of these messages, as that of commands is commands.py.
+"""What the server sends to the pages: the one definition of its messages; commands.py has the commands.
 
 `python -m neve.viewer.protocol.document` writes both as types of the page into page/protocol.js.
 """
