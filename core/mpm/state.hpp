@@ -81,7 +81,7 @@ struct State {
   Field<T, 9> C,
       F_E;  // affine velocity [1/s], elastic deformation gradient [1]; component 3 j + i is row i, column j
   Columns<T>
-      modes;  // velocity modes of polypic beyond v and C [m/s]; component 3 k + i is axis i of mode 4 + k
+      modes;  // velocity modes beyond v and C, if the transfer has any [m/s]; component 3 k + i is axis i of mode 4 + k
   Field<T, 6> tau;        // Kirchhoff stress [Pa]: xx yy zz xy xz yz; follows from F_E and J_P, see refresh()
   Field<T, 1> J_P;        // plastic volume change [1]
   Field<T, 1> m, V0;      // mass [kg], rest volume [m3]

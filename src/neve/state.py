@@ -4,7 +4,7 @@ The arrays live in the core (`neve._core.State`) and are seen from NumPy without
 
     x (n, 3) position [m]            F_E (n, 3, 3) elastic deformation gradient [1]
     v (n, 3) velocity [m/s]          J_P (n,) plastic volume change [1]
-    C (n, 3, 3) affine velocity [1/s]    modes (n, k, 3) further modes of the velocity [m/s], polypic only
+    C (n, 3, 3) affine velocity [1/s]    modes (n, k, 3) further modes of the velocity [m/s], if any
     m (n,) mass [kg], V0 (n,) rest volume [m3]
     stiffness (n,) factor on E0 [1]  strength (n,) factor on the thresholds of plastic flow [1]
     material (n,) row of the material table, id (n,) birth number

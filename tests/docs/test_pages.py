@@ -70,4 +70,5 @@ def test_paths_in_a_page_exist(page):
     text = (ROOT / page).read_text(encoding="utf-8")
     homes = (ROOT, ROOT / "web/drive") if page == "docs/drive.md" else (ROOT,)
     lost = {path for path in paths(text) if not any(any(home.glob(path.rstrip("/"))) for home in homes)}
-    assert sorted(lost) == []
+    made = {"core/constitutive/st_venant_kirchhoff.hpp"} if page == "examples/03_own_law.md" else set()
+    assert sorted(lost - made) == []

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from reference import step
 from reference.laws import LAWS
-from reference.snow import Snow
+from reference.snow import ELASTICITIES, Snow
+from reference.splines import NODES
 from verification.stages import Lab
 
 from neve import _core
+from neve.scene.schema import choices
 
 DX, DT, GRAVITY = 0.05, 2e-4, (0.3, -0.2, -9.81)
 NAMES = ("x", "v", "C", "F_E", "J_P", "m", "V0")
@@ -18,6 +20,13 @@ SOFT = {  # so that this DT resolves the waves
     name: replace(snow, E0=2e5, p0=snow.p0 * 2e5 / snow.E0) for name, snow in LAWS.items()
 }
 ORDERS = [("quadratic", "apic"), ("cubic", "flip")]
+
+
+def test_every_choice_has_its_equations_in_numpy():
+    """A law or spline of the core is one of the oracle too: other tests would pass it over."""
+    assert set(ELASTICITIES) == set(choices.LAWS)
+    assert {snow.law for snow in LAWS.values()} == set(choices.LAWS)
+    assert set(NODES) == set(choices.SPLINES)
 
 
 def cloud(rows, n=500, seed=9):

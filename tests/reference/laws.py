@@ -2,23 +2,18 @@
 
 from dataclasses import replace
 
-from reference.snow import Snow
+from reference.snow import ELASTICITIES, OWN_PLASTICITY, Snow
 
 SAND = Snow(law="drucker_prager", E0=3.5e5, nu=0.3)
 CLAY = Snow(law="cam_clay", E0=3e6, nu=0.3, rho0=250.0, xi=1.0)
+CLAMPED = [law for law in ELASTICITIES if law not in OWN_PLASTICITY]
 LAWS = {
-    "stomakhin2013": Snow(),
-    "neo_hookean": Snow(law="neo_hookean"),
-    "hencky": Snow(law="hencky"),
-    "stomakhin2013 alone": Snow(plasticity="none"),
-    "neo_hookean alone": Snow(law="neo_hookean", plasticity="none"),
-    "hencky alone": Snow(law="hencky", plasticity="none"),
-    "drucker_prager": Snow(law="drucker_prager", E0=3.5e5, nu=0.3),
-    "drucker_prager cohesive": Snow(
-        law="drucker_prager", E0=3.5e5, nu=0.3, friction_angle=25.0, cohesion=2e3
-    ),
-    "cam_clay": Snow(law="cam_clay", E0=3e6, nu=0.3, rho0=250.0, xi=1.0),
-    "cam_clay cohesive": Snow(law="cam_clay", E0=3e6, nu=0.3, rho0=250.0, xi=1.0, M=1.5, beta=0.3, p0=3e4),
+    **{law: Snow(law=law) for law in CLAMPED},
+    **{f"{law} alone": Snow(law=law, plasticity="none") for law in CLAMPED},
+    "drucker_prager": SAND,
+    "drucker_prager cohesive": replace(SAND, friction_angle=25.0, cohesion=2e3),
+    "cam_clay": CLAY,
+    "cam_clay cohesive": replace(CLAY, M=1.5, beta=0.3, p0=3e4),
 }
 
 

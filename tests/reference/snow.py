@@ -15,6 +15,7 @@ ELASTICITIES = {
     "drucker_prager": Hencky,
     "cam_clay": Hencky,
 }
+"""The laws, each with its elasticity."""
 OWN_PLASTICITY = {"drucker_prager": plasticity.drucker_prager, "cam_clay": plasticity.cam_clay}
 CLAMPED = {"snow": plasticity.clamp, "none": plasticity.nothing}
 

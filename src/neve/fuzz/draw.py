@@ -195,7 +195,7 @@ def _collision(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]
 def _thin_layer(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     thin = {"shape": "layer", "size": [6 * dx, 6 * dx], "depth": 0.1 * dx, "base": 0.05 * dx}
     ball = _lump(rng, dx, (0, 0, 4.0), (0.0, 0.0, -fast))
-    return [thin, ball], [_floor(rng)]
+    return [thin, ball], [_floor(rng) | {"normal": [0.0, 0.0, 1.0]}]  # tilted, it could hold the whole layer
 
 
 def _loners(rng: Random, dx: float, fast: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
