@@ -14,6 +14,7 @@ JUMP = re.compile(r"(?:call|jmp)q?\s+([\w.$]+)")
 SCALAR = re.compile(r"v?(?:sqrt|round|rndscale|div|mul|add|sub|fn?m(?:add|sub)\d+)s[sd]\s")
 PACKED = re.compile(r"v?(?:sqrt|round|rndscale|div|mul|add|sub|fn?m(?:add|sub)\d+)p[sd]\s")
 FUSED = re.compile(r"vfn?m(?:add|sub)\d+p[sd]\s")
+STRING = re.compile(r"rep;?\s+(?:movs|stos)")
 HALF_STORE = re.compile(r"vmov(?:[ua]p[sd]|dq[ua]\d*)\s+%xmm\d+,")
 
 
@@ -69,8 +70,9 @@ def counts(lines, level):
     """Count what matters in instructions that stand in the text (a loop's body once).
 
     `stack`: vectors read from or written to the stack. `halves`: of these the stores of 16 bytes, which a
-    wider load then waits for. `scalar`: arithmetic on one lane. `narrow`: arithmetic on packs that do not
-    fill a register of the level. `fused`: multiply-adds on packs.
+    wider load then waits for. `strings`: copies by `rep movs`, slow to start. `scalar`: arithmetic on one
+    lane. `narrow`: arithmetic on packs that do not fill a register of the level. `fused`: multiply-adds on
+    packs.
     """
     whole = f"%{REGISTER[level]}mm"
     vectors = [line.text for line in lines if line.stack and re.search("%[xyz]mm", line.text)]
@@ -78,6 +80,7 @@ def counts(lines, level):
     return {
         "stack": len(vectors),
         "halves": sum(1 for text in vectors if HALF_STORE.match(text)),
+        "strings": sum(1 for text in texts if STRING.match(text)),
         "scalar": sum(1 for text in texts if SCALAR.match(text)),
         "narrow": sum(1 for text in texts if PACKED.match(text) and whole not in text),
         "fused": sum(1 for text in texts if FUSED.match(text)),
