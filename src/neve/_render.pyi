@@ -42,9 +42,9 @@ class Solid:
     """A collider or a body, drawn.
 
     shape: a word of `neve._core.geometry.shapes()`; position (x, y, z) [m]; rotation: local to world, nine
-    numbers row by row; half: half edges of a box, (radius, -, half height) of a cylinder, (radius, -, -) of a
-    sphere [m]; mesh: the triangles of a mesh or terrain, for these shapes only; surface_material: a word of
-    `surface_materials()`; is_static: it has the same place in every frame, which saves time.
+    numbers row by row; half: half extents along the shape's own axes [m]; mesh: the triangles of a mesh or
+    terrain, for these shapes only; surface_material: a word of `surface_materials()`; is_static: it has the
+    same place in every frame, which saves time.
     Errors: ValueError for an unknown word, or a mesh that is missing or too many.
     """
 

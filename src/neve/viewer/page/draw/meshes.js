@@ -1,4 +1,4 @@
-// Triangles: of simple bodies, and of the meshes of a scene.
+// Triangles: of the shapes that are given by a formula, and of the meshes of a scene.
 
 /** @import { Vec3 } from "./math.js" */
 
@@ -36,7 +36,7 @@ export class TriangleMesh {
 }
 
 /** @param {WebGL2RenderingContext} gl */
-export function boxMesh(gl) {
+function boxMesh(gl) {
   /** @type {number[]} */
   const places = [];
   /** @type {number[]} */
@@ -66,7 +66,7 @@ export function boxMesh(gl) {
 }
 
 /** @param {WebGL2RenderingContext} gl */
-export function sphereMesh(gl) {
+function sphereMesh(gl) {
   const places = [];
   const faces = [];
   const rows = 32;
@@ -87,7 +87,7 @@ export function sphereMesh(gl) {
 }
 
 /** @param {WebGL2RenderingContext} gl */
-export function cylinderMesh(gl) {
+function cylinderMesh(gl) {
   const places = [];
   const normals = [];
   const faces = [];
@@ -110,9 +110,18 @@ export function cylinderMesh(gl) {
 }
 
 /** @param {WebGL2RenderingContext} gl */
-export function planeMesh(gl) {
+function planeMesh(gl) {
   const places = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0];
   return new TriangleMesh(gl, places, [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1], [0, 1, 2, 0, 2, 3]);
+}
+
+/**
+ * Return the triangles of each shape that is given by a formula, of half extents 1, by its word.
+ * @param {WebGL2RenderingContext} gl
+ * @returns {Record<string, TriangleMesh>}
+ */
+export function shapeMeshes(gl) {
+  return { plane: planeMesh(gl), box: boxMesh(gl), sphere: sphereMesh(gl), cylinder: cylinderMesh(gl) };
 }
 
 /**

@@ -12,7 +12,7 @@
 
 import { colorTable } from "./colors.js";
 import { M, R, V } from "./math.js";
-import { boxMesh, bytesOf, creasedMesh, cylinderMesh, planeMesh, sphereMesh } from "./meshes.js";
+import { bytesOf, creasedMesh, shapeMeshes } from "./meshes.js";
 import { OpacityMaps } from "./opacity_maps.js";
 import { SHADERS } from "./shaders.js";
 import { SnowCloud } from "./snow_cloud.js";
@@ -64,13 +64,7 @@ export class Stage {
     };
     this.maps = new OpacityMaps(gl);
     this.snow = new SnowCloud(gl);
-    /** @type {Record<string, TriangleMesh>} */
-    this.shapes = {
-      box: boxMesh(gl),
-      sphere: sphereMesh(gl),
-      cylinder: cylinderMesh(gl),
-      plane: planeMesh(gl),
-    };
+    this.shapes = shapeMeshes(gl);
     /** @type {Map<string, TriangleMesh>} */
     this.known = new Map();
     /** @type {(TriangleMesh | undefined)[]} */
