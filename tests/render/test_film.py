@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import textwrap
+from fractions import Fraction
 
 import imageio_ffmpeg
 import numpy as np
@@ -63,6 +64,16 @@ def test_film_has_every_frame_in_order(tmp_path):
     data = path.read_bytes()
     assert data.index(b"moov") < data.index(b"mdat")  # plays while it loads
     assert os.listdir(tmp_path) == ["preview.mp4"]
+
+
+def test_rate_need_not_be_whole(tmp_path):
+    """Six frames at 15/2 a second: 0.8 s."""
+    film = Film(tmp_path / "slow.mp4", Fraction(15, 2), SIZE)
+    fill(film, 6)
+    film.close()
+    assert decoded(tmp_path / "slow.mp4") == list(range(6))
+    assert "7.50 fps" in probe(tmp_path / "slow.mp4")
+    assert "Duration: 00:00:00.80" in probe(tmp_path / "slow.mp4")
 
 
 def test_odd_sizes_are_padded(tmp_path):

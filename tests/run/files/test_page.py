@@ -1,6 +1,7 @@
 """docs/run_folder.md names what a run folder holds: every file, column and array, in their order."""
 
 import re
+import tomllib
 from pathlib import Path
 from typing import get_args
 
@@ -12,8 +13,10 @@ from neve.io.frames import Frame
 from neve.io.run_folder import RunFolder
 from neve.mpm.time_step import Bound
 from neve.run.outputs import solids
-from neve.run.outputs.registry import usual_files
+from neve.run.outputs.film import FilmOutput
+from neve.run.outputs.registry import schedule_of, usual_files
 from neve.run.resume import FREE
+from neve.scene.reading.load import scene_from
 
 PAGE = (Path(__file__).parents[3] / "docs/run_folder.md").read_text(encoding="utf-8")
 
@@ -62,3 +65,13 @@ def test_words_of_the_page():
     for key in FREE:
         assert f"`{key}`" in PAGE
     assert f"{fragments.MOST} largest fragments" in PAGE
+
+
+def test_list_of_outputs_of_the_page():
+    """The list that the page shows is one that a scene may have, and writes what the page says."""
+    [text] = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    scene = scene_from(tomllib.loads(f'{text}\n[[sources]]\nshape = "sphere"\n'))
+    frames, film = scene.outputs
+    assert (frames.file(), film.file()) == ("frames", "side.mp4")
+    due = [k for k in range(31) if schedule_of(film, FilmOutput(), scene.run.fps).due(k)]
+    assert due == list(range(0, 31, 3))
