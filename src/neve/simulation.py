@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,14 +19,15 @@ from neve.colliders.solid import Solid
 from neve.diagnostics import Diagnostics, diagnose
 from neve.geometry.pose import Pose
 from neve.isa import MAX_THREADS
-from neve.mpm.blowup import Blowup, require_finite, require_progress
-from neve.mpm.caution import careful_step
-from neve.mpm.solver import STAGES, measure_volumes, sort
+from neve.mpm.failures import Blowup, require_finite, require_progress
+from neve.mpm.step import STAGES, Stages
+from neve.mpm.step_control import try_step
 from neve.mpm.time_step import fitted, largest
 from neve.rigid.coupled_bodies import LostBody
 from neve.scene.checks.advice import advice
 from neve.scene.errors import SceneWarning
 from neve.scene.schema.scene import Scene, Source
+from neve.stage_timer import StageTimer
 from neve.state import from_arrays, to_arrays
 
 if TYPE_CHECKING:
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 class Stats:
     """Hold what the last advance() did.
 
-    steps taken, their dt [s] and what bound the smallest one, how often a step was refused and tried again
-    with half the dt, what each collider exchanged with the snow, (n, 7): impulse of the snow on the collider
+    steps taken, their dt [s] and what bound the smallest one, how many attempts were rejected and tried again
+    with a shorter dt, what each collider exchanged with the snow, (n, 7): impulse of the snow on the collider
     [N s], its moment about the collider's centre [N m s], work of the collider on the snow [J];
     seconds per stage.
     """
@@ -49,13 +49,13 @@ class Stats:
     dt_min: float = 0.0
     dt_mean: float = 0.0
     bound: str = ""
-    refusals: int = 0
+    rejected: int = 0
     exchanged: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 7)))
     stage_seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(STAGES, 0.0))
 
-    def add(self, dt: float, bound: str, refusals: int) -> None:
+    def add(self, dt: float, bound: str, rejected: int) -> None:
         """Count one step."""
-        self.refusals += refusals
+        self.rejected += rejected
         if self.steps == 0 or dt < self.dt_min:
             self.dt_min, self.bound = dt, bound
         self.steps += 1
@@ -116,7 +116,10 @@ class Simulation:
         model, state = self.model, self._state
         start, done = self.time, 0.0
         self.stats = Stats()
-        report = self._begin()
+        self._timer = StageTimer(STAGES)
+        self.stats.stage_seconds = self._timer.seconds
+        stages = Stages(model, state, self._grid, self._timer)
+        report = self._begin(stages)
         while done < seconds:
             if model.solids_move:
                 self._place_solids(start + done)
@@ -124,14 +127,11 @@ class Simulation:
             require_progress(model, report, choice.dt, seconds, self.steps)
             self._warn_of_long_step(choice.dt, report)
             dt = fitted(choice.dt, seconds - done)
-            taken = careful_step(
-                model, state, self._grid, dt, report, self.stats.stage_seconds, self.steps, self.time
-            )
-            report, dt = taken.report, taken.dt
+            report, dt, rejected = try_step(stages, dt, report, self.steps, self.time)
             done = seconds if seconds - done <= dt * (1 + 1e-9) else done + dt
             self.time = start + done
             self.steps += 1
-            self.stats.add(dt, "retry" if taken.refusals else choice.bound, taken.refusals)
+            self.stats.add(dt, "retry" if rejected else choice.bound, rejected)
             require_finite(model, state, report, self.steps, self.time, dt)
             self._move_bodies(dt)
             if enough is not None and enough():
@@ -139,21 +139,19 @@ class Simulation:
         self._take_exchanged()
 
     def _place_solids(self, time: float) -> None:
-        started = perf_counter()
-        self.model.place_solids(time)
-        self.stats.stage_seconds["bodies"] += perf_counter() - started
+        with self._timer.stage("bodies"):
+            self.model.place_solids(time)
 
     def _move_bodies(self, dt: float) -> None:
         """Let the rigid bodies feel what the snow did to them in the step of dt [s] that ends now."""
         if self.model.rigid is None:
             return
-        started = perf_counter()
-        exchanged = self._take_exchanged()
-        try:
-            self.model.rigid.advance(dt, exchanged[len(self.model.colliders) :], self.time - dt)
-        except LostBody as lost:
-            raise Blowup(str(lost)) from None
-        self.stats.stage_seconds["bodies"] += perf_counter() - started
+        with self._timer.stage("bodies"):
+            exchanged = self._take_exchanged()
+            try:
+                self.model.rigid.advance(dt, exchanged[len(self.model.colliders) :], self.time - dt)
+            except LostBody as lost:
+                raise Blowup(str(lost)) from None
 
     def _take_exchanged(self) -> NDArray[np.float64]:
         """Return what the solids exchanged with the snow since the last call, and book it."""
@@ -178,20 +176,16 @@ class Simulation:
             numerics.cfl * numerics.dx / report.fastest,
         )
 
-    def _begin(self) -> Report:
+    def _begin(self, stages: Stages) -> Report:
         """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
         model, state = self.model, self._state
         model.limit_press(float(np.max(state.strength, initial=0.0)))
-        started = perf_counter()
-        report = model.core.refresh(model.native, state)
+        report = stages.refresh()
         require_finite(model, state, report, self.steps, self.time, 0.0)
         if self.steps == 0 and self.scene.numerics.initial_volume == "grid":
-            measure_volumes(model, state, self._grid)
-            report = model.core.refresh(model.native, state)  # the wave speed depends on the volume
-        refreshed = perf_counter()
-        sort(model, state, self._grid)
-        self.stats.stage_seconds["stress"] += refreshed - started
-        self.stats.stage_seconds["sort"] += perf_counter() - refreshed
+            stages.measure_volumes()
+            report = stages.refresh()  # the wave speed depends on the volume
+        stages.sort(anew=True)
         return report
 
     def solids(self) -> list[tuple[Solid, Pose]]:

@@ -17,7 +17,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from neve.mpm.solver import STAGES
+from neve.mpm.step import STAGES
 
 PAUSE = float(os.environ.get("NEVE_FAKE_PAUSE", "0"))  # seconds of wall time a frame takes
 
@@ -47,7 +47,7 @@ class Simulation:
             dt_min=float("nan"),
             dt_mean=float("nan"),
             bound="",
-            refusals=0,
+            rejected=0,
             steps=0,
             stage_seconds=dict.fromkeys(STAGES, 0.0),
         )
@@ -81,7 +81,7 @@ class Simulation:
             dt_min=seconds / 4,
             dt_mean=seconds / 4,
             bound="speed",
-            refusals=0,
+            rejected=0,
             steps=4,
             exchanged=np.full((len(self.scene.colliders), 7), self.time),
             stage_seconds=dict.fromkeys(STAGES, 0.1),

@@ -12,7 +12,7 @@ import numpy as np
 
 from neve import _core
 from neve.bench.spread import Spread
-from neve.mpm.solver import STAGES
+from neve.mpm.step import STAGES
 from neve.scene.errors import SceneWarning
 from neve.scene.schema.scene import Body, Camera, Collider, Numerics, Scene, Source
 from neve.simulation import Simulation

@@ -19,7 +19,7 @@ from typing import Any
 from neve import _core
 from neve.bench.bodies import Share, measure_bodies
 from neve.bench.spread import Spread
-from neve.mpm.solver import STAGES
+from neve.mpm.step import STAGES
 from neve.scene.errors import SceneError
 from neve.scene.schema.choices import SPLINES, TRANSFERS
 from neve.scene.schema.scene import Camera, Collider, Numerics, Scene, Source

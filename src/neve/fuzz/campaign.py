@@ -10,7 +10,7 @@ import numpy as np
 
 from neve.diagnostics import Balance, Diagnostics
 from neve.fuzz.draw import draw
-from neve.mpm.blowup import Blowup
+from neve.mpm.failures import Blowup
 from neve.scene.schema.choices import TRANSFERS
 from neve.scene.schema.scene import Scene
 from neve.simulation import Simulation
@@ -34,7 +34,7 @@ class Outcome:
 
     fault: what went wrong, "" if nothing did; gain: largest growth of energy over all that was put in [1];
     surge: largest growth between two looks over what moved and was strained then [1]; both are judged
-    unless the energy of the transfer has no bound; refusals: steps that were refused and tried again.
+    unless the energy of the transfer has no bound; rejected: steps that were rejected and tried again.
     """
 
     number: int
@@ -42,7 +42,7 @@ class Outcome:
     description: str
     particles: int
     steps: int
-    refusals: int
+    rejected: int
     gain: float
     surge: float
     judged: bool
@@ -71,7 +71,7 @@ def endure(seed: int, number: int, threads: int | None = None) -> Outcome:
         ),
         particles=trial.particles,
         steps=trial.steps,
-        refusals=trial.refusals,
+        rejected=trial.rejected,
         gain=trial.budget.gain,
         surge=trial.budget.surge,
         judged=trial.judged,
@@ -83,7 +83,7 @@ def endure(seed: int, number: int, threads: int | None = None) -> Outcome:
 class _Trial:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.particles = self.steps = self.refusals = 0
+        self.particles = self.steps = self.rejected = 0
         self.budget = Budget()
         self.judged = TRANSFERS[scene.numerics.transfer].has_bounded_energy
 
@@ -97,7 +97,7 @@ class _Trial:
         for _ in range(PARTS):
             sim.advance(self.scene.run.duration / PARTS)
             self.steps = sim.steps
-            self.refusals += sim.stats.refusals
+            self.rejected += sim.stats.rejected
             fault = _fault(sim, mass)
             if fault:
                 return fault

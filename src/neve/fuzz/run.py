@@ -38,7 +38,7 @@ def run(
         surge = max((outcome.surge for outcome in judged), default=0.0)
         print(
             f"{len(outcomes) - len(bad)} of {len(outcomes)} scenes held, {steps:,} steps, "
-            f"{sum(outcome.refusals for outcome in outcomes):,} of them shortened; largest growth of energy "
+            f"{sum(outcome.rejected for outcome in outcomes):,} of them shortened; largest growth of energy "
             f"{100 * gain:.2g} % of what was put in (allowed {100 * MOST_GAIN:g} %), "
             f"{100 * surge:.2g} % of what moved between two looks (allowed {100 * MOST_SURGE:g} %)"
         )

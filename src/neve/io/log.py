@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from neve.io.table import Table, read_table
-from neve.mpm import solver
+from neve.mpm import step
 
-STAGES = (*solver.STAGES, "write", "film")
+STAGES = (*step.STAGES, "write", "film")
 """Stages with a column of wall time [s] each: those of the step, then writing files and drawing the film."""
 
 COLUMNS = (
@@ -17,7 +17,7 @@ COLUMNS = (
     "dt_min",  # smallest substep since the frame before [s]
     "dt_mean",  # mean substep since the frame before [s]
     "bound",  # what limited the smallest substep: wave, speed, solid, strain, fixed, dt_max or retry
-    "refusals",  # substeps that were refused and tried again with a shorter one since the frame before
+    "rejected",  # substeps that were rejected and tried again with a shorter one since the frame before
     "mass",  # [kg]
     "momentum_x",  # [kg m/s]
     "momentum_y",

@@ -216,9 +216,9 @@ def test_ctrl_c_anywhere_is_130(call, fake, scene_file, monkeypatch, stop, words
 
 def test_errors_of_the_simulation(call, fake, scene_file, monkeypatch):
     """A particle without numbers and too little memory are sentences; a mistake in Neve is none."""
-    blowup = types.ModuleType("neve.mpm.blowup")
-    blowup.Blowup = type("Blowup", (RuntimeError,), {})
-    monkeypatch.setitem(sys.modules, "neve.mpm.blowup", blowup)
+    failures = types.ModuleType("neve.mpm.failures")
+    failures.Blowup = type("Blowup", (RuntimeError,), {})
+    monkeypatch.setitem(sys.modules, "neve.mpm.failures", failures)
 
     def failing(error):
         def fail(*_, **__):
@@ -226,7 +226,7 @@ def test_errors_of_the_simulation(call, fake, scene_file, monkeypatch):
 
         return fail
 
-    monkeypatch.setattr(fake.Simulation, "advance", failing(blowup.Blowup("particle 7 lost its numbers.")))
+    monkeypatch.setattr(fake.Simulation, "advance", failing(failures.Blowup("particle 7 lost its numbers.")))
     code, _, err = call("run", "small.toml", "--out", "a", "--quiet")
     assert (code, err) == (2, "neve: particle 7 lost its numbers.\n")
     monkeypatch.setattr(fake.Simulation, "advance", failing(MemoryError()))

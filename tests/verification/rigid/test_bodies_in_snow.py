@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neve.mpm.blowup import Blowup
+from neve.mpm.failures import Blowup
 from neve.scene.reading.load import scene_from
 from neve.simulation import Simulation
 

@@ -55,6 +55,6 @@ def test_flight_of_cells_a_step(spline, transfer, precision, eps, cells):
     start = wide(sim)
     sim.advance(time)
     end, n = wide(sim), sim.steps
-    assert (sim.stats.refusals > 0) == (cells > 1)
+    assert (sim.stats.rejected > 0) == (cells > 1)
     error = time * 7 * n * eps * speed + n * eps * 5
     np.testing.assert_allclose(end["x"], start["x"] + time * v, rtol=0, atol=error)

@@ -88,7 +88,7 @@ class LogOutput:
                 "dt_min": float(stats.dt_min) if moved else None,
                 "dt_mean": float(stats.dt_mean) if moved else None,
                 "bound": stats.bound if moved else None,
-                "refusals": int(stats.refusals) if moved else None,
+                "rejected": int(stats.rejected) if moved else None,
                 "mass": float(totals.mass),
                 "momentum_x": x,
                 "momentum_y": y,

@@ -197,7 +197,7 @@ class Live(Player):
             "steps": sim.steps,
             "dt": sim.stats.dt_mean,
             "bound": sim.stats.bound,
-            "rejected": sim.stats.refusals,
+            "rejected": sim.stats.rejected,
             "pace": spent.get("simulated", 0.0) / total,
             "stages": {name: spent[name] / total for name in spent if name not in ("all", "simulated")},
         }

@@ -1,14 +1,15 @@
-"""A step is looked at before it is taken: refused without a trace, tried again, given up in a sentence."""
+"""A step is tried before it is taken: rejected without a trace, tried again, given up in a sentence."""
 
 import numpy as np
 import pytest
 from verification.scenes import ball, box, columns, scene, simulate
 
 import neve
-from neve.mpm import caution
-from neve.mpm.blowup import Blowup
-from neve.mpm.solver import step
+from neve.mpm import step_control
+from neve.mpm.failures import Blowup
+from neve.mpm.step import Stages, step
 from neve.mpm.time_step import Choice
+from neve.stage_timer import StageTimer
 
 
 def squeezed(transfer="apic", rate=-200.0, **numerics):
@@ -23,22 +24,31 @@ def squeezed(transfer="apic", rate=-200.0, **numerics):
     return sim
 
 
-def try_step(sim, dt, bold=lambda ahead: True, refuses=lambda report: report.rejected):
-    model, state, grid = sim.model, sim.state, sim._grid
-    model.core.refresh(model.native, state)
-    return step(model, state, grid, dt, dict.fromkeys(("sort", "p2g", "grid", "g2p"), 0.0), bold, refuses)
+def attempt(sim, dt, needs_trial=True):
+    """Take a step of dt if its trial is not rejected; return the report and whether it was taken."""
+    on = Stages(sim.model, sim.state, sim._grid, StageTimer())
+    on.refresh()
+    trials = []
+
+    def accepts(grid_report):
+        if needs_trial:
+            trials.append(on.grid_to_particles(dt, commit=False))
+        return not any(trial.rejected for trial in trials)
+
+    report = step(on, dt, accepts)
+    return report or trials[0], report is not None
 
 
 def test_a_trial_moves_nothing(precision, spline, transfer):
-    """A refused step leaves every bit of every column; the report says how deep the squeeze would be.
+    """A rejected step leaves every bit of every column; the report says how deep the squeeze would be.
 
     det(I + dt grad v) = (1 - 200 x 0.004)^3 = 0.008 in the bulk, which is below 0.05; a transfer without C
     smooths the velocities of the small ball first: grad v is up to a tenth smaller, (1 - 0.72)^3 = 0.02.
     """
     sim = squeezed(transfer, precision=precision, spline=spline)
-    try_step(sim, 1e-9)
+    attempt(sim, 1e-9)
     before = columns(sim)
-    report, done = try_step(sim, 4e-3)
+    report, done = attempt(sim, 4e-3)
     assert not done
     assert report.min_volume_ratio == pytest.approx(0.008, abs=0.014)
     assert report.strain_rate == pytest.approx(200 * np.sqrt(3), rel=0.2)
@@ -49,9 +59,9 @@ def test_a_trial_moves_nothing(precision, spline, transfer):
 def test_a_trial_is_the_step(precision, spline, transfer):
     """A step that was tried first is, bit for bit, the one that was not."""
     tried, plain = (squeezed(transfer, precision=precision, spline=spline) for _ in range(2))
-    _, done = try_step(tried, 1e-4)
+    _, done = attempt(tried, 1e-4)
     assert done
-    try_step(plain, 1e-4, bold=lambda ahead: False)
+    attempt(plain, 1e-4, needs_trial=False)
     for name, value in columns(tried).items():
         np.testing.assert_array_equal(value, columns(plain)[name], err_msg=name)
 
@@ -76,7 +86,7 @@ def few(transfer, spline, seed):
 
 
 def test_no_bad_step_goes_unseen(spline, transfer):
-    """What has to be refused was called bold before: 150 handfuls of particles, steps of 1e-6 to 1e-2 s.
+    """What has to be rejected needed a trial: 150 handfuls of particles, steps of 1e-6 to 1e-2 s.
 
     Lone particles, pairs and specks with C of their own are where light nodes carry most of the velocity,
     which the estimate from the nodes leaves out. Both kinds of step must occur, or the test says nothing.
@@ -85,18 +95,16 @@ def test_no_bad_step_goes_unseen(spline, transfer):
     for seed in range(150):
         sim = few(transfer, spline, seed)
         dt = float(10.0 ** np.random.default_rng(1000 + seed).uniform(-6, -2))
-        before = sim.model.core.refresh(sim.model.native, sim.state)
-        bold = []
+        on = Stages(sim.model, sim.state, sim._grid, StageTimer())
+        before = on.refresh()
+        needed = []
 
-        def look(ahead, before=before, dt=dt, sim=sim, bold=bold):
-            bold.append(caution.is_bold(ahead, before, dt, sim.model))
-            return True
+        def accepts(grid_report, on=on, before=before, dt=dt, needed=needed):
+            needed.append(step_control.needs_trial(grid_report, before, dt, on.model))
+            return not step_control.rejects(on.grid_to_particles(dt, commit=False), dt, on.model)
 
-        def refuses(report, dt=dt, sim=sim):
-            return caution.is_too_much(report, dt, sim.model)
-
-        _, done = try_step(sim, dt, look, refuses)
-        assert done or bold[0], seed
+        done = step(on, dt, accepts) is not None
+        assert done or needed[0], seed
         seen[done] += 1
     assert min(seen.values()) > 20
 
@@ -105,7 +113,7 @@ def test_a_rash_step_is_shortened(precision, transfer):
     """dt = 4e-3 s, as the scene asks, would press snow to a hundredth: Neve takes less and says so."""
     sim = squeezed(transfer, precision=precision, dt=4e-3)
     sim.advance(4e-3)
-    assert sim.stats.refusals > 0
+    assert sim.stats.rejected > 0
     assert sim.stats.bound == "retry"
     assert sim.stats.dt_min < 2e-3
     assert sim.time == pytest.approx(4e-3, rel=1e-12)
@@ -113,16 +121,16 @@ def test_a_rash_step_is_shortened(precision, transfer):
 
 
 def test_a_calm_step_needs_no_trial(monkeypatch, transfer):
-    """Snow that flies as one is never looked at twice, however fast: only differences are bold."""
+    """Snow that flies as one is never tried first, however fast: only differences ask for a trial."""
     sim = simulate(scene([ball(velocity=(40, -20, 30))], transfer=transfer, dt="auto"))
     asked = []
-    plain = caution.is_bold
+    plain = step_control.needs_trial
 
     def counted(*args, **kwargs):
         asked.append(plain(*args, **kwargs))
         return asked[-1]
 
-    monkeypatch.setattr(caution, "is_bold", counted)
+    monkeypatch.setattr(step_control, "needs_trial", counted)
     sim.advance(5e-3)
     assert len(asked) > 3
     assert not any(asked)
@@ -130,9 +138,9 @@ def test_a_calm_step_needs_no_trial(monkeypatch, transfer):
 
 def test_it_gives_up_in_one_sentence(monkeypatch):
     """When no step is short enough the sentence names particle, snow, quantity, step and what to change."""
-    monkeypatch.setattr(caution, "MOST_TRIES", 3)
+    monkeypatch.setattr(step_control, "MAX_TRIES", 3)
     sim = squeezed(rate=-1e9, dt=4e-3, precision="float64")
-    monkeypatch.setattr(caution, "longest_stable", lambda model, report: Choice(4e-3, "wave"))
+    monkeypatch.setattr(step_control, "longest_stable", lambda model, report: Choice(4e-3, "wave"))
     with pytest.raises(Blowup) as caught:
         sim.advance(4e-3)
     text = str(caught.value)

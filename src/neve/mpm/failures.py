@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Blowup(RuntimeError):
-    """Say which particle lost its numbers, where, when, and what to change. One sentence."""
+    """Raised when a run cannot go on: which particle, where, when, and what to change, in one sentence."""
 
 
 def require_finite(model: Model, state: State, report: Report, steps: int, time: float, dt: float) -> None:
@@ -46,14 +46,14 @@ def require_progress(model: Model, report: Report, dt: float, seconds: float, st
 def no_step(
     model: Model, state: State, report: Report, tried: int, steps: int, time: float, dt: float
 ) -> Blowup:
-    """Return the Blowup of a step that was refused `tried` times, the last time with dt [s]."""
+    """Return the Blowup of a step that was rejected `tried` times, the last time with dt [s]."""
     rows = np.flatnonzero(np.asarray(state.id) == report.offending_id)
     who = _name(model, state, int(rows[0])) if len(rows) else "a particle"
     if not report.finite:
         what = "would have no finite value"
     elif report.max_displacement > _core.displacement_limit:
-        what = f"would leap {report.max_displacement:.3g} cells"
-    elif report.min_volume_ratio >= _core.volume_ratio_limit:  # by the limits of neve.mpm.caution
+        what = f"would move by {report.max_displacement:.3g} cells"
+    elif report.min_volume_ratio >= _core.volume_ratio_limit:  # by the limits of neve.mpm.step_control
         what = f"would be strained by {report.strain_rate * dt:.2g}"
     else:
         what = f"would be pressed to {max(report.min_volume_ratio, 0.0):.2g} of its volume"

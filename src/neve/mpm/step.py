@@ -1,0 +1,91 @@
+"""The explicit material point step for snow: Stomakhin et al. 2013, section 4.1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from neve.model import Model
+from neve.mpm.failures import Blowup, remedy
+from neve.stage_timer import StageTimer
+
+if TYPE_CHECKING:
+    from neve._core import Grid, GridReport, Report, State
+
+STAGES = ("stress", "sort", "p2g", "grid", "g2p", "bodies")
+"""What the wall time of a run is told of: `refresh`, the four lines of the step, and solids and bodies."""
+
+
+def step(on: Stages, dt: float, accepts: Callable[[GridReport], bool] = lambda report: True) -> Report | None:
+    """Advance the particles by dt [s]: the ten stages of the paper, with its equation numbers.
+
+    Stage 2, the initial volumes, is `Stages.measure_volumes`, once; stage 6 has nothing to solve, since the
+    step is explicit; stage 9, contact of particles, is done with the positions.
+
+    accepts: asked after stage 6, when no particle has moved yet; if it says no, none is moved and there is no
+    report (see neve.mpm.step_control).
+    """
+    on.sort()
+    on.particles_to_grid(dt)  # 1: m_i = sum_p w_ip m_p, m_i v_i; 3: f_i = -sum_p V_p sigma_p grad w_ip, eq. 6
+    report = on.update_grid(dt)  # 4: v_i* = v_i + dt f_i / m_i, eq. 10; 5: collisions, section 8; 6: none
+    if not accepts(report):
+        return None
+    return on.grid_to_particles(dt)  # 7: F = (I + dt grad v) F, section 7; 8: v_p; 9: section 8; 10: x_p
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Run the stages of the step on one model, state and grid, and time each of them."""
+
+    model: Model
+    state: State
+    grid: Grid
+    timer: StageTimer
+
+    def refresh(self) -> Report:
+        """Derive stress and speeds from the state."""
+        with self.timer.stage("stress"):
+            return self.model.core.refresh(self.model.native, self.state)
+
+    def sort(self, anew: bool = False) -> None:
+        """Sort the particles and lay out the grid, if a particle has left its block or `anew` asks for it.
+
+        Errors: Blowup for a particle that has left the lattice of 2^22 cells each way.
+        """
+        if self.grid.current and not anew:
+            return
+        with self.timer.stage("sort"):
+            try:
+                self.model.core.sort(self.model.native, self.state, self.grid)
+            except ValueError as error:
+                reach = 2**22 * self.model.numerics.dx
+                raise Blowup(
+                    f"{error}, which ends {reach:.4g} m from the origin: enlarge numerics.dx, "
+                    f"or {remedy(self.model)}"
+                ) from None
+
+    def particles_to_grid(self, dt: float) -> None:
+        """Scatter mass, momentum and dt [s] times force to the nodes."""
+        with self.timer.stage("p2g"):
+            self.model.core.p2g(self.model.native, self.state, self.grid, dt)
+
+    def update_grid(self, dt: float) -> GridReport:
+        """Turn momenta into velocities after dt [s], with gravity and contact."""
+        with self.timer.stage("grid"):
+            return self.model.core.grid_update(self.model.native, self.grid, dt)
+
+    def grid_to_particles(self, dt: float, commit: bool = True) -> Report:
+        """Gather velocities, deform and move the particles by dt [s]; without `commit` only report."""
+        with self.timer.stage("g2p"):
+            return self.model.core.g2p(self.model.native, self.state, self.grid, dt, commit)
+
+    def measure_volumes(self) -> None:
+        """Take each particle's rest volume from the density on the grid (stage 2): V0_p = m_p / rho_p.
+
+        rho_p = sum_i m_i w_ip / dx^3. Stomakhin et al. 2013, section 4.1, step 2.
+        """
+        self.sort(anew=True)
+        self.particles_to_grid(0.0)
+        with self.timer.stage("stress"):
+            self.model.core.volumes_from_grid(self.model.native, self.state, self.grid)

@@ -1,0 +1,108 @@
+"""Control the step size: accept a step or reject it before a particle moves, and retry with a shorter dt.
+
+A step is rejected if a value would not be finite, if a particle would move by more than a cell, if
+det(I + dt grad v) would fall below 0.05, on the way to turning the particle inside out, if dt |grad v| would
+exceed four times numerics.strain_max, or if snow would be pressed so far that its hardening stores more
+energy than the step's work (`Model.press_limit`). Nothing has been moved by then: the particles are as they
+were, so that a rejected step needs no copy of the state to go back to.
+
+Most steps need no trial. After the grid update the velocities of the nodes around a particle differ by
+d = `max_velocity_difference` at most, and |grad v| <= sqrt(3) d / dx. For affine transfers row a of grad v is
+D^-1 sum_i w_ip v_ia (x_i - x_p); with v_ia measured from the middle of its range, |v_ia| <= d_a / 2,
+an entry is at most d_a / dx, since sum_i w_ip |x_i - x_p|_b <= sqrt(D). For gradients of weights an
+entry is at most (d_a / 2) sum |w'| <= d_a / dx. It leaves out nodes lighter than a
+thousandth of the lightest particle, so it is an estimate; the particles' own rates of the last step, which
+lone particles keep, are looked at besides. Only when an estimate comes near a limit is g2p tried: run once
+without moving anything. How far snow will be pressed is judged by the last step alone: the first step of an
+impact may overshoot that limit.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from neve.mpm.failures import no_step
+from neve.mpm.step import Stages, step
+from neve.mpm.time_step import longest_stable
+
+if TYPE_CHECKING:
+    from neve._core import GridReport, Report
+    from neve.model import Model
+
+MAX_TRIES = 24
+"""Maximum attempts per step, each with half the dt of the one before; after them the run ends."""
+
+_SAFE_STRAIN = 0.5  # of dt |grad v|: (1 - 0.5)^3 = 0.125 of the volume is left, above the limit of 0.05
+_SAFE_DISPLACEMENT = 0.9  # [cells]
+
+
+class AcceptedStep(NamedTuple):
+    """A step that was taken: its report, its dt [s], and how many attempts were rejected before."""
+
+    report: Report
+    dt: float
+    rejected: int
+
+
+def try_step(on: Stages, dt: float, before: Report, steps: int = 0, time: float = 0.0) -> AcceptedStep:
+    """Advance the state by dt [s], or by less if a step of dt is rejected.
+
+    A rejected step is tried again with the largest stable step of the last report, if dt was longer than
+    that, then with half of that, a quarter, ...
+
+    before: the report of the last step; steps, time: where the run stands, for the error.
+
+    Errors: Blowup after MAX_TRIES rejections.
+    """
+    for rejected in range(MAX_TRIES):
+        attempt = _Attempt(on, dt, before)
+        report = step(on, dt, attempt.is_accepted)
+        if report is not None:
+            return AcceptedStep(report, dt, rejected)
+        dt *= 0.5
+        if rejected == 0:
+            dt = min(dt, longest_stable(on.model, before).dt)
+    raise no_step(on.model, on.state, attempt.report, MAX_TRIES, steps, time, 2.0 * dt)
+
+
+class _Attempt:
+    """Judge one attempt at a step of dt [s]; `report`: of its trial, or of the last step without one."""
+
+    def __init__(self, on: Stages, dt: float, before: Report) -> None:
+        self._on, self._dt, self.report = on, dt, before
+
+    def is_accepted(self, grid_report: GridReport) -> bool:
+        """Tell whether the particles may move, after a trial if the grid asks for one."""
+        if not needs_trial(grid_report, self.report, self._dt, self._on.model):
+            return True
+        self.report = self._on.grid_to_particles(self._dt, commit=False)
+        return not rejects(self.report, self._dt, self._on.model)
+
+
+def needs_trial(grid_report: GridReport, before: Report, dt: float, model: Model) -> bool:
+    """Tell whether a step of dt [s] might have to be rejected, so that it must be tried first.
+
+    A particle moves with a mean of node velocities, or, in transfers that blend FLIP in, with its own
+    velocity and a mean of the nodes' changes.
+    """
+    per_cell = dt / model.numerics.dx
+    difference = grid_report.max_velocity_difference
+    strain = max(math.sqrt(3.0) * difference * per_cell, before.strain_rate * dt)
+    displacement = max(grid_report.speed, before.speed + grid_report.max_velocity_change) * per_cell
+    harmless = (
+        strain <= min(_SAFE_STRAIN, 0.9 * _max_strain(model))
+        and before.compression_rate * dt <= 0.9 * model.press_limit
+        and displacement <= _SAFE_DISPLACEMENT
+    )
+    return not (grid_report.finite and harmless)
+
+
+def rejects(report: Report, dt: float, model: Model) -> bool:
+    """Tell whether a trial of a step of dt [s] must be rejected, by its report."""
+    strained = report.strain_rate * dt > _max_strain(model)
+    return report.rejected or strained or report.compression_rate * dt > model.press_limit
+
+
+def _max_strain(model: Model) -> float:
+    return 4.0 * model.numerics.strain_max
