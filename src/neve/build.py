@@ -1,95 +1,37 @@
-"""Turn a Scene into a Model and a State: the only module that turns scene values into arrays."""
+"""Turn a scene into what every solver needs of it: solids with their bodies, and the material table."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from neve.colliders.solid import Solid, solid_of
-from neve.model import Model
-from neve.sampling import Samples, fill
-from neve.sampling.carving import carved
 from neve.scene.schema.scene import Scene, Snow
 
 if TYPE_CHECKING:
-    from neve._core import State
+    from neve.rigid.coupled_bodies import CoupledBodies
 
 
-def build(scene: Scene) -> tuple[Model, State]:
-    """Sample the sources and assemble the material table.
+def coupled(scene: Scene) -> tuple[tuple[Solid, ...], CoupledBodies | None]:
+    """Return all that snow can meet, and who moves the rigid bodies among it, if there are any.
 
-    Each particle has rest volume V0, its share of its source's volume, factors on stiffness and strength, and
-    mass m = rho0 f V0 with its factor f on density; F_E = I and J_P = 1; with an affine transfer the
-    affine velocity C is that of the source's spin; further modes of the velocity are zero.
-    `numerics.initial_volume = "grid"` replaces V0 in the first step. Snow that would start inside a solid is
-    left out, and a SceneWarning says so.
+    The colliders come first, then the rigid bodies, in the order of the scene.
 
-    Errors: SceneError for a source, a mesh or a height map that cannot be used.
+    Errors: SceneError for a mesh or a height map that cannot be used.
     """
-    model = make_model(scene)
-    return model, snow_of(scene, model, range(len(scene.sources)))
+    around = tuple(solid_of(c, f"colliders.{i}", scene.numerics.dx) for i, c in enumerate(scene.colliders))
+    if not (scene.bodies or scene.robots):
+        return around, None
+    from neve.rigid.bodies import RigidBodies
 
-
-def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> State:
-    """Return the particles of the sources of these indices, without those inside a solid of `model`.
-
-    Errors: SceneError for a source that cannot be used, or that starts wholly inside solids.
-    """
-    sources = [scene.sources[i] for i in indices]
-    samples = [
-        carved(fill(scene.completed(s), scene.numerics, i), model, f"sources.{i}")
-        for i, s in zip(indices, sources, strict=True)
-    ]
-    state = model.core.State(sum(len(s.x) for s in samples), model.native.more_modes)
-    begin = 0
-    for source, s in zip(sources, samples, strict=True):
-        snow = scene.snow_of(source)
-        rows = slice(begin, begin + len(s.x))
-        _place(state, rows, s, model.snows.index(snow), snow.rho0)
-        if model.native.keeps_C:
-            state.C[rows] = _spin_matrix(source.spin)
-        begin = rows.stop
-    return state
-
-
-def make_model(scene: Scene) -> Model:
-    """Return the constants of the scene's run, without sampling any snow."""
-    around, rigid = _colliders(scene), None
-    if scene.bodies or scene.robots:
-        from neve.rigid.bodies import RigidBodies
-
-        rigid = RigidBodies(scene, around)
-    met = (*around, *rigid.solids) if rigid else around
-    return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, met, rigid)
+    rigid = RigidBodies(scene, around)
+    return (*around, *rigid.solids), rigid
 
 
 def solids(scene: Scene) -> tuple[Solid, ...]:
     """Return all that snow can meet: the colliders, then the rigid bodies, in the order of the scene."""
-    return make_model(scene).solids
-
-
-def _colliders(scene: Scene) -> tuple[Solid, ...]:
-    return tuple(solid_of(c, f"colliders.{i}", scene.numerics.dx) for i, c in enumerate(scene.colliders))
+    return coupled(scene)[0]
 
 
 def material_table(scene: Scene) -> list[Snow]:
     """Return the different snows of the scene, in the order of their first source."""
     return list(dict.fromkeys(scene.snow_of(source) for source in scene.sources))
-
-
-def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) -> None:
-    state.x[rows] = s.x
-    state.v[rows] = s.v
-    state.m[rows] = rho0 * s.density * s.volume
-    state.V0[rows] = s.volume
-    state.stiffness[rows] = s.stiffness
-    state.strength[rows] = s.strength
-    state.material[rows] = np.uint16(material)
-
-
-def _spin_matrix(spin: tuple[float, float, float]) -> list[list[float]]:
-    """Return grad v of v = spin x (x - centre): with it, the first step sees no false strain."""
-    a, b, c = spin
-    return [[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]]

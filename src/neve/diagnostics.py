@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
-
-from neve.model import Model
-
-if TYPE_CHECKING:
-    from neve._core import Grid, State
+from typing import NamedTuple
 
 
 @dataclass(frozen=True)
@@ -72,25 +64,3 @@ class Balance(NamedTuple):
     def growth(self, before: Balance) -> float:
         """Return what the snow gained since `before` beyond the colliders' work; a loss is below zero."""
         return (self.total - before.total) - (self.work - before.work)
-
-
-def diagnose(model: Model, state: State, grid: Grid, exchanged: NDArray[np.float64]) -> Diagnostics:
-    """Add up the state; `exchanged` is that of the Simulation."""
-    t = model.core.totals(model.native, state)
-    px, py, pz = t.momentum
-    rigid = model.rigid
-    bx, by, bz = (float(p) for p in rigid.momentum) if rigid else (0.0, 0.0, 0.0)
-    return Diagnostics(
-        mass=t.mass,
-        momentum=(px, py, pz),
-        kinetic=t.kinetic,
-        affine=t.affine,
-        elastic=t.elastic,
-        potential=t.potential,
-        work=float(exchanged[:, 6].sum()),
-        particles=int(state.count),
-        blocks=int(grid.blocks),
-        bodies_momentum=(bx, by, bz),
-        bodies_kinetic=rigid.kinetic if rigid else 0.0,
-        bodies_potential=rigid.potential if rigid else 0.0,
-    )

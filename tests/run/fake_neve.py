@@ -17,6 +17,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from neve.mpm.solver import MpmSolver
 from neve.mpm.step import STAGES
 
 PAUSE = float(os.environ.get("NEVE_FAKE_PAUSE", "0"))  # seconds of wall time a frame takes
@@ -26,6 +27,9 @@ class Simulation:
     """Throw `count` particles."""
 
     count = 50
+    solver = SimpleNamespace(
+        log_columns=MpmSolver.log_columns, log_values=lambda totals: MpmSolver.log_values(MpmSolver, totals)
+    )
 
     def __init__(self, scene, threads=None):
         self.scene, self.threads = scene, threads
@@ -51,6 +55,9 @@ class Simulation:
             steps=0,
             stage_seconds=dict.fromkeys(STAGES, 0.0),
         )
+
+    def columns(self):
+        return {name: lambda name=name: getattr(self.state, name) for name in vars(self.state)}
 
     @classmethod
     def restore(cls, scene, arrays, threads=None):

@@ -10,7 +10,7 @@ import meshes
 import numpy as np
 import pytest
 
-from neve.build import build
+from neve.mpm.initial import build
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.load import scene_from
 

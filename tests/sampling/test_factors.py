@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from neve.build import build
+from neve.mpm.initial import build
 from neve.sampling import fill
 from neve.sampling.regions import region
 from neve.scene.reading.load import scene_from

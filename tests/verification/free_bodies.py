@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from neve.build import build
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose, rotation_matrix
-from neve.model import Model
+from neve.mpm.initial import build
+from neve.mpm.model import Model
 from neve.simulation import Simulation
 
 
@@ -89,8 +89,8 @@ def simulate_with(scene, bodies):
     """Return a simulation of the scene in which `bodies` take part."""
     sim = Simulation(scene, threads=1)
     plain, _ = build(scene)
-    sim.model = Model(
+    sim.solver.model = Model(
         scene.world, scene.numerics, plain.snows, scene.colliders, (*plain.solids, *bodies.solids), bodies
     )
-    sim.exchanged = np.zeros((len(sim.model.solids), 7))
+    sim.exchanged = np.zeros((len(sim.solver.solids), 7))
     return sim

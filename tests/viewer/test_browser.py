@@ -165,13 +165,13 @@ def test_a_value_in_the_panel_changes_the_simulation(page, live):
     box.blur()
     told = "neve.scene.panel.find(s => s.path === 'snow').fields.find(f => f.name === 'E0').value"
     until(page, f"() => {told} === 2e5", "E0 is told")
-    assert live.player._sim.model.snows[0].E0 == 2e5
+    assert live.player._sim.solver.model.snows[0].E0 == 2e5
     nu = page.locator('[data-path="snow.nu"] input')
     nu.fill("0.9")
     nu.blur()
     page.wait_for_selector(".wrong-text")
     assert "less than 0.5" in page.inner_text(".wrong-text")
-    assert live.player._sim.model.snows[0].nu == 0.2
+    assert live.player._sim.solver.model.snows[0].nu == 0.2
 
 
 def test_a_click_throws_a_snowball_that_arrives(page, live):
@@ -180,7 +180,7 @@ def test_a_click_throws_a_snowball_that_arrives(page, live):
     page.keyboard.press("2")
     page.mouse.click(WIDTH / 2, HEIGHT / 2)
     until(page, f"() => neve.state.n > {n}", "the ball is there")
-    assert live.player._sim.state.count > n
+    assert live.player._sim.count > n
     assert changed_pixels(before, look(page)) > 0.01
     page.click("#play")
     until(page, "() => +document.body.dataset.time > 0.3", "the ball has flown")

@@ -101,7 +101,7 @@ def measure_bodies(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)  # the boots stand in the snow on purpose
         sim = Simulation(scene)
-    mesh = sim.model.solids[-1].mesh
+    mesh = sim.solver.solids[-1].mesh
     sim.advance(WARM * DT)
     wall: list[tuple[float, float]] = []
     growth: dict[str, list[float]] = {stage: [] for stage in STAGES}

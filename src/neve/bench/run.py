@@ -122,7 +122,7 @@ def measure(name: str, block: Block, **numerics: Any) -> Speed:
         frame_ms=Spread.of([1e3 * t for t in wall]),
         bytes_core=sim.bytes / n,
         bytes_resident=None if before is None or after is None or n < 100_000 else (after - before) / n,
-        blocks=sim.blocks,
+        blocks=sim.diagnostics().blocks,
         flowing=float((sim.state.J_P != 1).mean()),
     )
 

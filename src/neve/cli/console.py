@@ -15,7 +15,7 @@ USER_ERRORS = (
     ("neve.scene.errors", "SceneError"),
     ("neve.io.errors", "RunError"),
     ("neve.render.film", "FilmError"),
-    ("neve.mpm.failures", "Blowup"),
+    ("neve.solver", "Blowup"),
     ("neve.viewer.show", "ViewError"),
     ("neve.drive.serve", "DriveError"),
 )

@@ -10,10 +10,10 @@ import numpy as np
 
 from neve.diagnostics import Balance, Diagnostics
 from neve.fuzz.draw import draw
-from neve.mpm.failures import Blowup
 from neve.scene.schema.choices import TRANSFERS
 from neve.scene.schema.scene import Scene
 from neve.simulation import Simulation
+from neve.solver import Blowup
 
 PARTS = 30
 """So often in its duration a scene is looked at."""

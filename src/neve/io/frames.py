@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -72,6 +72,21 @@ def make_frame(
         solid_rotation=np.array([rotation for _, rotation in poses], np.float32).reshape(-1, 3, 3),
         time=time,
     )
+
+
+def frame_of(
+    columns: Mapping[str, Callable[[], Any]],
+    bodies: Iterable[tuple[NDArray[Any], NDArray[Any]]],
+    time: float,
+) -> Frame:
+    """Copy a moment of any solver as a frame, from what it lets draw (see `neve.solver.Solver.columns`).
+
+    J_P is 1 and the material 0 where the solver has none.
+    """
+    x, id = np.asarray(columns["x"]()), np.asarray(columns["id"]())
+    J_P = columns["J_P"]() if "J_P" in columns else np.ones(len(x), np.float32)
+    material = columns["material"]() if "material" in columns else np.zeros(len(x), np.uint16)
+    return make_frame(x, columns["v"](), J_P, id, material, bodies, time)
 
 
 def write_frame(folder: Path, frame: int, content: Frame) -> None:

@@ -5,38 +5,31 @@ from __future__ import annotations
 from pathlib import Path
 
 from neve.io.table import Table, read_table
-from neve.mpm import step
+from neve.registry import METHODS
 
-STAGES = (*step.STAGES, "write", "film")
-"""Stages with a column of wall time [s] each: those of the step, then writing files and drawing the film."""
-
-COLUMNS = (
+CLOCK = (
     "frame",  # number of the frame; 0 is the initial state
     "time",  # simulated time [s]
     "steps",  # substeps since the start of the run
     "dt_min",  # smallest substep since the frame before [s]
     "dt_mean",  # mean substep since the frame before [s]
-    "bound",  # what limited the smallest substep: wave, speed, solid, strain, fixed, dt_max or retry
+    "bound",  # what limited the smallest substep, in the solver's words
     "rejected",  # substeps that were rejected and tried again with a shorter one since the frame before
-    "mass",  # [kg]
-    "momentum_x",  # [kg m/s]
-    "momentum_y",
-    "momentum_z",
-    "kinetic",  # energies [J]
-    "elastic",
-    "potential",
-    "affine",  # kinetic energy of the velocity field that each particle carries around itself
-    "work",  # of the colliders on the snow since the start
-    "bodies_momentum_x",  # of the bodies that snow moves [kg m/s]
-    "bodies_momentum_y",
-    "bodies_momentum_z",
-    "bodies_kinetic",  # their energies [J]
-    "bodies_potential",
-    "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
-    "particles",
-    "blocks",  # grid blocks of 4x4x4 nodes in use
-    *(f"seconds_{stage}" for stage in STAGES),
 )
+"""Columns that every run has first."""
+
+OUTSIDE = ("write", "film")
+"""Stages outside the step with a column of wall time [s] each: writing files and drawing the film."""
+
+
+def stages(method: str) -> tuple[str, ...]:
+    """Return the stages with a column of wall time [s] each: those of the step of `method`, then OUTSIDE."""
+    return (*METHODS.get(method).stages, *OUTSIDE)
+
+
+def columns(method: str) -> tuple[str, ...]:
+    """Return the columns of the log of a run with `numerics.method`: CLOCK, the solver's own, the seconds."""
+    return (*CLOCK, *METHODS.get(method).log_columns, *(f"seconds_{stage}" for stage in stages(method)))
 
 
 class Log(Table):
@@ -45,14 +38,15 @@ class Log(Table):
     Errors: RunError if the disk refuses, or if the file has other columns (an older or newer Neve wrote it).
     """
 
-    def __init__(self, path: Path, keep_through: int | None = None) -> None:
+    def __init__(self, path: Path, method: str, keep_through: int | None = None) -> None:
         """Start a new log, or keep the rows up to frame `keep_through` of the one that lies there."""
-        super().__init__(path, COLUMNS, keep_through)
+        super().__init__(path, columns(method), keep_through)
 
 
-def read_log(path: Path) -> list[dict[str, str]]:
-    """Return the whole rows of a log as text, by column; a last line cut short by a crash is left out.
+def read_log(path: Path, method: str) -> list[dict[str, str]]:
+    """Return the whole rows of the log of a run with `numerics.method` as text, by column.
 
-    Errors: RunError if the file cannot be read or has other columns.
+    A last line cut short by a crash is left out. Errors: RunError if the file cannot be read or has other
+    columns.
     """
-    return read_table(path, COLUMNS)
+    return read_table(path, columns(method))

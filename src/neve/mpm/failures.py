@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from neve import _core
-from neve.model import Model
+from neve.mpm.model import Model
+from neve.solver import Blowup
 
 if TYPE_CHECKING:
     from neve._core import Report, State
-
-
-class Blowup(RuntimeError):
-    """Raised when a run cannot go on: which particle, where, when, and what to change, in one sentence."""
 
 
 def require_finite(model: Model, state: State, report: Report, steps: int, time: float, dt: float) -> None:

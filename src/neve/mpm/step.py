@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from neve.model import Model
-from neve.mpm.failures import Blowup, remedy
+from neve.mpm.failures import remedy
+from neve.mpm.model import Model
+from neve.solver import Blowup
 from neve.stage_timer import StageTimer
 
 if TYPE_CHECKING:

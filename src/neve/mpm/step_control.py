@@ -28,7 +28,7 @@ from neve.mpm.time_step import longest_stable
 
 if TYPE_CHECKING:
     from neve._core import GridReport, Report
-    from neve.model import Model
+    from neve.mpm.model import Model
 
 MAX_TRIES = 24
 """Maximum attempts per step, each with half the dt of the one before; after them the run ends."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
     from neve._core import Report
-    from neve.model import Model
+    from neve.mpm.model import Model
 
 Bound = Literal["wave", "speed", "solid", "strain", "fixed", "dt_max", "retry"]
 

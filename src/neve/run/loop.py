@@ -194,13 +194,13 @@ def _loop(
     context = FrameContext(sim, frame, last, timer, run)
     if run.done is None:
         _write(context, outputs)
-    progress.update(frame, sim.state.count, sim.steps)
+    progress.update(frame, sim.count, sim.steps)
     while frame < last and not interrupt.requested:
         sim.advance(1.0 / sim.scene.run.fps)
         frame += 1
         context = FrameContext(sim, frame, last, timer, run)
         _write(context, outputs)
-        progress.update(frame, sim.state.count, sim.steps)
+        progress.update(frame, sim.count, sim.steps)
     for _, output in reversed(outputs):
         output.close(context)
     return frame

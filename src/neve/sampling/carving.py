@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from neve.model import Model
+from neve.colliders.solid import Solid
 from neve.sampling import Samples
 from neve.scene.errors import SceneError, SceneWarning
 
@@ -14,8 +17,16 @@ ROUNDING = 1e-3
 """Cells that a particle may lie inside a solid: snow that was laid on its surface, in single precision."""
 
 
-def carved(samples: Samples, model: Model, name: str) -> Samples:
-    """Return `samples` of the source `name` without those that start inside a solid of `model`.
+def carved(
+    samples: Samples,
+    solids: Sequence[Solid],
+    distance: Callable[[int, NDArray[np.float64]], NDArray[Any]],
+    dx: float,
+    name: str,
+) -> Samples:
+    """Return `samples` of the source `name` without those that start inside one of `solids`.
+
+    distance(i, x): signed distance of points x (n, 3) from the surface of solid i, (n,) [m]; dx: cell [m]
 
     The others keep their volume, so that the source loses the mass of what is left out.
 
@@ -23,9 +34,8 @@ def carved(samples: Samples, model: Model, name: str) -> Samples:
     """
     free = np.ones(len(samples.x), dtype=bool)
     found = []
-    for i, solid in enumerate(model.solids):
-        phi, _ = model.native.surface(i, np.ascontiguousarray(samples.x))
-        inside = free & (phi < -ROUNDING * model.numerics.dx)
+    for i, solid in enumerate(solids):
+        inside = free & (distance(i, samples.x) < -ROUNDING * dx)
         if count := int(np.count_nonzero(inside)):
             found.append((count, solid.name))
             free &= ~inside

@@ -216,9 +216,9 @@ def test_ctrl_c_anywhere_is_130(call, fake, scene_file, monkeypatch, stop, words
 
 def test_errors_of_the_simulation(call, fake, scene_file, monkeypatch):
     """A particle without numbers and too little memory are sentences; a mistake in Neve is none."""
-    failures = types.ModuleType("neve.mpm.failures")
+    failures = types.ModuleType("neve.solver")
     failures.Blowup = type("Blowup", (RuntimeError,), {})
-    monkeypatch.setitem(sys.modules, "neve.mpm.failures", failures)
+    monkeypatch.setitem(sys.modules, "neve.solver", failures)
 
     def failing(error):
         def fail(*_, **__):

@@ -15,7 +15,7 @@ from neve.io import atomic
 from neve.io.atomic import replacing, sweep, write_bytes, write_text
 from neve.io.errors import RunError
 from neve.io.frames import make_frame, read_frame, write_frame
-from neve.io.log import COLUMNS, Log, read_log
+from neve.io.log import Log, columns, read_log
 
 resource = pytest.importorskip("resource")
 ROOT = Path(neve.__file__).parents[1]
@@ -41,7 +41,7 @@ def frame_of(n):
 
 
 def row(frame):
-    return dict.fromkeys(COLUMNS, 0.1) | {"frame": frame, "bound": "wave", "dt_min": None}
+    return dict.fromkeys(columns("mpm"), 0.1) | {"frame": frame, "bound": "wave", "dt_min": None}
 
 
 def test_write_replaces_the_file(old):
@@ -106,7 +106,7 @@ def test_missing_folder_is_one_sentence(tmp_path):
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
 def test_full_device_of_the_system(tmp_path):
     """The system's own full disk, met by the log: one sentence."""
-    log = Log(tmp_path / "log.csv")
+    log = Log(tmp_path / "log.csv", "mpm")
     log.path = Path("/dev/full")
     with pytest.raises(RunError, match="the disk is full"):
         log.append(row(0))
@@ -128,7 +128,7 @@ def test_limit_of_the_system_on_file_size(tmp_path):
 
 def test_full_disk_leaves_no_half_row_in_the_log(tmp_path):
     """A row that fits only in part is taken back, so that the file stays a table."""
-    log = Log(tmp_path / "log.csv")
+    log = Log(tmp_path / "log.csv", "mpm")
     log.append(row(0))
     whole = log.path.read_bytes()
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -199,11 +199,11 @@ def test_damaged_and_missing_frames_are_one_sentence(tmp_path):
 
 def test_log_reads_back_numbers_exactly(tmp_path):
     """Numbers keep all their digits; None and NaN are empty cells; a line cut short does not count."""
-    log = Log(tmp_path / "log.csv")
+    log = Log(tmp_path / "log.csv", "mpm")
     log.append(row(0) | {"mass": 1 / 3, "kinetic": float("nan")})
     with open(log.path, "a") as file:
         file.write("1,0.1,0.")
-    (only,) = read_log(log.path)
+    (only,) = read_log(log.path, "mpm")
     assert (float(only["mass"]), only["kinetic"], only["dt_min"]) == (1 / 3, "", "")
 
 
@@ -212,7 +212,7 @@ def test_log_of_another_version_is_one_sentence(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("frame,time\n0,0\n")
     with pytest.raises(RunError, match=r"no log of this version of Neve, .* starts without them"):
-        Log(path, keep_through=3)
+        Log(path, "mpm", keep_through=3)
     assert path.read_text() == "frame,time\n0,0\n"
 
 

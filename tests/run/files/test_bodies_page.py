@@ -78,6 +78,8 @@ def test_robot_goes_with_its_run(tmp_path, monkeypatch):
     moved = (tmp_path / "away").rename(tmp_path / "there")
     parted = run_scene(load(moved), moved, threads=1, frames=4, resume=True, quiet=True)
     assert [solid.name for solid, _ in parted.solids()] == ["colliders.0", "robots.0.hull", "robots.0.wheel"]
-    assert np.array_equal(whole.model.rigid.save()["engine"], parted.model.rigid.save()["engine"])
+    assert np.array_equal(
+        whole.solver.model.rigid.save()["engine"], parted.solver.model.rigid.save()["engine"]
+    )
     rows = [(tmp_path / name / "solids.csv").read_bytes() for name in ("whole", "there")]
     assert rows[0] == rows[1]

@@ -38,7 +38,7 @@ FILES, LOG, FRAGMENTS, SOLIDS, ARRAYS = tables()
 @pytest.mark.parametrize(
     ("table", "columns"),
     [
-        (LOG, log.COLUMNS),
+        (LOG, log.columns("mpm")),
         (FRAGMENTS, fragments.COLUMNS),
         (SOLIDS, solids.COLUMNS),
         (ARRAYS, Frame._fields),

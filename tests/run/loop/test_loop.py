@@ -14,7 +14,7 @@ import pytest
 
 from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError
-from neve.io.log import COLUMNS
+from neve.io.log import columns
 from neve.io.version import version
 from neve.run import loop, run, run_scene
 from neve.run.outputs.picture import telling_frame
@@ -113,7 +113,7 @@ def test_log_columns(fake, scene, tmp_path):
     out = tmp_path / "ball"
     sim = run(fake.Simulation(scene), out, quiet=True)
     rows = table(out)
-    assert tuple(rows[0]) == COLUMNS
+    assert tuple(rows[0]) == columns("mpm")
     assert [int(row["frame"]) for row in rows] == list(range(9))
     assert (rows[0]["dt_min"], rows[0]["bound"], rows[0]["steps"]) == ("", "", "0")
     assert (rows[8]["bound"], int(rows[8]["steps"]), int(rows[8]["particles"])) == ("speed", sim.steps, 50)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neve import _core
-from neve.build import make_model
+from neve.mpm.initial import make_model
 from neve.scene.schema.roles import SHAPES, Role, forms
 from neve.scene.schema.scene import Body, Collider, Numerics, Scene, Source
 

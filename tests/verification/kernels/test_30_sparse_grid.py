@@ -51,7 +51,7 @@ def test_blocks_are_few(spline, transfer):
     sim = march(simulate(splash(spline, transfer)), 1)
     x = np.asarray(sim.state.x)
     spans = np.ptp(np.floor(x / (4 * 0.05)), axis=0) + 2
-    assert sim.blocks <= spans.prod() / 2
+    assert sim.solver.grid.blocks <= spans.prod() / 2
 
 
 def test_a_flake_far_away_costs_its_own_blocks(precision, spline, transfer):
@@ -59,12 +59,12 @@ def test_a_flake_far_away_costs_its_own_blocks(precision, spline, transfer):
     near = scene([ball(radius=0.2)], precision=precision, spline=spline, transfer=transfer)
     sim = simulate(near)
     arrays = sim.arrays()
-    alone = march(sim, 1).blocks
+    alone = march(sim, 1).solver.grid.blocks
     flake = arrays["id"] == 0
     x = arrays["x"].copy()
     x[flake] = [1e4, -1e4, 1e4]
     far = march(neve.Simulation.restore(near, arrays | {"x": x}, threads=1), 1)
-    assert far.blocks <= alone + 8
+    assert far.solver.grid.blocks <= alone + 8
     assert np.isfinite(np.asarray(far.state.x)).all()
     assert far.bytes < 2 * sim.bytes
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from neve.mpm.failures import Blowup
 from neve.scene.reading.load import scene_from
 from neve.simulation import Simulation
+from neve.solver import Blowup
 
 G = 9.81
 HEAP = {"shape": "box", "size": [0.6, 0.6, 0.3], "center": [0.0, 0.0, 0.15]}
@@ -51,10 +51,10 @@ def test_momentum_of_snow_and_bodies_is_kept(density):
         "spin": [1, 2, 3],
     }
     sim = Simulation(scene([ball, box], [0, 0, 0], colliders=(), precision="float64"), threads=1)
-    before, ball_before = total(sim), sim.model.rigid.poses()[0].velocity[0]
+    before, ball_before = total(sim), sim.solver.model.rigid.poses()[0].velocity[0]
     sim.advance(0.06)
-    assert abs(sim.model.rigid.poses()[0].velocity[0] - ball_before) > 0.05  # they met
-    scale = sum(sim.model.rigid.mass * 4.0) + sim.diagnostics().mass * 4.0
+    assert abs(sim.solver.model.rigid.poses()[0].velocity[0] - ball_before) > 0.05  # they met
+    scale = sum(sim.solver.model.rigid.mass * 4.0) + sim.diagnostics().mass * 4.0
     assert total(sim) == pytest.approx(before, abs=1e-13 * scale)
 
 
@@ -67,9 +67,9 @@ def test_body_on_snow_carries_its_weight(density):
     box = {"shape": "box", "size": [0.4, 0.4, 0.2], "center": [0, 0, 0.41], "density": density}
     sim = Simulation(scene([box]), threads=1)
     sim.advance(0.5)
-    before = sim.model.rigid.poses()[0].velocity
+    before = sim.solver.model.rigid.poses()[0].velocity
     sim.advance(0.1)
-    pose = sim.model.rigid.poses()[0]
+    pose = sim.solver.model.rigid.poses()[0]
     mass = density * 0.4 * 0.4 * 0.2
     force = sim.stats.exchanged[1, :3] / 0.1
     assert force == pytest.approx(mass * ((pose.velocity - before) / 0.1 + [0, 0, G]), abs=1e-4 * mass * G)
@@ -109,7 +109,7 @@ def test_snow_turns_a_gate():
     gate = {"shape": "box", "size": [0.1, 0.8, 0.5], "center": [-0.4, 0, 0.35], "density": 300, **hinge}
     sim = Simulation(scene([gate], sources=[{**HEAP, "velocity": [-4, 0, 0]}]), threads=1)
     sim.advance(0.1)
-    pose = sim.model.rigid.poses()[0]
+    pose = sim.solver.model.rigid.poses()[0]
     arm = pose.rotation.T @ (np.array([-0.4, 0, 0.6]) - pose.position)
     assert arm == pytest.approx([0, 0, 0.25], abs=1e-9)
     assert pose.omega[1] > 0.5
@@ -137,7 +137,9 @@ def test_goes_on_with_the_same_bits():
     second = Simulation.restore(described, first.arrays(), threads=1)
     for sim in (whole, second):
         sim.advance(0.04)
-    assert np.array_equal(whole.model.rigid.save()["engine"], second.model.rigid.save()["engine"])
+    assert np.array_equal(
+        whole.solver.model.rigid.save()["engine"], second.solver.model.rigid.save()["engine"]
+    )
     assert np.array_equal(whole.state.x, second.state.x)
     assert np.array_equal(whole.exchanged, second.exchanged)
     assert np.abs(whole.exchanged[2:]).max(axis=1).min() > 0  # wheel and ball were touched

@@ -25,7 +25,7 @@ def momentum(sim):
 
     A particle's own part is sum_i w_ip m (x_i - x_p) x C (x_i - x_p) = m D axial(C), with D = dx^2 / 4.
     """
-    bodies, s = sim.model.rigid, sim.state
+    bodies, s = sim.solver.model.rigid, sim.state
     m, x, v, C = (np.asarray(a, float) for a in (s.m, s.x, s.v, s.C))
     linear = (m[:, None] * v).sum(0) + bodies.momentum
     axial = np.stack([C[:, 2, 1] - C[:, 1, 2], C[:, 0, 2] - C[:, 2, 0], C[:, 1, 0] - C[:, 0, 1]], axis=1)
@@ -63,9 +63,9 @@ def test_sticky_body_in_snow():
     body.solid.__dict__["mode"] = "sticky"
     sim = hit(body, dt=1e-9)
     sim._begin()
-    core, native = sim.model.core, sim.model.native
-    core.p2g(native, sim.state, sim._grid, 1e-9)
-    ijk, mass, _ = sim._grid.nodes()
+    core, native = sim.solver.model.core, sim.solver.model.native
+    core.p2g(native, sim.state, sim.solver.grid, 1e-9)
+    ijk, mass, _ = sim.solver.grid.nodes()
     arm = ijk * DX - body.x
     held = np.linalg.norm(arm, axis=1) <= 0.13 + 1e-4 * DX
     m, a = mass[held].astype(float), arm[held]
@@ -73,10 +73,10 @@ def test_sticky_body_in_snow():
     cross = np.array([[[0, -z, y], [z, 0, -x], [-y, x, 0]] for x, y, z in a])
     B = np.concatenate([np.broadcast_to(np.eye(3), (len(a), 3, 3)), -cross], axis=2)
     K = np.einsum("n,nki,nkj->ij", m, B, B)
-    A = sim.model.rigid.mobility()
+    A = sim.solver.model.rigid.mobility()
     expected = np.linalg.solve(np.eye(6) + A @ K, np.array([0, 0, -3.0, 0, 0, 0]))
-    core.grid_update(native, sim._grid, 1e-9)
-    _, _, v = sim._grid.nodes()
+    core.grid_update(native, sim.solver.grid, 1e-9)
+    _, _, v = sim.solver.grid.nodes()
     found, *_ = np.linalg.lstsq(B.reshape(-1, 6), v[held].reshape(-1).astype(float), rcond=None)
     np.testing.assert_allclose(found, expected, atol=1e-5)
     assert len(a) > 20
@@ -93,7 +93,7 @@ def test_energy_never_grows(density):
 
     def energy():
         d = sim.diagnostics()
-        return d.kinetic + d.affine + d.elastic + sim.model.rigid.energy
+        return d.kinetic + d.affine + d.elastic + sim.solver.model.rigid.energy
 
     start = most = energy()
     least = start
@@ -102,7 +102,7 @@ def test_energy_never_grows(density):
         assert energy() < least + 0.01 * start
         least, most = min(least, energy()), max(most, energy())
     assert least < 0.98 * start
-    assert np.linalg.norm(sim.model.rigid.bodies[0].v) < 6.0
+    assert np.linalg.norm(sim.solver.model.rigid.bodies[0].v) < 6.0
 
 
 def test_body_at_rest_carries_its_weight():

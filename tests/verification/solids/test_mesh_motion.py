@@ -9,7 +9,7 @@ import meshes
 import numpy as np
 import pytest
 
-from neve.build import make_model
+from neve.mpm.initial import make_model
 from neve.scene.reading.load import scene_from
 from neve.simulation import Simulation
 

@@ -43,11 +43,11 @@ def test_twice_the_modulus_is_twice_the_stress():
     """
     sim = moving()
     sim.change(falling())
-    sim.model.core.refresh(sim.model.native, sim.state)
+    sim.solver.model.core.refresh(sim.solver.model.native, sim.state)
     before = np.array(sim.state.tau)
     assert np.abs(before).max() > 1.0
     sim.change(falling(snow={"E0": 2.8e5}))
-    sim.model.core.refresh(sim.model.native, sim.state)
+    sim.solver.model.core.refresh(sim.solver.model.native, sim.state)
     np.testing.assert_allclose(sim.state.tau, 2 * before, rtol=1e-13, atol=1e-13 * np.abs(before).max())
 
 
@@ -66,7 +66,7 @@ def test_snow_follows_its_source_into_another_table():
     """Two snows that become one, and one of another order, still reach their particles."""
     sim = moving()
     sim.change(falling(snow={"xi": 5.0}))  # now both sources have the same snow
-    assert len(sim.model.snows) == 1
+    assert len(sim.solver.model.snows) == 1
     assert set(np.unique(sim.state.material)) == {0}
 
 
@@ -106,7 +106,7 @@ def test_added_snow_brings_its_mass_and_momentum():
     momentum = (after["m"][n:, None] * after["v"][n:]).sum(axis=0)
     np.testing.assert_allclose(momentum, mass * np.array([1.0, 2.0, -3.0]), rtol=1e-12)
     assert len(np.unique(after["id"])) == len(after["id"])
-    assert sim.model.snows[after["material"][-1]].xi == 7.0
+    assert sim.solver.model.snows[after["material"][-1]].xi == 7.0
     assert sim.scene.sources[-1] == thrown
     march(sim, 5)
     fell = columns(sim)
@@ -128,7 +128,7 @@ def test_a_run_with_added_snow_can_be_resumed():
 def test_what_cannot_change_is_told_in_one_sentence():
     """dx, a source more, and snow that would have to be told apart are refused; the run stays as it was."""
     sim = moving()
-    model = sim.model
+    model = sim.solver.model
     with pytest.raises(SceneError, match=r"numerics\.dx cannot change"):
         sim.change(falling(dx=0.04))
     with pytest.raises(SceneError, match="come or go"):
@@ -138,7 +138,7 @@ def test_what_cannot_change_is_told_in_one_sentence():
     two = simulate(twins)
     with pytest.raises(SceneError, match=r"sources\.1\.snow cannot part"):
         two.change(apart)
-    assert sim.model is model
+    assert sim.solver.model is model
 
 
 def with_bodies(**changes):
@@ -162,7 +162,7 @@ def where(sim):
     return np.array(
         [
             np.concatenate([p.position, p.rotation.ravel(), p.velocity, p.omega])
-            for p in sim.model.rigid.poses()
+            for p in sim.solver.model.rigid.poses()
         ]
     )
 

@@ -42,7 +42,7 @@ def test_sums(precision, eps, transfer, steps):
     unit = p.law.M_c * p.law.hardening(p.J_P) * p.V0
     assert abs(d.elastic - p.V0 @ psi) <= (unit * (16 * eps * strain + 64 * eps**2)).sum() + 1e-13 * d.elastic
     assert d.particles == sim.state.count
-    assert d.blocks == sim.blocks
+    assert d.blocks == sim.solver.grid.blocks
     if steps:
         assert d.elastic > 0
 

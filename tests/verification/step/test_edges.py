@@ -7,7 +7,7 @@ from verification.scenes import ball, scene, simulate
 
 import neve
 from neve import _core
-from neve.mpm.failures import Blowup
+from neve.solver import Blowup
 
 DX = 0.05
 THIN = {"theta_c": 0.005, "theta_s": 0.005}  # as xi = 100 asks for

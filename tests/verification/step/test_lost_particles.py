@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from verification.scenes import ball, march, scene, simulate
 
-from neve.mpm.failures import Blowup
+from neve.solver import Blowup
 
 
 def simulation(**numerics):

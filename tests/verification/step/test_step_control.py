@@ -6,9 +6,9 @@ from verification.scenes import ball, box, columns, scene, simulate
 
 import neve
 from neve.mpm import step_control
-from neve.mpm.failures import Blowup
 from neve.mpm.step import Stages, step
 from neve.mpm.time_step import Choice
+from neve.solver import Blowup
 from neve.stage_timer import StageTimer
 
 
@@ -26,7 +26,7 @@ def squeezed(transfer="apic", rate=-200.0, **numerics):
 
 def attempt(sim, dt, needs_trial=True):
     """Take a step of dt if its trial is not rejected; return the report and whether it was taken."""
-    on = Stages(sim.model, sim.state, sim._grid, StageTimer())
+    on = Stages(sim.solver.model, sim.state, sim.solver.grid, StageTimer())
     on.refresh()
     trials = []
 
@@ -95,7 +95,7 @@ def test_no_bad_step_goes_unseen(spline, transfer):
     for seed in range(150):
         sim = few(transfer, spline, seed)
         dt = float(10.0 ** np.random.default_rng(1000 + seed).uniform(-6, -2))
-        on = Stages(sim.model, sim.state, sim._grid, StageTimer())
+        on = Stages(sim.solver.model, sim.state, sim.solver.grid, StageTimer())
         before = on.refresh()
         needed = []
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from neve.io.frames import Frame, make_frame
+from neve.io.frames import Frame, frame_of
 from neve.io.table import Table
 
 if TYPE_CHECKING:
@@ -112,9 +112,8 @@ class FrameContext:
     @functools.cached_property
     def content(self) -> Frame:
         """The particles and solids of this frame as a frame file holds them, in the order of their id."""
-        state = self.sim.state
         poses = [(pose.position, pose.rotation) for _, pose in self.sim.solids()]
-        return make_frame(state.x, state.v, state.J_P, state.id, state.material, poses, self.sim.time)
+        return frame_of(self.sim.columns(), poses, self.sim.time)
 
     def add_row(self, name: str, values: Mapping[str, object]) -> None:
         """Append a row to the CSV file `name` in the run folder: `frame`, `time` [s], then `values`.

@@ -16,6 +16,7 @@ from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_numbers, frame_path, read_frame
 from neve.io.run_folder import RunFolder
 from neve.io.table import Table, read_table, table_text
+from neve.registry import METHODS
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import entries, register_output, schedule_of
 from neve.scene.schema.fields import Real, Whole, entry
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from neve.scene.schema.scene import Scene
 
 FILE = "fragments.csv"
+
+NEEDED = ("id", "m", "V0")
+"""Columns of the particles, besides those of a frame."""
 
 
 class FragmentOptions(Scheduled):
@@ -53,6 +57,10 @@ class FragmentOutput:
 
     def begin(self, run: RunContext, schedule: Schedule) -> None:
         """Start the table, or continue it after the rows of frame `done`."""
+        method = run.scene.numerics.method
+        have = [field.name for field in METHODS.get(method).fields]
+        if lacks := [name for name in NEEDED if name not in have]:
+            raise RunError(f'numerics.method = "{method}" has no {" or ".join(lacks)}: drop the fragments.')
         path = run.folder.path / self.name
         due = run.frames_done(schedule)
         kept = _kept(path, due)
@@ -87,8 +95,8 @@ class FragmentOutput:
         self._lost = []
 
     def _add(self, context: FrameContext, frame: int, content: Frame) -> None:
-        state = context.sim.state
-        found = of_frame(content, state.id, state.m, state.V0, self._spacing, self._limits)
+        id, m, V0 = (context.sim.columns()[name]() for name in NEEDED)
+        found = of_frame(content, id, m, V0, self._spacing, self._limits)
         self._table.append(*rows(found, frame, content.time))
 
 

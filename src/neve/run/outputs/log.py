@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal
 
 from neve.diagnostics import Balance
-from neve.io.log import STAGES, Log
+from neve.io.log import Log, stages
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.scene.schema.fields import entry
@@ -69,7 +69,9 @@ class LogOutput:
 
     def begin(self, run: RunContext, schedule: Schedule) -> None:
         """Start the log, or continue it after the row of frame `done`."""
-        self._log = Log(run.folder.log, keep_through=run.done)
+        method = run.scene.numerics.method
+        self._stages = stages(method)
+        self._log = Log(run.folder.log, method, keep_through=run.done)
         self._watch = EnergyWatch(self._log.last)
 
     def write(self, context: FrameContext) -> None:
@@ -77,9 +79,9 @@ class LogOutput:
         sim, stats, totals = context.sim, context.sim.stats, context.sim.diagnostics()
         moved = context.frame > 0  # the initial state took no step
         seconds = {**(stats.stage_seconds if moved else {}), **context.timer.take()}
-        x, y, z = (float(component) for component in totals.momentum)
-        u, v, w = (float(component) for component in totals.bodies_momentum)
-        excess = self._watch.excess(totals, context.frame)
+        values: dict[str, float | None] = {**sim.solver.log_values(totals)}
+        if "excess" in sim.solver.log_columns:
+            values["excess"] = self._watch.excess(totals, context.frame)
         self._log.append(
             {
                 "frame": context.frame,
@@ -89,24 +91,8 @@ class LogOutput:
                 "dt_mean": float(stats.dt_mean) if moved else None,
                 "bound": stats.bound if moved else None,
                 "rejected": int(stats.rejected) if moved else None,
-                "mass": float(totals.mass),
-                "momentum_x": x,
-                "momentum_y": y,
-                "momentum_z": z,
-                "kinetic": float(totals.kinetic),
-                "elastic": float(totals.elastic),
-                "potential": float(totals.potential),
-                "affine": float(totals.affine),
-                "work": float(totals.work),
-                "bodies_momentum_x": u,
-                "bodies_momentum_y": v,
-                "bodies_momentum_z": w,
-                "bodies_kinetic": float(totals.bodies_kinetic),
-                "bodies_potential": float(totals.bodies_potential),
-                "excess": excess,
-                "particles": int(totals.particles),
-                "blocks": int(totals.blocks),
-                **{f"seconds_{stage}": round(seconds.get(stage, 0.0), 6) for stage in STAGES},
+                **values,
+                **{f"seconds_{stage}": round(seconds.get(stage, 0.0), 6) for stage in self._stages},
             }
         )
 

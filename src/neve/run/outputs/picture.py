@@ -19,6 +19,9 @@ from neve.schedule import Never, Schedule
 
 FILE = "preview.png"
 
+ENERGIES = ("kinetic", "elastic", "potential")
+"""Columns of the log whose sum tells how far the snow has come to rest, where the solver has them."""
+
 
 class PictureOptions(OutputOptions):
     """Hold an entry with kind = "picture"."""
@@ -54,7 +57,7 @@ class PictureOutput:
         kept = frame_numbers(folder.frames)
         if not context.finished or not kept:
             return
-        wanted = telling_frame(read_log(folder.log))
+        wanted = telling_frame(read_log(folder.log, context.run.scene.numerics.method))
         frame = min(kept, key=lambda number: abs(number - wanted))
         write_png(folder.path / self.name, self._painter.draw(read_frame(folder.frames, frame)))
 
@@ -67,7 +70,7 @@ def telling_frame(rows: Sequence[Mapping[str, Any]]) -> int:
     the remaining frames later the pieces are in flight. Without any loss it is the middle frame of the run.
     """
     frames = [int(row["frame"]) for row in rows]
-    energy = [sum(float(row[name]) for name in ("kinetic", "elastic", "potential")) for row in rows]
+    energy = [sum(float(row[name]) for name in ENERGIES if name in row) for row in rows]
     losses = [max(before - after, 0.0) for before, after in itertools.pairwise(energy)]
     lost = list(itertools.accumulate(losses))
     if not lost or not lost[-1] > 0.0:

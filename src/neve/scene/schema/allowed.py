@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from neve.scene.schema.kinds import Kind, kind_of
+from neve.scene.schema.kinds import Kind, OneOf, kind_of
 
 COUNT = {2: "two", 3: "three"}
 LIMITS = (("gt", "greater than"), ("ge", "at least"), ("lt", "less than"), ("le", "at most"))
@@ -42,7 +42,7 @@ def allowed(field: FieldInfo) -> str:
 
 def choices(field: FieldInfo) -> tuple[str, ...]:
     """Return the words that `field` may hold; nothing if it holds no words."""
-    found: list[str] = []
+    found = [name for mark in field.metadata if isinstance(mark, OneOf) for name in mark.registry.names()]
     for part in (field.annotation, *get_args(field.annotation)):
         if get_origin(part) is Literal:
             found += [choice for choice in get_args(part) if isinstance(choice, str)]

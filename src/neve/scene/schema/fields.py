@@ -10,7 +10,9 @@ from typing import Annotated, Any, Literal, Protocol
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 from pydantic_core import PydanticCustomError
 
+from neve.registry import DEVICES, METHODS
 from neve.scene.schema.allowed import words
+from neve.scene.schema.kinds import OneOf
 
 Real = Annotated[float, Strict()]
 Whole = Annotated[int, Strict()]
@@ -31,6 +33,9 @@ def _no_switch(value: object) -> object:
 
 Modes = Annotated[Literal[1, 4, 8, 27], BeforeValidator(_no_switch)]
 Damping = Annotated[float, Strict(), Field(ge=0, le=1e6)]
+
+Method = Annotated[str, OneOf(METHODS)]
+Device = Annotated[str, OneOf(DEVICES)]
 
 Length = Annotated[float, Strict(), Field(gt=0, le=1e6)]
 Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6)]

@@ -6,9 +6,23 @@ import types
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from pydantic import GetCoreSchemaHandler
 from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema, core_schema
+
+from neve.registry import Registry
 
 LIMITS = ("gt", "ge", "lt", "le")
+
+
+class OneOf:
+    """Mark a word that stands in a registry, where users can put more while the program runs."""
+
+    def __init__(self, registry: Registry) -> None:
+        self.registry = registry
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self.registry.checked, handler(source))
 
 
 @dataclass(frozen=True)
@@ -52,6 +66,9 @@ def kind_of(annotation: Any, metadata: list[Any]) -> Kind:
         if arguments[-1] is Ellipsis:
             return Kind("list", members=member)
         return Kind("vector", members=member, count=len(arguments))
+    registered = [mark.registry.names() for mark in metadata if isinstance(mark, OneOf)]
+    if registered:
+        return Kind("choice", choices=registered[0])
     if annotation is str:
         return Kind("text", min_length=max((getattr(m, "min_length", 0) for m in metadata), default=0))
     if annotation is bool:

@@ -24,6 +24,8 @@ from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.fields import (
     Color,
     Damping,
+    Device,
+    Method,
     Modes,
     Part,
     Point3,
@@ -59,6 +61,8 @@ class World(Part):
 class Numerics(Part):
     """Choose how the equations are solved."""
 
+    method: Method = entry("mpm", 'How snow is simulated: "mpm", the material point method.', "")
+    device: Device = entry("cpu", 'Where the step is computed: "cpu", the processor.', "")
     dx: Real = entry(
         0.05, "Grid spacing; half of it means eight times as many particles.", "m", gt=0, le=1000
     )

@@ -15,7 +15,7 @@ from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.load import load, presets
 from neve.scene.schema.scene import Scene, Source
 from neve.simulation import Simulation
-from neve.viewer.modes import MODES
+from neve.viewer.modes import MODES, available
 from neve.viewer.players.player import WAIT, Player
 from neve.viewer.players.recorder import Recorder
 from neve.viewer.players.snapshot import of_simulation
@@ -70,15 +70,15 @@ class Live(Player):
 
     def solids(self) -> tuple[Solid, ...]:
         """Return the solids in the order of a snapshot's bodies."""
-        return self._sim.model.solids
+        return tuple(self._sim.solver.solids)
+
+    def color_modes(self) -> list[str]:
+        """Return the names of the colour modes that the solver has columns for."""
+        return available(set(self._sim.columns()))
 
     def running(self) -> Scene:
         """Return the scene whose snow is shown, with what pages have thrown in."""
         return self._sim.scene
-
-    def color_modes(self) -> list[str]:
-        """Return the names of all colour modes."""
-        return list(MODES)
 
     def state(self) -> PlayerState:
         """Return whether it plays, and how fast."""
@@ -174,7 +174,7 @@ class Live(Player):
         self._due = began + max(PAUSE, (monotonic() - began) / COPYING)
 
     def _copy(self) -> None:
-        count = self._sim.state.count
+        count = self._sim.count
         slow = {mode for mode in self.modes if MODES[mode].slow}
         known = {mode: self._slow[mode].values for mode in slow if self._is_fresh(mode, count)}
         began = monotonic()
@@ -193,7 +193,7 @@ class Live(Player):
         sim, spent = self._sim, self._spent
         total = max(spent.get("all", 0.0), 1e-9)
         return {
-            "particles": int(sim.state.count),
+            "particles": sim.count,
             "steps": sim.steps,
             "dt": sim.stats.dt_mean,
             "bound": sim.stats.bound,

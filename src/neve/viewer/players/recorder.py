@@ -6,12 +6,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from neve.io.assets import assets_of, keep_assets, portable
 from neve.io.atomic import write_text
 from neve.io.errors import RunError, cannot_write
-from neve.io.frames import make_frame, write_frame
+from neve.io.frames import frame_of, write_frame
 from neve.io.run_folder import FORMAT, RunFolder
 from neve.io.version import version
 from neve.scene.errors import SceneError
@@ -63,11 +61,8 @@ class Recorder:
         """Write the present state as the next frame. Errors: SceneError if the disk refuses; then it ends."""
         if self.last is None:
             return
-        state = sim.state
         bodies = [(pose.position, pose.rotation) for _, pose in sim.solids()]
-        content = make_frame(
-            np.asarray(state.x), state.v, state.J_P, state.id, state.material, bodies, sim.time
-        )
+        content = frame_of(sim.columns(), bodies, sim.time)
         try:
             write_frame(self.last.frames, self.frames, content)
         except RunError as error:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.viewer.modes import Columns, measure
+from neve.viewer.modes import measure
 from neve.viewer.protocol.messages import Facts
 
 if TYPE_CHECKING:
@@ -53,21 +53,12 @@ def of_simulation(
 
     known: colours that need not be found anew, rows in the order of birth.
     """
-    state = sim.state
-    order = by_birth(np.asarray(state.id))
-    columns: Columns = {
-        "x": lambda: state.x,
-        "v": lambda: state.v,
-        "J_P": lambda: state.J_P,
-        "F_E": lambda: state.F_E,
-        "tau": lambda: state.tau,
-        "material": lambda: state.material,
-        "density": lambda: state.m / (state.V0 * np.maximum(_volume_ratio(state), 1e-3)),
-    }
+    columns = sim.columns()
+    order = by_birth(np.asarray(columns["id"]()))
     spacing = sim.scene.numerics.spacing
     values = {mode: order(measure(mode, columns, spacing)) for mode in modes} | dict(known)
     return Snapshot(
-        x=order(state.x),
+        x=order(columns["x"]()),
         values=values,
         bodies=tuple((pose.position.copy(), pose.rotation.copy()) for pose in _poses(sim)),
         time=sim.time,
@@ -79,17 +70,6 @@ def of_simulation(
 
 def _poses(sim: Simulation) -> list[Pose]:
     return [pose for _, pose in sim.solids()]
-
-
-def _volume_ratio(state: Any) -> NDArray[Any]:
-    """Return det(F_E) J_P: the volume of each particle over its volume at rest [1]."""
-    F = state.F_E
-    det = (
-        F[:, 0, 0] * (F[:, 1, 1] * F[:, 2, 2] - F[:, 1, 2] * F[:, 2, 1])
-        - F[:, 0, 1] * (F[:, 1, 0] * F[:, 2, 2] - F[:, 1, 2] * F[:, 2, 0])
-        + F[:, 0, 2] * (F[:, 1, 0] * F[:, 2, 1] - F[:, 1, 1] * F[:, 2, 0])
-    )
-    return np.asarray(det * state.J_P)
 
 
 def by_birth(id: NDArray[Any]) -> Callable[[NDArray[Any]], Array]:

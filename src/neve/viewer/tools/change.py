@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from neve.alter import FIXED
 from neve.scene.errors import SceneError
 from neve.scene.reading.files import KEYS as FILE_KEYS
 from neve.scene.reading.files import OWN
 from neve.scene.reading.load import scene_from
 from neve.scene.reading.paths import follow
 from neve.scene.schema.scene import Scene
+from neve.solver import FIXED
 
 
 def changed(scene: Scene, path: str, value: Any) -> Scene:

@@ -1,4 +1,4 @@
-"""Alter a run while it goes on: another model for the same snow, or more snow for the same model."""
+"""Rebuild a run while it goes on: another model for the same snow, or more snow for the same model."""
 
 from __future__ import annotations
 
@@ -7,42 +7,38 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import make_model, material_table, snow_of
+from neve.build import material_table
 from neve.geometry.pose import rotation_vector
-from neve.model import Model
+from neve.mpm.initial import make_model, snow_of
+from neve.mpm.model import Model
+from neve.mpm.state import from_arrays, to_arrays
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
-from neve.state import from_arrays, to_arrays
 
 if TYPE_CHECKING:
     from neve._core import State
 
-FIXED = ("dx", "precision", "particles_per_cell", "sampling", "seed", "initial_volume")
-"""Keys of [numerics] that say how a state was made, or how its arrays look."""
 START = ("center", "rotation", "velocity", "spin")
 """Keys of a rigid body that say where it begins."""
 SOLIDS = ("colliders", "bodies", "robots")
 """Lists of a scene that hold solids."""
 
 
-def altered(scene: Scene, wish: Scene, model: Model, state: State) -> tuple[Model, State]:
-    """Return the model of `wish` and the state with which its run goes on from a run of `scene`.
+def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tuple[Model, State]:
+    """Return the model of `new_scene` and the state with which its run goes on from a run of `scene`.
 
     The particles keep their place, motion, mass, deformation and hardening; each follows the snow that its
-    source has in `wish`. Where the transfer has other modes of the velocity, the new ones are zero. Rigid
-    bodies keep place and motion, but those whose start `wish` changes begin there; where bodies or robots
-    come, go or change, robots and bodies at joints begin anew.
+    source has in `new_scene`. Where the transfer has other modes of the velocity, the new ones are zero.
+    Rigid bodies keep place and motion, but those whose start `new_scene` changes begin there; where bodies or
+    robots come, go or change, robots and bodies at joints begin anew.
 
-    Errors: SceneError if a key differs that a run cannot change: one of FIXED, the number of sources, or
+    Errors: SceneError if a run cannot change so: the number of sources, or
     the snow of one of several sources that shared theirs.
     """
-    for key in FIXED:
-        if getattr(wish.numerics, key) != getattr(scene.numerics, key):
-            raise SceneError(f"numerics.{key} cannot change while a run goes on; start it anew")
-    if len(wish.sources) != len(scene.sources):
+    if len(new_scene.sources) != len(scene.sources):
         raise SceneError("sources cannot come or go while a run goes on; start it anew, or add snow")
-    rows = _rows(scene, wish)
-    fresh = _model(scene, wish, model)
+    rows = _rows(scene, new_scene)
+    fresh = _model(scene, new_scene, model)
     modes = fresh.native.more_modes
     if state.modes.shape[1] != modes:
         arrays = to_arrays(state)
@@ -55,7 +51,7 @@ def altered(scene: Scene, wish: Scene, model: Model, state: State) -> tuple[Mode
     return fresh, state
 
 
-def extended(
+def with_source(
     scene: Scene, source: Source, model: Model, state: State, time: float
 ) -> tuple[Scene, Model, State]:
     """Return the scene with one more source, its model, and the state with the snow of that source.
@@ -67,30 +63,30 @@ def extended(
     Errors: SceneError if the source is too small or too large, or wholly inside a solid;
     pydantic.ValidationError if its snow is not allowed.
     """
-    wish = Scene.model_validate(
+    new_scene = Scene.model_validate(
         {**{name: getattr(scene, name) for name in Scene.model_fields}, "sources": (*scene.sources, source)}
     )
-    more = _model(scene, wish, model)
+    more = _model(scene, new_scene, model)
     more.place_solids(time)
-    fresh = to_arrays(snow_of(wish, more, [len(scene.sources)]))
+    fresh = to_arrays(snow_of(new_scene, more, [len(scene.sources)]))
     there = to_arrays(state)
     first = int(there["id"].max()) + 1 if len(there["id"]) else 0
     fresh["id"] = np.arange(first, first + len(fresh["m"]), dtype=there["id"].dtype)
     both = {name: np.concatenate([there[name], fresh[name]]) for name in there}
-    return wish, more, from_arrays(more.core, both)
+    return new_scene, more, from_arrays(more.core, both)
 
 
-def _model(scene: Scene, wish: Scene, model: Model) -> Model:
-    """Return the model of `wish`, with the rigid bodies of `model` where they are."""
-    same = all(getattr(wish, name) == getattr(scene, name) for name in SOLIDS[1:])
+def _model(scene: Scene, new_scene: Scene, model: Model) -> Model:
+    """Return the model of `new_scene`, with the rigid bodies of `model` where they are."""
+    same = all(getattr(new_scene, name) == getattr(scene, name) for name in SOLIDS[1:])
     if model.rigid is None or same:
-        fresh = make_model(wish)
+        fresh = make_model(new_scene)
         if fresh.rigid is not None and model.rigid is not None:
             fresh.rigid.take_over(model.rigid)
         return fresh
     poses = dict(zip((solid.name for solid in model.rigid.solids), model.rigid.poses(), strict=True))
-    bodies = list(wish.bodies)
-    for i, (old, new) in enumerate(zip(scene.bodies, wish.bodies, strict=False)):
+    bodies = list(new_scene.bodies)
+    for i, (old, new) in enumerate(zip(scene.bodies, new_scene.bodies, strict=False)):
         pose = poses.get(f"bodies.{i}")
         if pose is None or new.joint != "free" or any(getattr(old, k) != getattr(new, k) for k in START):
             continue
@@ -102,15 +98,15 @@ def _model(scene: Scene, wish: Scene, model: Model) -> Model:
                 "spin": tuple(map(float, pose.omega)),
             }
         )
-    return make_model(wish.model_copy(update={"bodies": tuple(bodies)}))
+    return make_model(new_scene.model_copy(update={"bodies": tuple(bodies)}))
 
 
-def _rows(scene: Scene, wish: Scene) -> NDArray[Any]:
-    """Return for each row of the material table of `scene` the row in that of `wish`."""
-    before, after = material_table(scene), material_table(wish)
+def _rows(scene: Scene, new_scene: Scene) -> NDArray[Any]:
+    """Return for each row of the material table of `scene` the row in that of `new_scene`."""
+    before, after = material_table(scene), material_table(new_scene)
     rows = np.full(len(before), -1, dtype=np.int64)
-    for i, (old, new) in enumerate(zip(scene.sources, wish.sources, strict=True)):
-        row, to = before.index(scene.snow_of(old)), after.index(wish.snow_of(new))
+    for i, (old, new) in enumerate(zip(scene.sources, new_scene.sources, strict=True)):
+        row, to = before.index(scene.snow_of(old)), after.index(new_scene.snow_of(new))
         if rows[row] not in (-1, to):
             raise SceneError(f"sources.{i}.snow cannot part from that of another source while a run goes on")
         rows[row] = to

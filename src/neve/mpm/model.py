@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from neve import _core
+from neve.backend import backend
 from neve.colliders.motion import pose
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
 from neve.rigid.coupled_bodies import CoupledBodies
 from neve.scene.schema.scene import Collider, Numerics, Snow, World
 
-PRECISIONS = {"float32": _core.f32, "float64": _core.f64}
+if TYPE_CHECKING:
+    from neve._core import Model as CoreModel
 
 
 class Model:
@@ -32,7 +35,7 @@ class Model:
         solids: Sequence[Solid],
         rigid: CoupledBodies | None = None,
     ) -> None:
-        self.core = PRECISIONS[numerics.precision]
+        self.core = backend(numerics.device).kernels(numerics.precision)
         self.numerics = numerics
         self.snows = tuple(snows)
         self.colliders = tuple(colliders)
@@ -59,6 +62,11 @@ class Model:
         for i, collider in enumerate(self.colliders):
             self._place(i, pose(collider, 0.0))
         self.place_solids(0.0)
+
+    def distance(self, i: int, x: NDArray[np.float64]) -> NDArray[Any]:
+        """Return the signed distance of points x (n, 3) [m] from the surface of solid i, (n,) [m]."""
+        phi, _ = self.native.surface(i, np.ascontiguousarray(x))
+        return phi
 
     def poses(self, time: float) -> list[Pose]:
         """Return the pose of each solid at `time` [s]."""
@@ -103,7 +111,7 @@ def _fastest(solid: Solid, now: Pose) -> float:
     return speed + math.hypot(*now.omega) * solid.reach
 
 
-def _add(native: _core.Model, solid: Solid) -> None:
+def _add(native: CoreModel, solid: Solid) -> None:
     """Tell the core of `solid`."""
     if solid.mesh:
         native.add_mesh_solid(solid.mesh.sdf, solid.mode, solid.mu_c, solid.mesh.usual_thickness)

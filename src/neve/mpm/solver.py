@@ -1,0 +1,202 @@
+"""The material point method as a solver: model, state and grid, and the step with its size control."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.colliders.solid import Solid
+from neve.diagnostics import Diagnostics
+from neve.geometry.pose import Pose
+from neve.mpm.failures import require_finite, require_progress
+from neve.mpm.initial import build, make_model
+from neve.mpm.rebuild import with_scene, with_source
+from neve.mpm.state import FIELDS, density, from_arrays, to_arrays
+from neve.mpm.step import STAGES, Stages
+from neve.mpm.step_control import try_step
+from neve.mpm.time_step import fitted, largest
+from neve.rigid.coupled_bodies import LostBody
+from neve.scene.schema.scene import Scene, Source
+from neve.solver import Arrays, Blowup, Solver, StepSummary
+
+if TYPE_CHECKING:
+    from neve._core import Report, State
+
+
+class MpmSolver(Solver):
+    """Advance snow by the explicit material point method.
+
+    Attributes:
+        model: constants and solids; state: the particles (see neve.mpm.state); grid: of the last step
+    """
+
+    fields = FIELDS
+    stages = STAGES
+    log_columns = (
+        "mass",  # [kg]
+        "momentum_x",  # [kg m/s]
+        "momentum_y",
+        "momentum_z",
+        "kinetic",  # energies [J]
+        "elastic",
+        "potential",
+        "affine",  # kinetic energy of the velocity field that each particle carries around itself
+        "work",  # of the colliders on the snow since the start
+        "bodies_momentum_x",  # of the bodies that snow moves [kg m/s]
+        "bodies_momentum_y",
+        "bodies_momentum_z",
+        "bodies_kinetic",  # their energies [J]
+        "bodies_potential",
+        "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
+        "particles",
+        "blocks",  # grid blocks of 4x4x4 nodes in use
+    )
+    state: State
+
+    def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
+        """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""
+        super().__init__(scene, saved)
+        if saved is None:
+            self.model, self.state = build(scene)
+        else:
+            self.model = make_model(scene)
+            if self.model.rigid:
+                self.model.rigid.restore(saved)
+            self.state = from_arrays(self.model.core, saved)
+        self.grid = self.model.core.Grid()
+        self._warned = False
+
+    def begin(self, steps: int, time: float) -> None:
+        """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
+        self._stages = Stages(self.model, self.state, self.grid, self.timer)
+        self.model.limit_press(float(np.max(self.state.strength, initial=0.0)))
+        self._report = self._stages.refresh()
+        require_finite(self.model, self.state, self._report, steps, time, 0.0)
+        if steps == 0 and self.scene.numerics.initial_volume == "grid":
+            self._stages.measure_volumes()
+            self._report = self._stages.refresh()  # the wave speed depends on the volume
+        self._stages.sort(anew=True)
+
+    def step(self, steps: int, time: float, remaining: float) -> StepSummary:
+        """Take one step, with the dt that the scene allows or less. Errors: Blowup."""
+        model = self.model
+        if model.solids_move:
+            with self.timer.stage("bodies"):
+                model.place_solids(time)
+        choice = largest(model, self._report)
+        require_progress(model, self._report, choice.dt, remaining, steps)
+        self._warn_of_long_step(choice.dt, self._report, steps)
+        dt = fitted(choice.dt, remaining)
+        self._report, dt, rejected = try_step(self._stages, dt, self._report, steps, time)
+        return StepSummary(dt, "retry" if rejected else choice.bound, rejected)
+
+    def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
+        """Check the particles, and let the bodies feel what the snow did to them. Errors: Blowup."""
+        require_finite(self.model, self.state, self._report, steps, time, dt)
+        if self.model.rigid is None:
+            return None
+        with self.timer.stage("bodies"):
+            exchanged = self.take_exchanged()
+            try:
+                self.model.rigid.advance(dt, exchanged[len(self.model.colliders) :], time - dt)
+            except LostBody as lost:
+                raise Blowup(str(lost)) from None
+        return exchanged
+
+    def _warn_of_long_step(self, dt: float, report: Report, steps: int) -> None:
+        """Log, once, that the scene's fixed dt [s] has become longer than waves and speeds allow."""
+        numerics = self.scene.numerics
+        if self._warned or numerics.dt == "auto" or dt * report.fastest <= numerics.dx:
+            return
+        self._warned = True
+        logging.getLogger("neve").warning(
+            "from step %d on numerics.dt = %.3g s is beyond the limit of %.3g s (waves of %.3g m/s): "
+            'use at most %.3g s, or "auto"',
+            steps + 1,
+            dt,
+            numerics.dx / report.fastest,
+            report.wave,
+            numerics.cfl * numerics.dx / report.fastest,
+        )
+
+    def diagnostics(self, exchanged: NDArray[np.float64]) -> Diagnostics:
+        """Add up the state, in double precision in a fixed order."""
+        t = self.model.core.totals(self.model.native, self.state)
+        px, py, pz = t.momentum
+        rigid = self.model.rigid
+        bx, by, bz = (float(p) for p in rigid.momentum) if rigid else (0.0, 0.0, 0.0)
+        return Diagnostics(
+            mass=t.mass,
+            momentum=(px, py, pz),
+            kinetic=t.kinetic,
+            affine=t.affine,
+            elastic=t.elastic,
+            potential=t.potential,
+            work=float(exchanged[:, 6].sum()),
+            particles=int(self.state.count),
+            blocks=int(self.grid.blocks),
+            bodies_momentum=(bx, by, bz),
+            bodies_kinetic=rigid.kinetic if rigid else 0.0,
+            bodies_potential=rigid.potential if rigid else 0.0,
+        )
+
+    def log_values(self, totals: Diagnostics) -> Mapping[str, float]:
+        """Return the values of the columns of the log, but the excess of energy."""
+        values = {}
+        for name in self.log_columns:
+            if name.startswith(("momentum_", "bodies_momentum_")):
+                values[name] = getattr(totals, name[:-2])["xyz".index(name[-1])]
+            elif name != "excess":
+                values[name] = getattr(totals, name)
+        return values
+
+    def save(self) -> dict[str, NDArray[Any]]:
+        """Return the state, and that of the rigid bodies."""
+        rigid = self.model.rigid
+        return {**to_arrays(self.state), **(rigid.save() if rigid else {})}
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return int(self.state.count)
+
+    @property
+    def bytes(self) -> int:
+        """Memory of particles and grid [bytes]."""
+        return self.state.bytes + self.grid.bytes
+
+    def columns(self) -> dict[str, Callable[[], Any]]:
+        """Return the fields of the state, the stress tau of the last step, and the density."""
+        state = self.state
+        return super().columns() | {"tau": lambda: state.tau, "density": lambda: density(state)}
+
+    @property
+    def solids(self) -> Sequence[Solid]:
+        """Colliders and rigid bodies."""
+        return self.model.solids
+
+    def poses(self, time: float) -> list[Pose]:
+        """Return the pose of each solid at `time` [s]."""
+        return self.model.poses(time)
+
+    def take_exchanged(self) -> NDArray[np.float64]:
+        """Return what snow and each solid exchanged since the last call, (n, 7)."""
+        return self.grid.take_exchanged(len(self.model.solids))
+
+    def change(self, scene: Scene) -> None:
+        """Go on with the same snow in another scene. Errors: SceneError (see neve.mpm.rebuild)."""
+        self.model, self.state = with_scene(self.scene, scene, self.model, self.state)
+        self._go_on_in(scene)
+
+    def add(self, source: Source, time: float) -> None:
+        """Add the snow of `source` at `time` [s], and the source to the scene. Errors: SceneError."""
+        scene, self.model, self.state = with_source(self.scene, source, self.model, self.state, time)
+        self._go_on_in(scene)
+
+    def _go_on_in(self, scene: Scene) -> None:
+        self.scene = scene
+        self.grid = self.model.core.Grid()

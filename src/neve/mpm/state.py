@@ -1,0 +1,60 @@
+"""State: everything per particle that changes or travels with it. The State is the checkpoint.
+
+The arrays of FIELDS live in the core (`neve._core.State`) and are seen from NumPy without a copy. Rows change
+places when the core sorts them; `id` says which particle a row is. A view stays valid until the number of
+particles changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.solver import Field
+
+if TYPE_CHECKING:
+    from neve._core import Precision, State
+
+
+FIELDS = (
+    Field("x", (3,), "m", "real", "position"),
+    Field("v", (3,), "m/s", "real", "velocity"),
+    Field("C", (3, 3), "1/s", "real", "affine velocity, zero with transfers that have none"),
+    Field("modes", ("k", 3), "m/s", "real", "further modes of the velocity, polypic only"),
+    Field("F_E", (3, 3), "1", "real", "elastic deformation gradient"),
+    Field("J_P", (), "1", "real", "plastic volume change"),
+    Field("m", (), "kg", "real", "mass"),
+    Field("V0", (), "m3", "real", "volume at rest"),
+    Field("stiffness", (), "1", "real", "factor on E0"),
+    Field("strength", (), "1", "real", "factor on the thresholds of plastic flow"),
+    Field("material", (), "", "uint16", "row of the material table"),
+    Field("id", (), "", "uint32", "number in the order of birth"),
+)
+"""All that a particle owns. The stress tau is left out: it follows from F_E and J_P."""
+
+
+def to_arrays(state: State) -> dict[str, NDArray[Any]]:
+    """Copy the state into plain arrays, rows in the core's order."""
+    return {field.name: np.array(getattr(state, field.name)) for field in FIELDS}
+
+
+def from_arrays(core: Precision, arrays: Mapping[str, NDArray[Any]]) -> State:
+    """Make a state from the arrays of `to_arrays`."""
+    state = core.State(len(arrays["m"]), arrays["modes"].shape[1])
+    for field in FIELDS:
+        getattr(state, field.name)[...] = arrays[field.name]
+    return state
+
+
+def density(state: State) -> NDArray[Any]:
+    """Return m / (V0 det(F_E) J_P), the density of each particle [kg/m3], (n,)."""
+    F = state.F_E
+    J_E = (
+        F[:, 0, 0] * (F[:, 1, 1] * F[:, 2, 2] - F[:, 1, 2] * F[:, 2, 1])
+        - F[:, 0, 1] * (F[:, 1, 0] * F[:, 2, 2] - F[:, 1, 2] * F[:, 2, 0])
+        + F[:, 0, 2] * (F[:, 1, 0] * F[:, 2, 1] - F[:, 1, 1] * F[:, 2, 0])
+    )
+    return np.asarray(state.m / (state.V0 * np.maximum(J_E * state.J_P, 1e-3)))

@@ -1,0 +1,44 @@
+"""What a scene may choose by a word, where users can register more: methods and devices."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+
+class Registry:
+    """Map the words of a key of a scene to classes.
+
+    key: of the scene, such as "numerics.method". entries: a class for each word, or where it stands as
+    "module:Class", so that it is imported only when it is chosen.
+    """
+
+    def __init__(self, key: str, entries: dict[str, Any]) -> None:
+        self.key = key
+        self.entries = entries
+
+    def names(self) -> tuple[str, ...]:
+        """Return the words that may be chosen."""
+        return tuple(self.entries)
+
+    def checked(self, name: str) -> str:
+        """Return `name` if it may be chosen. Errors: ValueError that says what is allowed."""
+        if name not in self.entries:
+            raise ValueError(f'{self.key} = "{name}" is not allowed: use one of {", ".join(self.entries)}')
+        return name
+
+    def get(self, name: str) -> Any:
+        """Return the class that `name` stands for. Errors: ValueError that says what is allowed."""
+        self.checked(name)
+        found = self.entries[name]
+        if isinstance(found, str):
+            module, _, member = found.partition(":")
+            found = getattr(import_module(module), member)
+        return found
+
+
+METHODS = Registry("numerics.method", {"mpm": "neve.mpm.solver:MpmSolver"})
+"""The solvers: subclasses of `neve.solver.Solver`."""
+
+DEVICES = Registry("numerics.device", {"cpu": "neve.backend:Cpu"})
+"""Where a solver's stages run: subclasses of `neve.backend.Backend`."""

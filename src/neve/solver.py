@@ -1,0 +1,187 @@
+"""The solver seam: what a method of simulation gives, so that it is run, filmed, viewed, resumed and logged.
+
+A solver is a subclass of `Solver` with a word in `neve.registry.METHODS`, which `numerics.method` chooses.
+Nothing else in Neve names a method: `Simulation` holds the scene, the clock and a solver.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.colliders.solid import Solid
+from neve.geometry.pose import Pose
+from neve.scene.errors import SceneError
+from neve.scene.schema.scene import Scene, Source
+from neve.stage_timer import StageTimer
+
+Arrays = Mapping[str, NDArray[Any]]
+
+FIXED = (
+    "method",
+    "device",
+    "dx",
+    "precision",
+    "particles_per_cell",
+    "sampling",
+    "seed",
+    "initial_volume",
+)
+"""Keys of [numerics] that say how a state was made, or how its arrays look: no run can change them."""
+
+
+class Blowup(RuntimeError):
+    """Raised when a run cannot go on: which particle, where, when, and what to change, in one sentence."""
+
+
+class Field(NamedTuple):
+    """An array of the state, a row for each particle, which is what a checkpoint holds.
+
+    Attributes:
+        name: attribute of `Solver.state`
+        shape: of a row: () for a number, (3,) for a vector; "k" stands for a length that the scene chooses
+        unit: SI; "1" for a pure number, "" for names
+        dtype: "real" for the precision of the run, or the name of a NumPy type
+        meaning: one line
+    """
+
+    name: str
+    shape: tuple[int | str, ...]
+    unit: str
+    dtype: str
+    meaning: str
+
+
+class StepSummary(NamedTuple):
+    """A step that was taken: its dt [s], what bound it, and how many attempts were rejected before."""
+
+    dt: float
+    bound: str
+    rejected: int
+
+
+class Solver(ABC):
+    """Advance the snow of a scene.
+
+    `Solver(scene)` fills the scene's sources; `Solver(scene, saved)` goes on from what `save` returned, with
+    the same bits. Whatever is not abstract here has an answer for a method without it: no solids, no stages
+    to time, no change while a run goes on.
+    """
+
+    fields: ClassVar[tuple[Field, ...]]
+    """What the state consists of."""
+    stages: ClassVar[tuple[str, ...]] = ()
+    """Names of the stages that `timer` measures; each has a column `seconds_NAME` in the log."""
+    log_columns: ClassVar[tuple[str, ...]] = ()
+    """Columns of the log that `log_values` fills, between those of the clock and the seconds. "excess" is
+    filled by the run, from `diagnostics` with the members of `neve.diagnostics.Balance`."""
+
+    state: Any
+    """The particles, with a NumPy array for each of `fields`; x, v and id are always there."""
+
+    @abstractmethod
+    def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
+        self.scene = scene
+        self.timer = StageTimer(self.stages)
+
+    # Time
+
+    def begin(self, steps: int, time: float) -> None:
+        """Prepare for steps after the state may have been written to; `steps` are done at `time` [s]."""
+        return
+
+    @abstractmethod
+    def step(self, steps: int, time: float, remaining: float) -> StepSummary:
+        """Take one step from `time` [s], of at most `remaining` [s]; `steps` were taken before.
+
+        Errors: Blowup if no step is possible.
+        """
+
+    def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
+        """Finish the step of dt [s] that ends at `time` [s], `steps` since the start: check it, move bodies.
+
+        Returns what `take_exchanged` would, if bodies needed it. Errors: Blowup.
+        """
+        return None
+
+    # Sums and files
+
+    def diagnostics(self, exchanged: NDArray[np.float64]) -> Any:
+        """Return sums over the state; `exchanged` is that of the Simulation."""
+        return {}
+
+    def log_values(self, totals: Any) -> Mapping[str, float]:
+        """Return the values of `log_columns`, by name, from what `diagnostics` returned."""
+        return dict(totals)
+
+    def save(self) -> dict[str, NDArray[Any]]:
+        """Return copies of all arrays that an exact resume needs."""
+        return {field.name: np.array(getattr(self.state, field.name)) for field in self.fields}
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return len(self.state.x)
+
+    @property
+    def bytes(self) -> int:
+        """Memory of the state and of what the steps need besides [bytes]."""
+        return sum(np.asarray(getattr(self.state, field.name)).nbytes for field in self.fields)
+
+    # What can be drawn
+
+    def columns(self) -> dict[str, Callable[[], Any]]:
+        """Return what film and viewer may draw of the particles, made when it is asked for.
+
+        "x" [m] (n, 3), "v" [m/s] (n, 3) and "id" (n,) are always there. Colour modes and frames take more
+        where it is: "J_P" [1] (n,), volume after plastic flow over that at birth; "material" (n,), row of the
+        material table; "density" [kg/m3] (n,); "tau" [Pa] (n, 6), "F_E" [1] (n, 3, 3).
+        """
+        return {field.name: _getter(self.state, field.name) for field in self.fields}
+
+    # Solids
+
+    @property
+    def solids(self) -> Sequence[Solid]:
+        """The solids that the snow meets."""
+        return ()
+
+    def poses(self, time: float) -> list[Pose]:
+        """Return where each of `solids` is at `time` [s]."""
+        return []
+
+    def take_exchanged(self) -> NDArray[np.float64]:
+        """Return what snow and each of `solids` exchanged since the last call, (len(solids), 7).
+
+        Impulse of the snow on the solid [N s], its moment about the solid's centre [N m s], work of the solid
+        on the snow [J].
+        """
+        return np.zeros((len(self.solids), 7))
+
+    # Change
+
+    def change(self, scene: Scene) -> None:
+        """Go on with the same snow in another scene. Errors: SceneError for what cannot change."""
+        raise self._cannot("change its scene")
+
+    def add(self, source: Source, time: float) -> None:
+        """Add the snow of `source` at `time` [s], and the source to `scene`. Errors: SceneError."""
+        raise self._cannot("add snow")
+
+    def _cannot(self, what: str) -> SceneError:
+        return SceneError(f'numerics.method = "{self.scene.numerics.method}" cannot {what} in a run')
+
+
+def _getter(state: Any, name: str) -> Callable[[], Any]:
+    return lambda: getattr(state, name)
+
+
+def check_fixed(scene: Scene, new_scene: Scene) -> None:
+    """Refuse a new scene that differs from `scene` in a key of FIXED. Errors: SceneError."""
+    for key in FIXED:
+        if getattr(new_scene.numerics, key) != getattr(scene.numerics, key):
+            raise SceneError(f"numerics.{key} cannot change while a run goes on; start it anew")
