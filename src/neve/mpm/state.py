@@ -23,7 +23,7 @@ FIELDS = (
     Field("x", (3,), "m", "real", "position"),
     Field("v", (3,), "m/s", "real", "velocity"),
     Field("C", (3, 3), "1/s", "real", "affine velocity, zero with transfers that have none"),
-    Field("modes", ("k", 3), "m/s", "real", "further modes of the velocity, polypic only"),
+    Field("modes", ("k", 3), "m/s", "real", "further modes of the velocity, if any"),
     Field("F_E", (3, 3), "1", "real", "elastic deformation gradient"),
     Field("J_P", (), "1", "real", "plastic volume change"),
     Field("m", (), "kg", "real", "mass"),
