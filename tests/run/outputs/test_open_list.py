@@ -15,6 +15,7 @@ from neve.io.errors import RunError
 from neve.io.frames import frame_numbers
 from neve.run import run, run_scene
 from neve.run.outputs.film import FilmOutput
+from neve.run.outputs.fragments import count_run
 from neve.run.outputs.registry import BUILT_IN, entries, kinds
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import load, to_toml
@@ -161,6 +162,22 @@ def test_short_keys_mean_entries(fake, scene_file, tmp_path):
     run(fake.Simulation(entry), tmp_path / "entry", quiet=True)
     for name in ("fragments.csv", "preview.mp4"):
         assert (tmp_path / "short" / name).read_bytes() == (tmp_path / "entry" / name).read_bytes()
+
+
+def test_counting_afterwards_keeps_what_the_run_wrote(fake, listed, tmp_path):
+    """With a file for each frame that is due, counting gives the run's own table; without, it is refused."""
+    out = tmp_path / "ball"
+    _, *others = listed.outputs
+    run(fake.Simulation(listed.model_copy(update={"outputs": tuple(others)})), out, quiet=True)
+    before = (out / "fragments.csv").read_bytes()
+    count_run(out)
+    assert (out / "fragments.csv").read_bytes() == before
+    run(fake.Simulation(listed), out, force=True, quiet=True)
+    with pytest.raises(RunError, match="rows of frames which the run keeps no files of"):
+        count_run(out)
+    assert (out / "fragments.csv").read_bytes() == before
+    count_run(out, out=tmp_path / "other.csv")
+    assert frames_of(tmp_path / "other.csv") == [0, 3, 6]
 
 
 def test_film_plays_as_fast_as_the_snow_moved(fake, listed, tmp_path, monkeypatch):

@@ -125,7 +125,13 @@ def count_run(path: Path | str, limits: Limits | None = None, out: Path | None =
             raise RunError(f"{target} belongs to the run: choose another file with --out.")
         limits = Limits(mine.link, mine.torn, mine.least)
         schedule = schedule_of(mine, FragmentOutput(**mine.options()), scene.run.fps)
-        numbers = [number for number in numbers if schedule.due(number)]
+        due = [number for number in range(numbers[-1] + 1 if numbers else 0) if schedule.due(number)]
+        if not set(due) <= set(numbers):
+            raise RunError(
+                f"{target} has rows of frames which the run keeps no files of:"
+                " choose another file with --out."
+            )
+        numbers = due
     if not numbers:
         raise RunError(f"{folder.frames} holds no frames, so there is nothing to count.")
     arrays = read_checkpoint(folder.checkpoint).arrays
