@@ -72,7 +72,8 @@ class LogOutput:
         method = run.scene.numerics.method
         self._stages = stages(method)
         self._log = Log(run.folder.log, method, keep_through=run.done)
-        self._watch = EnergyWatch(self._log.last)
+        watched = "excess" in self._log.columns
+        self._watch = EnergyWatch(self._log.last) if watched else None
 
     def write(self, context: FrameContext) -> None:
         """Add the row of this frame."""
@@ -80,7 +81,7 @@ class LogOutput:
         moved = context.frame > 0  # the initial state took no step
         seconds = {**(stats.stage_seconds if moved else {}), **context.timer.take()}
         values: dict[str, float | None] = {**sim.solver.log_values(totals)}
-        if "excess" in sim.solver.log_columns:
+        if self._watch:
             values["excess"] = self._watch.excess(totals, context.frame)
         self._log.append(
             {

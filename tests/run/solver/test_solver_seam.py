@@ -1,0 +1,168 @@
+"""A solver of thirty lines is run, filmed, viewed, resumed and logged, with nothing changed outside of it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import neve
+from neve.io.errors import RunError
+from neve.io.frames import read_frame
+from neve.io.log import read_log
+from neve.registry import METHODS
+from neve.run import run_scene
+from neve.sampling import fill
+from neve.scene.errors import SceneError
+from neve.scene.reading.load import load, scene_from, to_toml
+from neve.solver import Field, Solver, StepSummary
+from neve.viewer.encode import encode
+from neve.viewer.modes import Scale
+from neve.viewer.players.live import Live
+from neve.viewer.players.recorded import Recorded
+from neve.viewer.players.recorder import Recorder
+from neve.viewer.players.snapshot import of_simulation
+from neve.viewer.protocol.state import unframed
+
+G = 9.81
+
+
+class Grains(Solver):
+    """Grains that fly: v += g dt, x += v dt."""
+
+    fields = (
+        Field("x", (3,), "m", "float64", "position"),
+        Field("v", (3,), "m/s", "float64", "velocity"),
+        Field("id", (), "", "int64", "number"),
+    )
+    stages = ("fly",)
+    log_columns = ("grains", "height")
+
+    def __init__(self, scene, saved=None):
+        super().__init__(scene, saved)
+        if saved is None:
+            x = np.concatenate([fill(s, scene.numerics, i).x for i, s in enumerate(scene.sources)])
+            saved = {"x": x, "v": np.zeros_like(x), "id": np.arange(len(x))}
+        self.state = SimpleNamespace(**{field.name: np.array(saved[field.name]) for field in self.fields})
+
+    def step(self, steps, time, remaining):
+        dt = min(1e-3, remaining)
+        with self.timer.stage("fly"):
+            self.state.v += dt * np.array(self.scene.world.gravity)
+            self.state.x += dt * self.state.v
+        return StepSummary(dt, "grains", 0)
+
+    def diagnostics(self, exchanged):
+        return {"grains": self.count, "height": float(self.state.x[:, 2].mean())}
+
+
+@pytest.fixture(autouse=True)
+def _registered(monkeypatch):
+    monkeypatch.setitem(METHODS.entries, "grains", Grains)
+
+
+def scene(**run):
+    return scene_from(
+        {
+            "numerics": {"method": "grains", "dx": 0.1},
+            "sources": [{"shape": "sphere", "radius": 0.3, "center": [0, 0, 2]}],
+            "run": {"duration": 0.1, "fps": 50, **run},
+        },
+        where="test",
+    )
+
+
+def test_it_moves_by_its_own_equation():
+    """After n steps of dt a grain has fallen by g dt^2 n (n + 1) / 2, and kept its place across."""
+    sim = neve.Simulation(scene())
+    before = np.array(sim.state.x)
+    sim.advance(0.1)
+    assert (sim.steps, sim.time, sim.stats.bound) == (100, pytest.approx(0.1), "grains")
+    fallen = before[:, 2] - sim.state.x[:, 2]
+    np.testing.assert_allclose(fallen, G * 1e-6 * 100 * 101 / 2, rtol=1e-9)
+    np.testing.assert_array_equal(before[:, :2], sim.state.x[:, :2])
+    assert sim.stats.stage_seconds["fly"] > 0
+    assert sim.bytes == sim.count * 7 * 8
+
+
+def test_it_fills_a_run_folder(tmp_path):
+    """Frames, a log with its own columns, a film and a picture."""
+    sim = run_scene(scene(), tmp_path / "run", quiet=True)
+    rows = read_log(tmp_path / "run/log.csv", "grains")
+    assert list(rows[0])[7:] == ["grains", "height", "seconds_fly", "seconds_write", "seconds_film"]
+    assert [int(row["grains"]) for row in rows] == [sim.count] * 6
+    assert float(rows[-1]["height"]) == pytest.approx(sim.state.x[:, 2].mean(), rel=1e-15)
+    frame = read_frame(tmp_path / "run/frames", 5)
+    np.testing.assert_array_equal(frame.x, sim.state.x.astype(np.float32))
+    assert (frame.J_P == 1).all()
+    for name in ("preview.mp4", "preview.png"):
+        assert (tmp_path / "run" / name).stat().st_size > 1000
+
+
+def test_it_is_resumed_to_the_same_bytes(tmp_path):
+    """Stopped after two of five frames and resumed: each frame and the state are those of a run in one go."""
+    run_scene(scene(film=False), tmp_path / "whole", quiet=True)
+    run_scene(scene(film=False), tmp_path / "parts", frames=2, quiet=True)
+    run_scene(scene(film=False), tmp_path / "parts", quiet=True, resume=True)
+    for name in [f"frames/{i:06d}.npz" for i in range(6)] + ["checkpoint"]:
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "parts" / name).read_bytes(), name
+
+
+def test_another_method_does_not_resume_it(tmp_path):
+    """The sentence names the key, and what it was."""
+    run_scene(scene(film=False), tmp_path / "run", frames=1, quiet=True)
+    text = (tmp_path / "run/scene.toml").read_text()
+    (tmp_path / "other.toml").write_text(text.replace('method = "grains"', 'method = "mpm"'))
+    with pytest.raises(RunError, match=r"numerics\.method is 'grains' there and 'mpm' now"):
+        run_scene(load(tmp_path / "other.toml"), tmp_path / "run", resume=True, quiet=True)
+
+
+def test_it_is_viewed(tmp_path):
+    """The page gets positions within half a step of its 16 bits, and the colours it has columns for."""
+    sim = neve.Simulation(scene())
+    sim.advance(0.05)
+    snapshot = of_simulation(sim, {"speed"}, {}, 0, {}, 1)
+    head, body = unframed(encode(snapshot, "speed", Scale(), {}))
+    q = np.frombuffer(body, "<u2").reshape(-1, 4)
+    seen = np.array(head["low"]) + np.array(head["step"]) * q[:, :3]
+    np.testing.assert_allclose(seen, sim.state.x, atol=0.51 * max(head["step"]) + 1e-6)
+    np.testing.assert_allclose(snapshot.values["speed"], G * 0.05, rtol=1e-5)
+    live = Live("grains", scene(), 1, Recorder(tmp_path))
+    live._begin()
+    live._playing = True
+    while live._frame == 0:
+        live._go_on()
+    assert live.latest.time == pytest.approx(1 / 50)
+    assert live.color_modes() == ["snow", "speed"]
+
+
+def test_its_run_is_played(tmp_path):
+    """A recorded run of it has its frames."""
+    sim = run_scene(scene(film=False), tmp_path / "run", quiet=True)
+    from neve.io.run_folder import RunFolder
+
+    player = Recorded(RunFolder(tmp_path / "run"))
+    player._begin()
+    assert len(player.latest.x) == sim.count
+
+
+def test_what_it_lacks_is_one_sentence(tmp_path):
+    """Fragments need masses; a change in a run needs a solver that can; a word needs to be registered."""
+    with pytest.raises(RunError, match=r'numerics\.method = "grains" has no m or V0'):
+        run_scene(scene(film=False, fragments=True), tmp_path / "run", quiet=True)
+    sim = neve.Simulation(scene())
+    with pytest.raises(SceneError, match=r'"grains" cannot add snow in a run'):
+        sim.add(sim.scene.sources[0])
+    with pytest.raises(SceneError, match=r'"grains" cannot change its scene in a run'):
+        sim.change(sim.scene)
+    with pytest.raises(SceneError, match=r"numerics\.method cannot change while a run goes on"):
+        sim.change(load("throw_ball"))
+
+
+@pytest.mark.parametrize(("key", "allowed"), [("method", 'use "mpm" or "grains"'), ("device", r'use "cpu"')])
+def test_a_bad_word_says_what_is_allowed(tmp_path, key, allowed):
+    """One sentence with key, value and the registered words."""
+    path = tmp_path / "scene.toml"
+    chosen = getattr(scene().numerics, key)
+    path.write_text(to_toml(scene()).replace(f'{key} = "{chosen}"', f'{key} = "fem"'))
+    with pytest.raises(SceneError, match=rf'numerics\.{key} = "fem" is not allowed.*: {allowed}'):
+        load(path)
