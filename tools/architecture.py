@@ -174,26 +174,26 @@ def columns(points: dict[str, int], chains: list[list[str]], sweeps: int = 100) 
         side = range(len(rows)) if sweep % 2 == 0 else range(len(rows) - 1, -1, -1)
         for number in side:
             near = {name: [x[other] for other in joined[name]] for name in rows[number]}
-            wish = {
+            ideal = {
                 name: CALM * sum(found) / len(found) if found else x[name] for name, found in near.items()
             }
-            order = sorted(rows[number], key=lambda name: (wish[name], name))
-            x |= apart(order, wish)
+            order = sorted(rows[number], key=lambda name: (ideal[name], name))
+            x |= apart(order, ideal)
     left = min(x.values()) - MARGIN - BOX[0] / 2
     return {name: value - left for name, value in x.items()}
 
 
-def apart(order: list[str], wish: dict[str, float]) -> dict[str, float]:
-    """Return places in this order, far enough apart and near those that are wished for."""
+def apart(order: list[str], ideal: dict[str, float]) -> dict[str, float]:
+    """Return places in this order, far enough apart and near those that are ideal."""
     half = {name: (BOX[0] if ">" not in name else 0) / 2 + GAP / 2 for name in order}
     right, left = {}, {}
     edge = -math.inf
     for name in order:
-        right[name] = max(wish[name], edge + half[name])
+        right[name] = max(ideal[name], edge + half[name])
         edge = right[name] + half[name]
     edge = math.inf
     for name in reversed(order):
-        left[name] = min(wish[name], edge - half[name])
+        left[name] = min(ideal[name], edge - half[name])
         edge = left[name] - half[name]
     return {name: 0.5 * (right[name] + left[name]) for name in order}
 

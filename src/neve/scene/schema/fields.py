@@ -1,4 +1,4 @@
-"""Define the kinds of values that a scene is made of, and what every field must say about itself."""
+"""Define the kinds of values that a scene is made of, and what every field must state."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Distance = Annotated[float, Strict(), Field(ge=0, le=1e6)]
 def _no_switch(value: object) -> object:
     """Refuse true and false where a number is one of a few: Python takes them for 1 and 0."""
     if isinstance(value, bool):
-        raise ValueError("true and false are no numbers")
+        raise ValueError("true and false are not numbers")
     return value
 
 
@@ -89,7 +89,7 @@ def check_file(name: str, suffixes: tuple[str, ...], what: str) -> None:
     Errors: PydanticCustomError.
     """
     if not name:
-        raise wrong("file", f"must name {what}, a file that ends in {words(suffixes)}")
+        raise wrong("file", f"must name {what}: a file that ends in {words(suffixes)}")
     if not name.startswith("neve:") and not name.lower().endswith(suffixes):
         raise wrong("file", f"must end in {words(suffixes)}")
 

@@ -157,7 +157,7 @@ def case(cells: int = 20, periods: float = 3.0) -> Result:
     return Result(
         what=f"An elastic bar of {cells} cells, fixed at one end, free at the other, vibrates in its "
         f"first mode. "
-        "The fixed end is the middle of a bar of twice the length that moves oddly, so no wall has a say. "
+        "The fixed end is the middle of a bar of twice the length that moves oddly, so that no wall takes part. "
         "Its "
         "sides are held by smooth walls (uniaxial strain) or are free (uniaxial stress).",
         equations=(
@@ -179,14 +179,12 @@ def case(cells: int = 20, periods: float = 3.0) -> Result:
 
 
 def _period(name: str, v: Vibration) -> Check:
-    reason = (
-        "L/h &ge; 20: the grid's dispersion is (kh)<sup>2</sup>/4 &lt; 0.2 %; 2 % is the mark set for Neve"
-    )
+    reason = "L/h &ge; 20: the grid's dispersion is (kh)<sup>2</sup>/4 &lt; 0.2 %; 2 % is required of Neve"
     return near(f"{name}: period", v.measured_period(), v.period, 0.02, reason, "s")
 
 
 def _drift(name: str, v: Vibration) -> Check:
-    reason = "damping of fourth order in kh, oscillation of symplectic Euler; 1 % is the mark set for Neve"
+    reason = "damping of fourth order in kh, oscillation of symplectic Euler; 1 % is required of Neve"
     return Check(f"{name}: change of energy in a period", v.drift(), 0.0, 0.01, reason)
 
 

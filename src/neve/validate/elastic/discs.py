@@ -133,27 +133,27 @@ def _checks(r: Collision, allowed_loss: float) -> tuple[Check, ...]:
             "largest momentum over that of one disc",
             np.abs(r.momentum).max() / impulse,
             1e-6,
-            "nothing acts from outside; the mark set for Neve is 1e-6",
+            "nothing acts from outside; required of Neve: 1e-6",
         ),
         Check(
             "least kinetic energy minus deepest overlap, in time",
             r.t[lowest] - r.t[nearest],
             0.0,
             3 * r.t[1],
-            "both are told by frame, and both are flat there",
+            "both are known by frame only, and both are flat there",
             "s",
         ),
         at_most(
             "loss of energy up to the deepest overlap and back",
             float(1 - total[-1]),
             allowed_loss,
-            "the mark set for Neve is 5 % with apic; ours falls with h",
+            "required of Neve: 5 % with apic; ours falls with h",
         ),
         at_least(
             "kinetic energy after the collision",
             r.kinetic[-1] / r.kinetic[0],
             1 - allowed_loss - RINGING,
-            "what is not lost flies, but for a tenth that may ring in the discs: 1 to 6 % recorded",
+            "the rest is motion, except for a tenth that may remain as vibration: 1 to 6 % recorded",
         ),
     )
 

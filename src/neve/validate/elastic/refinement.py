@@ -29,7 +29,7 @@ def case(cells: tuple[int, ...] = CELLS) -> Result:
     """Measure the order of every transfer, and of the cubic spline."""
     ways: dict[str, dict[str, Any]] = {**transfers(), "apic, cubic": {"spline": "cubic"}}
     found = {name: errors(how, cells) for name, how in ways.items()}
-    second = "2 in theory (lumped mass, splines, leapfrog); 1.5 is the mark set for Neve"
+    second = "2 in theory (lumped mass, splines, leapfrog); 1.5 is required of Neve"
     first = "its damping in a given time is k<sup>2</sup> h<sup>2</sup> / 4 a step, and steps shrink with h"
     checks = [
         near(f"{name}: order", order(cells, error), 1.0, 0.25, first)

@@ -122,7 +122,7 @@ def _checks(r: Settled, cells: int) -> tuple[Check, ...]:
     away = r.height > 3 * HEIGHT / cells
     top = r.height > HEIGHT * (1 - 1 / cells)
     ratio = NU / (1 - NU)
-    quadrature = "2 % of the weight away from the base is the mark set for Neve; particles sample it to h/H"
+    quadrature = "2 % of the weight away from the base is required of Neve; particles sample it to h/H"
     return (
         near(
             "settlement of the top",

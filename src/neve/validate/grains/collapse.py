@@ -66,7 +66,7 @@ def case(aspects: tuple[float, ...] = ASPECTS, cells: int = 16) -> Result:
         for r in runs
     ]
     still = max(r.speed for r in runs)
-    checks.append(at_most("speed that is left at the end", still, 0.02, "a hundredth of the fall's", "m/s"))
+    checks.append(at_most("speed at the end", still, 0.02, "a hundredth of the fall's", "m/s"))
     return Result(
         what=f"A column of loose grains, {cells} cells wide and one thick between smooth planes, stands at a "
         "smooth wall on a rough ground and is let go. The run-out is how far the heap reaches beyond the "
@@ -82,7 +82,7 @@ def case(aspects: tuple[float, ...] = ASPECTS, cells: int = 16) -> Result:
         verdict=f"Loose snow with an angle of {PHI:g}&deg; (slope in steady shear {sliding(PHI):.1f}&deg;) "
         "runs out as far as dry grains do.",
         remarks=(
-            "The law holds over grains and beds to 20 % only, and cannot tell apart angles of friction. The "
+            "The law holds over grains and beds to 20 % only, and cannot distinguish angles of friction. The "
             "front is thinner than a cell: finer grids run out further, by 8 to 11 % from 12 to 16 cells.",
         ),
         particles=sum(r.particles for r in runs),

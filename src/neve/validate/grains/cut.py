@@ -81,10 +81,10 @@ def case(shares: tuple[float, ...] = SHARES, cells: int = 12) -> Result:
     for share, r in runs.items():
         name = f"settlement of the crest over the height, {share:g} critical heights"
         if share <= 0.8:
-            reason = "it stands: what is left is the first yielding at the foot"
+            reason = "it stands: this is the first yielding at the foot"
             checks.append(at_most(name, r.drop[-1], STANDS, reason))
         if share >= 1.3:
-            checks.append(at_least(name, r.drop[-1], FALLS, "it falls, and is still on its way"))
+            checks.append(at_least(name, r.drop[-1], FALLS, "it falls, and is still falling"))
     fallen = runs[max(shares)].x
     return Result(
         what="A block of cohesive snow with a vertical face comes to rest under gravity as elastic snow, and "

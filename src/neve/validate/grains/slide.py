@@ -152,7 +152,7 @@ def _checks(runs: Runs) -> tuple[Check, ...]:
             x, head = r.energy_line(d)
             half = len(x) // 2
             slope = float(np.polyfit(x[half:], head[half:], 1)[0])
-            reason = "the mark set for Neve is 1 to 2 %; speed and place of a step are half a step apart"
+            reason = "required of Neve: 1 to 2 %; speed and place of a step are half a step apart"
             checks.append(Check(f"slope of the energy line, friction {mu:g}", slope, -mu, 0.01, reason))
     return tuple(checks)
 

@@ -161,7 +161,7 @@ def case(
         "Ojha and Durian 2003; read in the abstract): drawn beside, not checked.",
         checks=_checks(runs, (middle, fine) if fine else None),
         plots=_plots(runs),
-        verdict="Denser balls and higher falls make deeper craters, and the books of contact hold what the "
+        verdict="Denser balls and higher falls make deeper craters, and the exchange totals contain what the "
         f"fall gave: <i>d</i> &prop; <i>&rho;</i><sup>{a:.2f}</sup> (<i>H</i> + <i>d</i>)<sup>{b:.2f}</sup>.",
         particles=sum(run.particles for run in everything),
         steps=sum(run.steps for run in everything),
@@ -177,10 +177,10 @@ def _checks(runs: Falls, again: tuple[tuple[float, float], Fall] | None) -> tupl
     _, exponent, off = over_energy(runs)
     checks = [
         at_most(
-            "largest share of the energy of the fall that the books miss",
+            "largest share of the energy of the fall that the exchange totals miss",
             max(abs(run.imbalance) for run in runs.values()),
             0.025,
-            "work is booked with the velocity after a step, half of the step's change too small: 1 / (2 n) "
+            "work is computed with the velocity after a step, half of the step's change too small: 1 / (2 n) "
             "and more in n steps, of which the lightest ball needs 60",
         ),
         at_least("least factor of depth to the next density", by_density, 1.0, "denser is deeper"),

@@ -296,7 +296,7 @@ def _checks(drives: dict[float, Drive], pulling: dict[float, Drive], found: Fit)
             "farthest that the snow's force is from the load, over the load",
             float(max(abs(run.borne - 1) for run in (*drives.values(), *pulling.values()))),
             0.03,
-            "a steady wheel is borne; the rest is what it still bounces",
+            "the snow carries a steady wheel; the rest is remaining bounce",
         ),
         at_most(
             "farthest that the snow's push is from the pull, over the load",

@@ -94,7 +94,7 @@ def case(cells: int = 16) -> Result:
     keep = r.s >= 0.6
     s, axial, sideways = r.s[keep], r.axial[keep], r.sideways[keep]
     exact, exact_side = answer(s)
-    reason = "3 % for snow in motion is the mark set for Neve: waves from the piston, and particles that "
+    reason = "3 % for snow in motion is required of Neve: waves from the piston, and particles that "
     "meet walls"
     checks = []
     for mark in MARKS:
