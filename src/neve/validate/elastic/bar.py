@@ -157,7 +157,7 @@ def case(cells: int = 20, periods: float = 3.0) -> Result:
     return Result(
         what=f"An elastic bar of {cells} cells, fixed at one end, free at the other, vibrates in its "
         f"first mode. "
-        "The fixed end is the middle of a bar of twice the length that moves oddly, so that no wall takes part. "
+        "The fixed end is the middle of a bar of twice the length that moves oddly, so no wall takes part. "
         "Its "
         "sides are held by smooth walls (uniaxial strain) or are free (uniaxial stress).",
         equations=(
