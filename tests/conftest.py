@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from reference.laws import LAWS
 
-from neve.scene.schema.choices import SPLINES, TRANSFERS
+from neve.scene.values.choices import SPLINES, TRANSFERS
 
 # Grids of distances are made anew, in a folder that goes with the tests: never in the user's own.
 CACHE = tempfile.TemporaryDirectory(prefix="neve-cache-")

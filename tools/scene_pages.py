@@ -11,7 +11,6 @@ from pydantic.fields import FieldInfo
 
 from neve.scene.reading.load import PRESETS
 from neve.scene.reading.validation_errors import shown
-from neve.scene.schema.allowed import allowed, choices, part, source, unit
 from neve.scene.schema.outputs import OutputOptions, Scheduled, kinds
 from neve.scene.schema.roles import SHAPES
 from neve.scene.schema.scene import (
@@ -34,6 +33,7 @@ from neve.scene.schema.scene import (
     World,
 )
 from neve.scene.schema.snow_tables import as_table
+from neve.scene.values.allowed import allowed, choices, part, source, unit
 
 LISTS = {"source": "sources", "collider": "colliders", "body": "bodies"}
 PATH = Path("docs") / "scene_format.md"  # from the root of the checkout

@@ -11,7 +11,7 @@ from reference.splines import NODES
 from verification.stages import Lab
 
 from neve import _core
-from neve.scene.schema import choices
+from neve.scene.values import choices
 
 DX, DT, GRAVITY = 0.05, 2e-4, (0.3, -0.2, -9.81)
 NAMES = ("x", "v", "C", "F_E", "J_P", "m", "V0")

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from neve.run.outputs.registry import BUILT_IN
-from neve.scene.schema.choices import LAWS, SPLINES, TRANSFERS
 from neve.scene.schema.shapes import FORMULAS
+from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
 
 ROOT = Path(__file__).parents[2]
 SUFFIXES = {".hpp", ".cpp", ".py", ".pyi", ".js"}

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -60,3 +61,34 @@ def test_functions_are_found_in_cpp():
     text = "struct S {\n  int f(int a) const {\n    for (;;) {\n    }\n    return a;  // }\n  }\n};\n"
     text += 'void g() { say("{"); }\n'
     assert list(cpp_functions(text)) == [("f", 5), ("g", 1)]
+
+
+ROOMS = ("src/neve", "core", "tests")
+ROOM_FILES = 14
+BUILT = "src/neve/drive/page"
+CROWDED = {"core/render": 17}
+"""Folders that may hold more, up to this number: one renderer, a file for each step to a picture."""
+
+
+def crowded(root, most=ROOM_FILES):
+    """Folders with more source files than `most`, not counting `__init__.py`, and how many they have."""
+    files = (p for p in root.rglob("*") if p.suffix in {".py", ".hpp", ".cpp", ".js", ".html", ".css"})
+    count = Counter(p.parent for p in files if p.name != "__init__.py" and "__pycache__" not in p.parts)
+    return {folder: n for folder, n in count.items() if n > most}
+
+
+def test_no_folder_is_crowded():
+    """A folder with more than fourteen source files has two purposes."""
+    found = [item for room in ROOMS for item in crowded(ROOT / room).items()]
+    names = {folder.relative_to(ROOT).as_posix(): n for folder, n in found}
+    names = {name: n for name, n in names.items() if not name.startswith(BUILT)}
+    assert {name for name, n in names.items() if n > CROWDED.get(name, ROOM_FILES)} == set()
+    assert names.keys() == CROWDED.keys(), "an exception is no longer needed"
+
+
+def test_a_crowded_folder_is_found(tmp_path):
+    """Source files count, one by one; `__init__.py` and other files do not."""
+    for name in ("__init__.py", "a.py", "b.hpp", "c.js", "d.txt"):
+        (tmp_path / name).touch()
+    assert crowded(tmp_path, 3) == {}
+    assert crowded(tmp_path, 2) == {tmp_path: 3}

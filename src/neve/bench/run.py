@@ -21,8 +21,8 @@ from neve.bench.bodies import Share, measure_bodies
 from neve.bench.spread import Spread
 from neve.mpm.step import STAGES
 from neve.scene.errors import SceneError
-from neve.scene.schema.choices import SPLINES, TRANSFERS
 from neve.scene.schema.scene import Camera, Collider, Numerics, Scene, Source
+from neve.scene.values.choices import SPLINES, TRANSFERS
 from neve.simulation import Simulation
 from neve.spelling import hint, nearest
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from neve.io.version import version
-from neve.scene.schema.choices import LAWS, SPLINES, TRANSFERS
+from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
 
 if TYPE_CHECKING:
     from neve.scene.schema.scene import Scene

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from neve.geometry.sdf import SolidMesh, solid_mesh
 from neve.geometry.terrain import height_field
-from neve.scene.schema.fields import Finish
 from neve.scene.schema.file_shapes import Mesh, Terrain
 from neve.scene.schema.roles import SHAPES
 from neve.scene.schema.scene import Body, Collider
 from neve.scene.schema.shapes import Shape
+from neve.scene.values.fields import Finish
 
 if TYPE_CHECKING:
     from neve._core import HeightField

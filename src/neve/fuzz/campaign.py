@@ -10,8 +10,8 @@ import numpy as np
 
 from neve.diagnostics import Balance, Diagnostics
 from neve.fuzz.draw import draw
-from neve.scene.schema.choices import TRANSFERS
 from neve.scene.schema.scene import Scene
+from neve.scene.values.choices import TRANSFERS
 from neve.simulation import Simulation
 from neve.solver import Blowup
 

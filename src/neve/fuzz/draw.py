@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from neve.scene.reading.load import scene_from
-from neve.scene.schema.choices import LAWS, SPLINES, TRANSFERS
 from neve.scene.schema.scene import Scene
+from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
 
 if TYPE_CHECKING:
     from neve._core import Law

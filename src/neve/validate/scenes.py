@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from neve.scene.errors import SceneWarning
 from neve.scene.reading.load import scene_from
-from neve.scene.schema.choices import TRANSFERS
-from neve.scene.schema.elastic import lame
+from neve.scene.values.choices import TRANSFERS
+from neve.scene.values.elastic import lame
 from neve.simulation import Simulation
 
 Array = NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from neve.scene.schema.elastic import bulk_modulus, lame, p_wave_modulus
+from neve.scene.values.elastic import bulk_modulus, lame, p_wave_modulus
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.2, 0.45])

@@ -10,11 +10,11 @@ import pytest
 from neve.sampling import fill
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import scene_from, to_toml
-from neve.scene.schema.choices import LAWS
-from neve.scene.schema.fields import rounded_down, rounded_up
 from neve.scene.schema.material import Overrides, Snow, problem, used
 from neve.scene.schema.scene import Profile, Scene, Source, Variation
 from neve.scene.schema.snow_kinds import SNOWS, Kind
+from neve.scene.values.choices import LAWS
+from neve.scene.values.fields import rounded_down, rounded_up
 
 WORDS = ("kind", "law", "plasticity")
 CHANGES: list[dict[str, Any]] = [

@@ -8,10 +8,10 @@ import pytest
 from pydantic import BaseModel, ValidationError
 from scene_pages import PATH, SECTIONS, SNOWS_PATH, document, with_table
 
-from neve.scene.schema.allowed import source
 from neve.scene.schema.material import Overrides, Snow
 from neve.scene.schema.scene import Scene
 from neve.scene.schema.snow_kinds import SNOWS
+from neve.scene.values.allowed import source
 
 MODELS = [Scene, Overrides, *(model for _, _, model in SECTIONS)]
 

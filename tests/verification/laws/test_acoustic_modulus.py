@@ -6,7 +6,7 @@ from reference.laws import LAWS, unyielding
 from verification.material import near_identity, respond, response, transpose
 
 from neve import _core
-from neve.scene.schema import choices
+from neve.scene.values import choices
 
 
 def tangent(F, J_P, law, h=1e-5):

@@ -6,7 +6,7 @@ from reference.snow import Snow
 from verification.material import respond
 
 from neve import _core
-from neve.scene.schema.choices import DEFAULT_LAW, LAWS
+from neve.scene.values.choices import DEFAULT_LAW, LAWS
 
 THETA, STEP = 1e-2, 1e-6
 MOST_HARDENING = LAWS[DEFAULT_LAW].most_strength(

@@ -7,7 +7,7 @@ from verification.scenes import ball, scene, simulate
 from neve.fuzz import draw, endure
 from neve.fuzz.campaign import Budget, _fault, _mass_by_id
 from neve.fuzz.draw import SITUATIONS
-from neve.scene.schema.choices import LAWS, SPLINES, TRANSFERS
+from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
 
 
 @pytest.mark.filterwarnings("ignore::neve.scene.errors.SceneWarning")

@@ -7,8 +7,8 @@ from typing import Literal
 from neve.io.checkpoint import write_checkpoint
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
-from neve.scene.schema.fields import entry
 from neve.scene.schema.outputs import Scheduled
+from neve.scene.values.fields import entry
 from neve.schedule import EveryWallSeconds, Schedule
 
 

@@ -12,9 +12,9 @@ from neve.io.frames import Frame, frame_numbers, frame_path, read_frame, write_f
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.run.painter import Painter
-from neve.scene.schema.fields import entry
 from neve.scene.schema.outputs import Scheduled
 from neve.scene.schema.scene import Camera
+from neve.scene.values.fields import entry
 from neve.schedule import Regular, Schedule
 
 if TYPE_CHECKING:

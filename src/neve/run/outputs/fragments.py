@@ -19,8 +19,8 @@ from neve.io.table import Table, read_table, table_text
 from neve.registry import METHODS
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import entries, register_output, schedule_of
-from neve.scene.schema.fields import Real, Whole, entry
 from neve.scene.schema.outputs import Scheduled
+from neve.scene.values.fields import Real, Whole, entry
 from neve.schedule import Schedule
 
 if TYPE_CHECKING:

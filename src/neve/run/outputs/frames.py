@@ -7,8 +7,8 @@ from typing import Literal
 from neve.io.frames import write_frame
 from neve.run.outputs.context import FrameContext
 from neve.run.outputs.registry import register_output
-from neve.scene.schema.fields import entry
 from neve.scene.schema.outputs import Scheduled
+from neve.scene.values.fields import entry
 
 
 class FrameOptions(Scheduled):

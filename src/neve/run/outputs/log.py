@@ -10,8 +10,8 @@ from neve.diagnostics import Balance
 from neve.io.log import Log, stages
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
-from neve.scene.schema.fields import entry
 from neve.scene.schema.outputs import Scheduled
+from neve.scene.values.fields import entry
 from neve.schedule import Schedule
 
 if TYPE_CHECKING:

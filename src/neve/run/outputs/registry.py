@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hin
 from pydantic import Strict, create_model
 
 from neve.run.outputs.context import Output
-from neve.scene.schema.fields import entry
 from neve.scene.schema.outputs import OutputOptions, Scheduled
+from neve.scene.values.fields import entry
 from neve.schedule import EveryFrames, EverySeconds, Schedule
 
 if TYPE_CHECKING:

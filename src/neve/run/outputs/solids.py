@@ -10,8 +10,8 @@ import numpy as np
 from neve.geometry.pose import Pose, quaternion_of
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
-from neve.scene.schema.fields import entry
 from neve.scene.schema.outputs import Scheduled
+from neve.scene.values.fields import entry
 from neve.schedule import Schedule
 
 FILE = "solids.csv"

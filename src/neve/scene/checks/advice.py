@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 
 from neve.scene.checks.unused import unused
-from neve.scene.schema.elastic import p_wave_modulus
-from neve.scene.schema.fields import norm, rounded_down, rounded_up
 from neve.scene.schema.scene import Body, Collider, Scene, Source
+from neve.scene.values.elastic import p_wave_modulus
+from neve.scene.values.fields import norm, rounded_down, rounded_up
 
 SOURCE_CELLS = 3
 """Least number of cells across a source; a thinner one is all surface."""

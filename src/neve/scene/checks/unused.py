@@ -11,11 +11,11 @@ from collections.abc import Iterator, Sequence
 from pydantic import BaseModel
 
 from neve.scene.reading.validation_errors import shown
-from neve.scene.schema.allowed import words
-from neve.scene.schema.choices import LAWS, TRANSFERS, listed, users
 from neve.scene.schema.roles import Surface
 from neve.scene.schema.scene import Numerics, Scene
 from neve.scene.schema.sources import Profile, Source, Variation
+from neve.scene.values.allowed import words
+from neve.scene.values.choices import LAWS, TRANSFERS, listed, users
 
 FACTORS = ("stiffness", "strength", "density")
 """What a variation or a profile may change."""

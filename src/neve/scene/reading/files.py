@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neve.scene.schema.allowed import words
-from neve.scene.schema.fields import Part
 from neve.scene.schema.scene import Scene
+from neve.scene.values.allowed import words
+from neve.scene.values.fields import Part
 from neve.spelling import hint, nearest
 
 ASSETS = Path(__file__).parents[2] / "assets"

@@ -11,10 +11,10 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from neve.scene.reading.paths import follow
-from neve.scene.schema.allowed import allowed, choices, part, words
 from neve.scene.schema.outputs import OutputOptions
 from neve.scene.schema.scene import Scene
 from neve.scene.schema.tables import entry_models, table_of_list
+from neve.scene.values.allowed import allowed, choices, part, words
 from neve.spelling import hint, nearest
 
 ALSO_CALLED = {

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import model_validator
 
-from neve.scene.schema.fields import (
+from neve.scene.schema.roles import OneOfItsShapes, Role, Surface
+from neve.scene.values.fields import (
     ZERO,
     Angle3,
     Color,
@@ -24,7 +25,6 @@ from neve.scene.schema.fields import (
     norm,
     wrong,
 )
-from neve.scene.schema.roles import OneOfItsShapes, Role, Surface
 
 ROBOTS = (".xml", ".urdf")
 """What a robot file may end in."""

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from neve.scene.schema.fields import ZERO, Angle3, Part, Point3, Rate3, Real, check_times, entry, wrong
 from neve.scene.schema.roles import OneOfItsShapes, Role, Surface
+from neve.scene.values.fields import ZERO, Angle3, Part, Point3, Rate3, Real, check_times, entry, wrong
 
 
 class Keyframe(Part):

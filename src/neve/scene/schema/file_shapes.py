@@ -7,7 +7,8 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from neve.scene.schema.fields import (
+from neve.scene.schema.shapes import ROTATION, Shape
+from neve.scene.values.fields import (
     ZERO,
     Angle3,
     Distance,
@@ -19,7 +20,6 @@ from neve.scene.schema.fields import (
     file_entry,
     wrong,
 )
-from neve.scene.schema.shapes import ROTATION, Shape
 
 MESHES = (".obj", ".ply", ".stl", ".glb", ".gltf")
 """What a mesh file may end in."""

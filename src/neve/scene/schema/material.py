@@ -1,6 +1,6 @@
 """Describe snow: its law and the constants of all laws, with the rules between them.
 
-The constants, their ranges and the limits between them are the laws' own (`neve.scene.schema.choices`).
+The constants, their ranges and the limits between them are the laws' own (`neve.scene.values.choices`).
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import ModelWrapValidatorHandler, create_model, model_validator
 from pydantic.fields import FieldInfo
 
-from neve.scene.schema.choices import DEFAULT_LAW, LAWS, LawWord, listed, meanings, sources
-from neve.scene.schema.fields import Part, Real, entry, rounded_down, wrong
 from neve.scene.schema.snow_kinds import DEFAULT_KIND, SNOWS, Kind
+from neve.scene.values.choices import DEFAULT_LAW, LAWS, LawWord, listed, meanings, sources
+from neve.scene.values.fields import Part, Real, entry, rounded_down, wrong
 
 if TYPE_CHECKING:
     from neve._core import Constant

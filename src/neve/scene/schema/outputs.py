@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self, Union
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, TypeAdapter, model_validator
 
-from neve.scene.schema.fields import Part, Real, Whole, entry, rounded_up, wrong
+from neve.scene.values.fields import Part, Real, Whole, entry, rounded_up, wrong
 
 RESERVED = ("run.json", "scene.toml", "assets")
 """What lies in a run folder and is no output."""

@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, Union
 from pydantic import Field, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema
 
-from neve.scene.schema.fields import CONTACT, MODES, Color, Finish, Part, Real, Switch, entry
 from neve.scene.schema.file_shapes import FROM_FILES
 from neve.scene.schema.shapes import FORMULAS, Shape
+from neve.scene.values.fields import CONTACT, MODES, Color, Finish, Part, Real, Switch, entry
 
 SHAPES: dict[str, type[Shape]] = {
     shape.model_fields["shape"].default: shape for shape in (*FORMULAS, *FROM_FILES)

@@ -8,7 +8,12 @@ from typing import Literal
 from pydantic import model_validator
 
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
-from neve.scene.schema.choices import (
+from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
+from neve.scene.schema.material import Overrides, Snow, most_strength, problem
+from neve.scene.schema.outputs import OutputEntry, conflict
+from neve.scene.schema.snow_kinds import SNOWS
+from neve.scene.schema.sources import AnySource, Profile, Source, Variation
+from neve.scene.values.choices import (
     DEFAULT_SPLINE,
     DEFAULT_TRANSFER,
     SPLINES,
@@ -20,8 +25,7 @@ from neve.scene.schema.choices import (
     sources,
     users,
 )
-from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
-from neve.scene.schema.fields import (
+from neve.scene.values.fields import (
     Color,
     Damping,
     Device,
@@ -39,10 +43,6 @@ from neve.scene.schema.fields import (
     rounded_down,
     wrong,
 )
-from neve.scene.schema.material import Overrides, Snow, most_strength, problem
-from neve.scene.schema.outputs import OutputEntry, conflict
-from neve.scene.schema.snow_kinds import SNOWS
-from neve.scene.schema.sources import AnySource, Profile, Source, Variation
 
 __all__ = [
     "Body", "Camera", "Collider", "Control", "Keyframe", "Light", "Motor", "Numerics", "Overrides", "Part",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from neve.scene.schema.fields import (
+from neve.scene.values.fields import (
     ZERO,
     Angle3,
     Coordinate,

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from neve.scene.schema.choices import DEFAULT_LAW
+from neve.scene.values.choices import DEFAULT_LAW
 
 PATH = Path(__file__).parents[2] / "assets" / "snow_kinds.toml"
 Tag = Literal["quoted", "derived", "chosen"]

@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 
 from pydantic import model_validator
 
-from neve.scene.schema.fields import Distance, Factor, Length, Part, Rate3, Real, Whole, entry, wrong
 from neve.scene.schema.material import Overrides
 from neve.scene.schema.roles import OneOfItsShapes, Role
+from neve.scene.values.fields import Distance, Factor, Length, Part, Rate3, Real, Whole, entry, wrong
 
 
 class Variation(Part):

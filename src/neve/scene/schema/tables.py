@@ -7,9 +7,9 @@ from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel
 
-from neve.scene.schema.allowed import part
 from neve.scene.schema.outputs import OpenList
 from neve.scene.schema.roles import Role, forms
+from neve.scene.values.allowed import part
 
 
 def shapes(annotation: Any) -> dict[str, type[Role]]:

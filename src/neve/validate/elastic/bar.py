@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.scene.schema.choices import TRANSFERS
+from neve.scene.values.choices import TRANSFERS
 from neve.validate.result import Check, Curve, Plot, Result, band, near
 from neve.validate.scenes import box, column, duct, elastic, moduli, simulation, transfers
 

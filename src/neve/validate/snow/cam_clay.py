@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
-from neve.scene.schema.elastic import bulk_modulus, lame
 from neve.scene.schema.material import Snow
+from neve.scene.values.elastic import bulk_modulus, lame
 from neve.validate.result import Check, Curve, Plot, Result, at_least, at_most, band, near
 from neve.validate.snow.oedometer import Compression, compress
 

@@ -7,9 +7,9 @@ from typing import Any
 from neve.scene.errors import SceneError
 from neve.scene.reading.files import OWN, own_files
 from neve.scene.reading.paths import follow
-from neve.scene.schema.allowed import part
 from neve.scene.schema.scene import Scene, Source
 from neve.scene.schema.tables import shapes, table_of_list
+from neve.scene.values.allowed import part
 from neve.viewer.protocol.commands import Add, Move
 from neve.viewer.tools.change import below, checked
 from neve.viewer.tools.panel import entry_lists, lists

@@ -9,11 +9,11 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from neve.scene.reading.files import OWN, own_files
-from neve.scene.schema.allowed import allowed, part, source, unit
-from neve.scene.schema.kinds import Kind, kind_of
 from neve.scene.schema.material import used
 from neve.scene.schema.scene import Scene
 from neve.scene.schema.tables import shapes, table_of_list
+from neve.scene.values.allowed import allowed, part, source, unit
+from neve.scene.values.kinds import Kind, kind_of
 from neve.viewer.protocol.messages import Control, Field, Section
 from neve.viewer.tools.change import is_live
 

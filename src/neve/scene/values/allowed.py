@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from neve.scene.schema.kinds import Kind, OneOf, kind_of
+from neve.scene.values.kinds import Kind, OneOf, kind_of
 
 COUNT = {2: "two", 3: "three"}
 LIMITS = (("gt", "greater than"), ("ge", "at least"), ("lt", "less than"), ("le", "at most"))

@@ -11,8 +11,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 from pydantic_core import PydanticCustomError
 
 from neve.registry import DEVICES, METHODS
-from neve.scene.schema.allowed import words
-from neve.scene.schema.kinds import OneOf
+from neve.scene.values.allowed import words
+from neve.scene.values.kinds import OneOf
 
 Real = Annotated[float, Strict()]
 Whole = Annotated[int, Strict()]
