@@ -1,8 +1,8 @@
-"""Measure how many states a second `neve view` brings to its pages, without a browser.
+"""Measure how many states per second `neve view` brings to its pages, without a browser.
 
     python benchmarks/view.py [PARTICLES]... [--pages N] [--seconds S] [--scene SCENE] [--threads N]
 
-Without --scene a player that costs nothing cycles through a few moments of snow, 120 a second: what is
+Without --scene a player that costs nothing cycles through a few snapshots of snow, 120 a second: what is
 measured is the server alone (encoding, sending, the pages' answers). With --scene the scene is simulated as
 fast as it goes on the threads that are left, which is what a player sees. Pages are processes of their own
 that read every state and answer for it. Prints a table: states a second of the slowest page, MB/s to it, and
@@ -25,7 +25,7 @@ from neve.viewer.show import prepare
 
 
 class Cycling(Player):
-    """Show the same few moments again and again."""
+    """Show the same few snapshots again and again."""
 
     live = True
 
@@ -36,24 +36,27 @@ class Cycling(Player):
         rng = np.random.default_rng(0)
         x = rng.random((particles, 3), dtype=np.float32) * 4
         values = rng.random(particles, dtype=np.float32)
-        self._moments = [Snapshot(x + 0.01 * k, {"speed": values}, (), 0.1 * k, k) for k in range(4)]
+        self._snapshots = [Snapshot(x + 0.01 * k, {"speed": values}, (), 0.1 * k, k) for k in range(4)]
         self._next = 0
 
     def solids(self):
         return ()
 
+    def color_modes(self):
+        return ["snow", "speed"]
+
     def state(self):
         return {"playing": True, "speed": 1.0, "frames": 0, "recording": False, "recorded": 0}
 
     def _begin(self):
-        self._show(self._moments[0])
+        self._show(self._snapshots[0])
 
     def _busy(self):
         return True
 
     def _go_on(self):
         self._next += 1
-        self._show(self._moments[self._next % len(self._moments)])
+        self._show(self._snapshots[self._next % len(self._snapshots)])
         time.sleep(1 / 120)
 
     def _do(self, command):

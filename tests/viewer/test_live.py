@@ -343,6 +343,16 @@ def test_snapshots_are_shown_and_commands_heard_between_two_steps(small):
     assert not live._look_up(monotonic() + 60.0)  # a piece that has hardly begun goes on
 
 
+def test_a_mode_that_the_solver_has_no_columns_for_is_not_measured(small, monkeypatch):
+    """A page may ask for any mode of the list; what the solver cannot show is left out of the snapshot."""
+    live = prepare(str(small), threads=1).player
+    live._begin()
+    live.modes = {"speed", "stress"}
+    monkeypatch.setattr(live, "color_modes", lambda: ["snow", "speed"])
+    live._copy()
+    assert set(live.latest.values) == {"speed"}
+
+
 def test_a_source_is_found_behind_a_thrown_ball(small):
     """Snow that was added after a throw is the scene's second source and the running scene's third."""
     live = prepare(str(small), threads=1).player

@@ -175,11 +175,12 @@ class Live(Player):
 
     def _copy(self) -> None:
         count = self._sim.count
-        slow = {mode for mode in self.modes if MODES[mode].slow}
+        modes = self.modes & set(self.color_modes())
+        slow = {mode for mode in modes if MODES[mode].slow}
         known = {mode: self._slow[mode].values for mode in slow if self._is_fresh(mode, count)}
         began = monotonic()
-        modes = set(self.modes) - set(known)
-        snapshot = of_simulation(self._sim, modes, known, self._frame, self._facts(), self.number)
+        new = modes - set(known)
+        snapshot = of_simulation(self._sim, new, known, self._frame, self._facts(), self.number)
         next_time = monotonic() + max(1.0, 10 * (monotonic() - began))
         self._slow |= {mode: SlowColors(snapshot.values[mode], next_time) for mode in slow - set(known)}
         self._show(snapshot)
