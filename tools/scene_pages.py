@@ -105,7 +105,7 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         Body,
     ),
     ("[bodies.motor]", "What drives the joint of a body.", Motor),
-    ("[[bodies.motor.keyframes]]", "What a motor aims at, and when.", Target),
+    ("[[bodies.motor.keyframes]]", "Targets of a motor over time.", Target),
     ("[[robots]]", "Robots and vehicles from files, which snow moves too.", Robot),
     ("[[robots.controls]]", "Commands to the actuators of a robot, and when they are given.", Control),
     ("[camera]", "Camera of the film.", Camera),

@@ -28,7 +28,7 @@ def coupled(scene: Scene) -> tuple[tuple[Solid, ...], CoupledBodies | None]:
 
 
 def solids(scene: Scene) -> tuple[Solid, ...]:
-    """Return all that snow can meet: the colliders, then the rigid bodies, in the order of the scene."""
+    """Return all that snow can meet: the colliders, then the bodies, in the order of the scene."""
     return coupled(scene)[0]
 
 

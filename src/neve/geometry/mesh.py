@@ -1,4 +1,4 @@
-"""Read a mesh file into triangles in metres, z up, and refuse what bounds no body."""
+"""Read a mesh file into triangles in metres, z up, and refuse one that encloses nothing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SAMPLES = 4000
 DOUBT = 0.25
 """Distance of a winding number from a whole one, from which on a point is neither inside nor outside."""
 DOUBTFUL_SHARE = 0.03
-"""Share of doubtful points from which on a mesh bounds no body."""
+"""Share of doubtful points from which on a mesh encloses nothing."""
 
 
 def read_mesh(mesh: Mesh, name: str) -> Triangles:
@@ -81,7 +81,7 @@ def _require_inside(surface: Triangles, mesh: Mesh, name: str) -> None:
     if share > DOUBTFUL_SHARE:
         raise SceneError(
             f"{_key(mesh, name)} is open ({holes} edges have a face on one side only), so that it has no "
-            f"inside: close it, or set {name}.thickness to make a body of its faces"
+            f"inside: close it, or set {name}.thickness to make a solid of its faces"
         )
     warnings.warn(
         f"{_key(mesh, name)} has small holes ({holes} edges with a face on one side only), which are closed "

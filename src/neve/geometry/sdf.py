@@ -36,19 +36,19 @@ MAX_BYTES = 4 * 2**30
 """Bytes that any grid may take: a mistyped detail must not fill the memory."""
 BRICK_CELLS, BRICK_BYTES, NODE_BYTES = 8, 16 * 9**3, 16
 RAYS = 2000
-"""Faces through which the thickness of a body is measured."""
+"""Faces through which the thickness of a solid is measured."""
 THIN_SHARE = 0.05
 """Share of the surface that may lie on parts thinner than what the spacing resolves."""
 
 
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
-    """Hold a body of triangles in its own frame.
+    """Hold a solid of triangles in its own frame.
 
     Attributes:
         surface: the triangles, in metres
         sdf: signed distance [m], negative inside, and unit normal at any point
-        thickness: of the body around an open mesh; 0 for one that is filled [m]
+        thickness: of the solid around an open mesh; 0 for one that is filled [m]
         spacing: of the samples of the distance [m]
     """
 
@@ -59,7 +59,7 @@ class SolidMesh:
 
     @cached_property
     def reach(self) -> float:
-        """Distance of the farthest point of the body from its frame's origin [m]."""
+        """Distance of the farthest point of the solid from its frame's origin [m]."""
         return float(np.linalg.norm(self.vertices, axis=1).max()) + 0.5 * self.thickness
 
     @property
@@ -81,7 +81,7 @@ class SolidMesh:
 def solid_mesh(described: Mesh, dx: float, name: str) -> SolidMesh:
     """Return the solid in the file of `described`, as fine as a snow grid of spacing `dx` [m] asks for.
 
-    `name`: used in messages. Warns with SceneWarning of small holes, of a body smaller than two
+    `name`: used in messages. Warns with SceneWarning of small holes, of a solid smaller than two
     cells, and of a grid that had to be coarser than is usual.
     Errors: SceneError, one sentence; see `read_mesh`.
     """
@@ -92,7 +92,7 @@ def solid_mesh(described: Mesh, dx: float, name: str) -> SolidMesh:
 
 
 def filled(surface: Triangles, dx: float) -> SolidMesh:
-    """Return the body inside a closed `surface`, as fine as a snow grid of spacing `dx` [m] asks for."""
+    """Return the solid inside a closed `surface`, as fine as a snow grid of spacing `dx` [m] asks for."""
 
     def needed(spacing: float) -> float:
         return grid_bytes(surface, spacing, _band(spacing, dx))
@@ -102,10 +102,10 @@ def filled(surface: Triangles, dx: float) -> SolidMesh:
 
 
 def of_triangles(surface: Triangles, spacing: float, band: float, thickness: float = 0.0) -> SolidMesh:
-    """Return the body inside `surface`, or around it if it has a `thickness` [m].
+    """Return the solid inside `surface`, or around it if it has a `thickness` [m].
 
     spacing: of the samples of the distance [m]; band: how far from the surface they reach [m]. Equal
-    arguments give the same body as long as it is in use, and its grid from the cache folder later.
+    arguments give the same solid as long as it is in use, and its grid from the cache folder later.
     """
     key = _key(surface, spacing, band, thickness)
     known = _in_use.get(key)
@@ -185,7 +185,7 @@ def _band(spacing: float, dx: float) -> float:
 
 
 def _preferred_spacing(thin: float, dx: float) -> float:
-    """Return half a cell of `dx` [m], or half of how `thin` the body is, but an eighth of a cell at least."""
+    """Return half a cell of `dx` [m], or half of what the solid is `thin`, at least an eighth of a cell."""
     return min(0.5 * dx, max(0.5 * thin, 0.125 * dx))
 
 

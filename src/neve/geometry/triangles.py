@@ -1,4 +1,4 @@
-"""Triangles: the surface of a body as vertices and faces, put in order."""
+"""Triangles: the surface of a solid as vertices and faces, put in order."""
 
 from __future__ import annotations
 

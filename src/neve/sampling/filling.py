@@ -28,7 +28,7 @@ class MeshSpace:
     Attributes:
         mesh: triangles and distances
         low, high: corners of the smallest box around it [m], (3,)
-        margin: half the thickness of the body around an open mesh [m]
+        margin: half the thickness of the solid around an open mesh [m]
         volume: of the inside [m3]
     """
 

@@ -72,7 +72,7 @@ DOUBTFUL: list[tuple[dict[str, Any], str, dict[str, Any]]] = [
     ),
     (
         {"sources": [BALL], "colliders": [{"shape": "plane"}, PLATE]},
-        r"colliders\.1\.size makes this body 0\.05 m thin, only 1 cells .* at least 0\.1 m .*dx = 0\.025",
+        r"colliders\.1\.size makes this collider 0\.05 m thin, only 1 cells .* at least 0\.1 m .*dx = 0\.025",
         {"numerics": {"dx": 0.025}},
     ),
     (

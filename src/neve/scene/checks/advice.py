@@ -32,9 +32,9 @@ def advice(scene: Scene) -> list[str]:
         ]
     found += _long_step(scene)
     for i, collider in enumerate(scene.colliders):
-        found += _thin_body(scene, collider, f"colliders.{i}")
+        found += _thin_solid(scene, collider, f"colliders.{i}")
     for i, body in enumerate(scene.bodies):
-        found += _thin_body(scene, body, f"bodies.{i}")
+        found += _thin_solid(scene, body, f"bodies.{i}")
     return [*found, *unused(scene)]
 
 
@@ -106,15 +106,15 @@ def _long_step(scene: Scene) -> Iterator[str]:
         )
 
 
-def _thin_body(scene: Scene, body: Collider | Body, name: str) -> Iterator[str]:
+def _thin_solid(scene: Scene, solid: Collider | Body, name: str) -> Iterator[str]:
     dx = scene.numerics.dx
-    if (thinnest := body.thinnest()) is None:
+    if (thinnest := solid.thinnest()) is None:
         return
     key, length = thinnest
     if length < COLLIDER_CELLS * dx * (1 - 1e-9):
         yield (
-            f"{name}.{key} makes this body {length:g} m thin, only {length / dx:.2g} cells of numerics.dx = "
-            f"{dx:g}: nothing passes through it, but snow on one side drags on snow on the other; make it at "
-            f"least {rounded_up(COLLIDER_CELLS * dx)} m thick, or use numerics.dx = "
+            f"{name}.{key} makes this {solid.role} {length:g} m thin, only {length / dx:.2g} cells of "
+            f"numerics.dx = {dx:g}: nothing passes through it, but snow on one side drags on snow on the "
+            f"other; make it at least {rounded_up(COLLIDER_CELLS * dx)} m thick, or use numerics.dx = "
             f"{rounded_down(length / COLLIDER_CELLS)} or smaller"
         )

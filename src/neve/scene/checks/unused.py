@@ -36,17 +36,17 @@ def unused(scene: Scene) -> Iterator[str]:
         "robots": scene.robots,
     }
     for kind, surfaces in solids.items():
-        for i, body in enumerate(surfaces):
-            if body.mode == "sticky":
+        for i, surface in enumerate(surfaces):
+            if surface.mode == "sticky":
                 modes = f'{kind}.{i}.mode = "separate" or "slip"'
-                yield from _without_effect(body, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
-    for i, loose in enumerate(scene.bodies):
+                yield from _without_effect(surface, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
+    for i, body in enumerate(scene.bodies):
         name = f"bodies.{i}"
-        if loose.joint == "free":
+        if body.joint == "free":
             joints = f'{name}.joint = "hinge" or "slide"'
-            yield from _without_effect(loose, name, "axis", 'joint = "free"', joints)
-        if not loose.contacts:
-            yield from _without_effect(loose, name, "friction", "contacts = false", f"{name}.contacts = true")
+            yield from _without_effect(body, name, "axis", 'joint = "free"', joints)
+        if not body.contacts:
+            yield from _without_effect(body, name, "friction", "contacts = false", f"{name}.contacts = true")
 
 
 def _of_transfer(numerics: Numerics) -> Iterator[str]:

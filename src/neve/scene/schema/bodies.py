@@ -35,7 +35,7 @@ DENSITY = 1000.0
 
 
 class Target(Part):
-    """Say what a motor aims at, at one moment."""
+    """Set the target of a motor at one moment."""
 
     t: Real = entry(0.0, "The moment.", "s", ge=0)
     value: Coordinate = entry(0.0, "The target then, in the unit of `target`.", "1")
@@ -46,13 +46,13 @@ class Motor(Part):
 
     kind: Literal["velocity", "position", "torque"] = entry(
         "velocity",
-        'What the motor holds: "velocity" a speed, with a force of `gain` times what is missing; "position" '
-        'a place, like a spring that is damped just enough; "torque" pushes with the target itself.',
+        'What the motor controls: "velocity": a speed, with a force of `gain` times the error; "position": a '
+        'position, like a critically damped spring; "torque": a force or torque, which is the target itself.',
         "",
     )
     target: Coordinate = entry(
         0.0,
-        "What it aims at. Of a hinge: rad/s, degrees from the start, or N m; of a slide: m/s, m or N.",
+        "Target value. Of a hinge: rad/s, degrees from the start, or N m; of a slide: m/s, m or N.",
         "1",
     )
     keyframes: tuple[Target, ...] = entry(
@@ -63,8 +63,8 @@ class Motor(Part):
     )
     gain: Real | None = entry(
         None,
-        "Force or torque for each unit that is missing (of a position: N/m or N m/rad); left out, so much "
-        "that the bare body reaches its target in about 0.05 s; what it has to push needs more.",
+        "Force or torque for each unit of error (of a position: N/m or N m/rad); left out, chosen so that "
+        "the body alone reaches its target in about 0.05 s; under load it needs more.",
         "SI",
         gt=0,
         le=1e12,
@@ -107,7 +107,7 @@ class Body(Surface, Role):
         le=100,
     )
     contacts: Switch = entry(
-        True, "Whether the body meets colliders and other bodies; snow it meets in any case.", ""
+        True, "Whether the body touches colliders and other bodies; it always touches snow.", ""
     )
     velocity: Rate3 = entry(ZERO, "Velocity of the body's centre at the start.", "m/s")
     spin: Rate3 = entry(ZERO, "Angular velocity at the start.", "rad/s")
@@ -126,7 +126,7 @@ class Body(Surface, Role):
     )
     limits: tuple[Coordinate, Coordinate] | None = entry(
         None,
-        "Least and largest angle (of a slide: way) from the start; left out, none.",
+        "Least and largest angle (of a slide: displacement) from the start; left out, none.",
         "degrees or m",
     )
     parent: Whole | None = entry(
@@ -177,13 +177,13 @@ AnyBody = Annotated[Body, OneOfItsShapes()]
 
 
 class Control(Part):
-    """Say what an actuator of a robot is told at one moment."""
+    """Set the control of a robot's actuator at one moment."""
 
     t: Real = entry(0.0, "The moment.", "s", ge=0)
     actuator: str = entry("", "Name of the actuator; in a URDF file, which has none, that of a joint.", "")
     value: Coordinate = entry(
         0.0,
-        "What it is told, in the unit of the actuator; a joint of a URDF file: where to go [rad or m], or, "
+        "Its control, in the unit of the actuator; for a joint of a URDF file: where to go [rad or m], or, "
         "if it has no limits, how fast [rad/s or m/s].",
         "1",
     )
@@ -208,8 +208,8 @@ class Robot(Surface):
     )
     controls: tuple[Control, ...] = entry(
         (),
-        "What the actuators are told; for each of them at increasing times, straight lines between, constant "
-        "before the first and after the last. An actuator that is told nothing gets 0.",
+        "Controls of the actuators; for each actuator at increasing times, straight lines between, constant "
+        "before the first and after the last. An actuator without controls gets 0.",
         "",
     )
 

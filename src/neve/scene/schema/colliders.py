@@ -14,10 +14,12 @@ class Keyframe(Part):
     """Say where a collider is at one moment."""
 
     t: Real = entry(0.0, "The moment.", "s", ge=0)
-    position: Point3 | None = entry(None, "Centre (of a plane: its point) at `t`; left out, its own.", "m")
+    position: Point3 | None = entry(
+        None, "Centre (of a plane: its point) at `t`; left out, the collider's own.", "m"
+    )
     rotation: Angle3 | None = entry(
         None,
-        "Rotation vector at `t`; left out, its own. Between two keyframes it takes the shorter "
+        "Rotation vector at `t`; left out, the collider's own. Between two keyframes it takes the shorter "
         "way round, less than half a turn. A plane's normal is turned by it.",
         "degrees",
     )
@@ -32,8 +34,8 @@ class Collider(Surface, Role):
     spin: Rate3 = entry(ZERO, "Constant angular velocity about its centre (of a plane: its point).", "rad/s")
     keyframes: tuple[Keyframe, ...] = entry(
         (),
-        "Positions and rotations at increasing times; it rests before the first and after the last. "
-        "In between it moves and turns at a constant rate. Excludes velocity and spin.",
+        "Positions and rotations at increasing times; the collider rests before the first and after the "
+        "last, and moves and turns at a constant rate in between. Excludes velocity and spin.",
         "",
     )
 

@@ -33,7 +33,7 @@ class Variation(Part):
     )
     strength: Real = entry(
         0.0,
-        "Amplitude of what snow bears before it flows (theta_c and theta_s, cohesion, p0), with median 1.",
+        "Amplitude of the yield thresholds (theta_c and theta_s, cohesion, p0), with median 1.",
         "1",
         ge=0,
         le=4,
@@ -77,7 +77,7 @@ class Profile(Part):
     )
     strength: tuple[Factor, ...] = entry(
         (),
-        "Factors on what snow bears before it flows (theta_c and theta_s, cohesion, p0); left out, 1.",
+        "Factors on the yield thresholds (theta_c and theta_s, cohesion, p0); left out, 1.",
         "1",
     )
     density: tuple[Factor, ...] = entry((), "Factors on density; left out, 1.", "1")
