@@ -16,6 +16,7 @@ import numpy as np
 from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Scene
 from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
+from neve.scene.values.elastic import p_wave_modulus
 
 if TYPE_CHECKING:
     from neve._core import Law
@@ -146,7 +147,7 @@ def _drawn(rng: Random, low: float, high: float) -> float:
 
 def _wave_speed(snow: dict[str, Any]) -> float:
     E0, nu = snow["E0"], snow["nu"]
-    return math.sqrt(E0 * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) / snow["rho0"])
+    return math.sqrt(p_wave_modulus(E0, nu) / snow["rho0"])
 
 
 def _log(rng: Random, low: float, high: float) -> float:
