@@ -57,7 +57,7 @@ The same words lead to a value everywhere: in a file, `[numerics]` and `dx = 0.0
 `--set numerics.dx=0.02`; in Python, `scene.numerics.dx`. Entries of lists are numbered from 0:
 `--set sources.0.radius=0.3`, `--set world.gravity.2=-1.62`.
 
-`snow.kind` picks a named snow ([the zoo](snows.md)); the other keys of `[snow]` override what it brings. Each
+`snow.kind` picks a named snow ([snows](snows.md)); the other keys of `[snow]` override what it brings. Each
 law has constants of its own; setting one that the law does not use is an error. A source's own `snow` changes
 single values of the scene's, unless it names a `kind`, or a law with other constants, and starts from that.
 `--set 'snow={{kind="wet"}}'` replaces the whole table of a file.

@@ -16,7 +16,7 @@ Mat3<R> quiet(const Mat3<R>& F, M mask) {
   return select(mask, F, identity<R>());
 }
 
-// Whether a pack is of one snow, the usual case: told from the rows alone, without a look into the table.
+// Whether a pack is of one snow, the usual case: seen from the rows alone, without a look into the table.
 inline bool one_snow(const std::uint16_t* material, int count) {
   unsigned differ = 0;
   for (int l = 1; l < count; ++l) differ |= static_cast<unsigned>(material[l] ^ material[0]);

@@ -144,9 +144,9 @@ def play(out: Path) -> None:
         page.wait_for_function("window.neveLab")
 
         def sinkage(load: float, strain: float, pressure: float) -> float:
-            wish = {"wheel": {**wheel, "load": load * G}, "snow": {"strain": strain, "pressure": pressure}}
+            given = {"wheel": {**wheel, "load": load * G}, "snow": {"strain": strain, "pressure": pressure}}
             ask = "([wheel, snow, depth, c]) => neveLab.sinkage(wheel, snow, depth, c)"
-            return float(page.evaluate(ask, [wish["wheel"], wish["snow"], DEPTH, compaction]))
+            return float(page.evaluate(ask, [given["wheel"], given["snow"], DEPTH, compaction]))
 
         def miss(guess: Array) -> list[float]:
             strain, pressure = 1.0 / (1.0 + np.exp(-guess[0])), np.exp(guess[1])
@@ -155,8 +155,8 @@ def play(out: Path) -> None:
         found = least_squares(miss, [0.5, np.log(3e4)]).x
         snow = {"strain": 1.0 / (1.0 + np.exp(-found[0])), "pressure": float(np.exp(found[1]))}
         for run in runs:
-            wish = {**wheel, **snow, "load": run["load"] * G, "depth": DEPTH, "compaction": compaction}
-            rut = page.evaluate("wish => neveLab.rollWheel(wish)", {**wish, "speed": SPEED, "passes": 1})
+            given = {**wheel, **snow, "load": run["load"] * G, "depth": DEPTH, "compaction": compaction}
+            rut = page.evaluate("given => neveLab.rollWheel(given)", {**given, "speed": SPEED, "passes": 1})
             text = json.dumps({**rut, **snow, "load": run["load"], "compaction": compaction})
             (out / f"game_{run['load']:g}.json").write_text(text, encoding="utf-8")
         server.shutdown()

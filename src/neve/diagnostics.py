@@ -43,7 +43,7 @@ class Balance(NamedTuple):
 
     @classmethod
     def of(cls, now: Diagnostics) -> Balance:
-        """Take the balance of a moment."""
+        """Take the balance from the diagnostics of one time."""
         return cls(now.kinetic, now.affine, now.elastic, now.potential, now.work)
 
     @classmethod
@@ -52,14 +52,14 @@ class Balance(NamedTuple):
         return cls(*(float(row[name]) for name in cls._fields))
 
     @property
-    def lively(self) -> float:
-        """What moves or is strained."""
+    def kinetic_and_elastic(self) -> float:
+        """Sum of kinetic, affine and elastic energy [J]."""
         return self.kinetic + self.affine + self.elastic
 
     @property
     def total(self) -> float:
-        """All of the snow's own."""
-        return self.lively + self.potential
+        """Sum of all energies of the snow [J]."""
+        return self.kinetic_and_elastic + self.potential
 
     def growth(self, before: Balance) -> float:
         """Return what the snow gained since `before` beyond the colliders' work; a loss is below zero."""

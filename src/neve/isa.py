@@ -33,33 +33,33 @@ def carried(path: Iterable[str]) -> dict[str, Path]:
     return {folder.name: folder for folder in sorted(folders)}
 
 
-def choose(carried: Collection[str], levels: list[str], wish: str | None) -> str | None:
+def choose(carried: Collection[str], levels: list[str], asked: str | None) -> str | None:
     """Return the instruction set to take; None where there is one build alone.
 
-    carried: of the package. levels: of the processor, lowest first. wish: what NEVE_ISA says, if anything.
-    Errors: IsaError if the wish is not carried or no build runs on this processor.
+    carried: of the package. levels: of the processor, lowest first. asked: what NEVE_ISA says, if anything.
+    Errors: IsaError if the asked is not carried or no build runs on this processor.
     """
     if not carried:
-        if wish:
+        if asked:
             raise IsaError(
-                f"{VARIABLE} = {wish}: this copy of Neve has one build, for the machine it was compiled on; "
+                f"{VARIABLE} = {asked}: this copy of Neve has one build, for the machine it was compiled on; "
                 f"unset {VARIABLE}."
             )
         return None
-    if wish and wish not in carried:
-        raise IsaError(f"{VARIABLE} = {wish}: this copy of Neve carries {', '.join(carried)}.")
+    if asked and asked not in carried:
+        raise IsaError(f"{VARIABLE} = {asked}: this copy of Neve carries {', '.join(carried)}.")
     runs = [level for level in levels if level in carried]
-    if wish and wish not in runs:
+    if asked and asked not in runs:
         others = ", ".join(runs) or "none"
         raise IsaError(
-            f"{VARIABLE} = {wish}: this processor cannot run it; of those carried it runs {others}."
+            f"{VARIABLE} = {asked}: this processor cannot run it; of those carried it runs {others}."
         )
     if not runs:
         raise IsaError(
             f"this copy of Neve carries {', '.join(carried)}, and this processor runs none of them: "
             "compile it here, by `pip install .` in its sources."
         )
-    return wish or runs[-1]
+    return asked or runs[-1]
 
 
 def extend(path: MutableSequence[str]) -> IsaError | None:

@@ -127,13 +127,13 @@ class Budget:
         now = Balance.of(moment)
         if self._start is None:
             self._start = self._before = now
-            self._put_in = now.lively
+            self._put_in = now.kinetic_and_elastic
             return
         start, before, self._before = self._start, self._before, now
         fallen = max(start.potential - now.potential, 0.0)
-        self._put_in = max(self._put_in, start.lively + max(now.work, 0.0) + fallen)
+        self._put_in = max(self._put_in, start.kinetic_and_elastic + max(now.work, 0.0) + fallen)
         self.gain = max(self.gain, _growth(start, now) / max(self._put_in, 1e-300))
-        alive = max(before.lively, now.lively)
+        alive = max(before.kinetic_and_elastic, now.kinetic_and_elastic)
         self.surge = max(self.surge, _growth(before, now) / max(alive, 1e-300))
 
     def fault(self) -> str:

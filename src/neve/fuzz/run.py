@@ -26,7 +26,7 @@ def run(
     for number in range(scenes) if only is None else [only]:
         outcomes.append(endure(seed, number, threads))
         if not as_json:
-            print(told(outcomes[-1]), flush=True)
+            print(text_of(outcomes[-1]), flush=True)
     bad = [outcome for outcome in outcomes if outcome.fault]
     if as_json:
         json.dump([asdict(outcome) for outcome in outcomes], sys.stdout, indent=2)
@@ -47,7 +47,7 @@ def run(
     return not bad
 
 
-def told(outcome: Outcome) -> str:
+def text_of(outcome: Outcome) -> str:
     """Put an outcome into a line."""
     return (
         f"{outcome.number:4} {outcome.situation:10} {outcome.particles:6,} particles "

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from neve._core import Grid, GridReport, Report, State
 
 STAGES = ("stress", "sort", "p2g", "grid", "g2p", "bodies")
-"""What the wall time of a run is told of: `refresh`, the four lines of the step, and solids and bodies."""
+"""Stages whose wall time is measured: `refresh`, the four lines of the step, and solids and bodies."""
 
 
 def step(on: Stages, dt: float, accepts: Callable[[GridReport], bool] = lambda report: True) -> Report | None:

@@ -47,7 +47,7 @@ class EnergyWatch:
         if before is None:
             return None
         excess = self._before.growth(before)
-        moving = max(before.lively, self._before.lively)
+        moving = max(before.kinetic_and_elastic, self._before.kinetic_and_elastic)
         if excess > self.SHARE * moving and not self._reported:
             self._reported = True
             logging.getLogger("neve").warning(

@@ -56,8 +56,8 @@ def as_table() -> str:
         name, law = f"`{snow['name']}`", f"`{snow['law']}`"
         cells = [name, snow["about"], law, _constants(snow), snow["source"], snow["tag"]]
         lines.append(f"| {' | '.join(cells)} |")
-    told = [f"* *{tag}*: {text}." for tag, text in MEANING.items()]
-    return "\n".join([*lines, "", *told]) + "\n"
+    tags = [f"* *{tag}*: {text}." for tag, text in MEANING.items()]
+    return "\n".join([*lines, "", *tags]) + "\n"
 
 
 def _constants(snow: dict[str, Any]) -> str:
