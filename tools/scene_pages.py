@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from neve.scene.reading.load import PRESETS
+from neve.scene.reading.presets import PRESETS
 from neve.scene.reading.validation_errors import shown
 from neve.scene.schema.outputs import OutputOptions, Scheduled, kinds
 from neve.scene.schema.roles import SHAPES

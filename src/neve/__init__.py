@@ -16,7 +16,7 @@ from neve.isa import extend as _extend
 if TYPE_CHECKING:
     from neve.run.outputs.registry import register_output as register_output
     from neve.scene.reading.load import load as load
-    from neve.scene.reading.load import presets as presets
+    from neve.scene.reading.presets import presets as presets
     from neve.scene.schema.scene import Scene as Scene
     from neve.simulation import Simulation as Simulation
 
@@ -30,7 +30,7 @@ _NO_BUILD = _extend(__path__)
 _HOME = {
     "Scene": "neve.scene.schema.scene",
     "load": "neve.scene.reading.load",
-    "presets": "neve.scene.reading.load",
+    "presets": "neve.scene.reading.presets",
     "Simulation": "neve.simulation",
     "register_output": "neve.run.outputs.registry",
 }

@@ -37,7 +37,7 @@ def choose(carried: Collection[str], levels: list[str], asked: str | None) -> st
     """Return the instruction set to take; None where there is one build alone.
 
     carried: of the package. levels: of the processor, lowest first. asked: what NEVE_ISA says, if anything.
-    Errors: IsaError if the asked is not carried or no build runs on this processor.
+    Errors: IsaError if what is asked for is not carried or no build runs on this processor.
     """
     if not carried:
         if asked:

@@ -5,7 +5,8 @@ import json
 import pytest
 
 from neve.scene.errors import SceneError
-from neve.scene.reading.load import load, presets
+from neve.scene.reading.load import load
+from neve.scene.reading.presets import presets
 from neve.scene.schema.material import used
 from neve.scene.schema.scene import Scene, Variation
 from neve.viewer import safety

@@ -48,7 +48,7 @@ def list_scenes(snow: bool, as_json: bool) -> None:
 
         click.echo(json.dumps(as_data(), indent=2) if as_json else as_text())
         return
-    from neve.scene.reading.load import preset_about, presets
+    from neve.scene.reading.presets import preset_about, presets
 
     about = {name: preset_about(name) for name in presets()}
     if as_json:
@@ -122,7 +122,7 @@ def _report_others(reported: list[str]) -> None:
 
 def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
     """Return the folder to run in: `out`, the run itself when it is resumed, or runs/NAME."""
-    from neve.scene.reading.load import presets
+    from neve.scene.reading.presets import presets
 
     place = Path(scene)
     is_folder = scene not in presets() and _is_folder(place)

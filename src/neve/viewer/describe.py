@@ -10,7 +10,7 @@ import numpy as np
 from neve.colliders.solid import Solid
 from neve.render.lighting import STEEL, density_cell, is_ground, sky_color, sun_color, sun_direction
 from neve.scene.reading.files import own_files
-from neve.scene.reading.load import preset_about, presets
+from neve.scene.reading.presets import preset_about, presets
 from neve.scene.schema.scene import Light, Scene
 from neve.scene.schema.tables import shapes
 from neve.viewer.modes import described

@@ -65,7 +65,8 @@ def prepare(
 ) -> Server:
     """Make the server of a scene or a run, not yet started. Errors: ViewError, SceneError, RunError."""
     from neve.io.run_folder import RunFolder
-    from neve.scene.reading.load import load, presets
+    from neve.scene.reading.load import load
+    from neve.scene.reading.presets import presets
     from neve.viewer.exports.exports import Exports
     from neve.viewer.players.live import Live
     from neve.viewer.players.player import Player

@@ -12,7 +12,7 @@ import pytest
 
 import neve
 from neve.cli import console, main
-from neve.scene.reading.load import presets
+from neve.scene.reading.presets import presets
 from neve.scene.schema.snow_kinds import SNOWS
 
 ROOT = Path(neve.__file__).parents[1]

@@ -12,7 +12,8 @@ import pytest
 import neve
 from neve.scene.checks.advice import advice, fastest
 from neve.scene.errors import SceneWarning
-from neve.scene.reading.load import load, presets, scene_from
+from neve.scene.reading.load import load, scene_from
+from neve.scene.reading.presets import presets
 
 BALL = {"shape": "sphere", "radius": 0.2}
 CLODS = {"pattern": "clods", "strength": 1.0, "feature_size": 0.2}

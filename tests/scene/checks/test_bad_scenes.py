@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from neve.scene.errors import SceneError
-from neve.scene.reading.load import load, preset_about, scene_from
+from neve.scene.reading.load import load, scene_from
+from neve.scene.reading.presets import preset_about
 from neve.scene.schema.material import Snow
 
 BOX = '[[sources]]\nshape = "box"\nsize = [1, 1, 1]\n'

@@ -10,7 +10,8 @@ import pytest
 
 from neve.scene.checks.advice import advice
 from neve.scene.checks.unused import unused
-from neve.scene.reading.load import load, presets, scene_from, to_toml
+from neve.scene.reading.load import load, scene_from, to_toml
+from neve.scene.reading.presets import presets
 
 BOX = {"shape": "box"}
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from neve.scene.reading.load import load, preset_about, presets, scene_from, to_toml
+from neve.scene.reading.load import load, scene_from, to_toml
+from neve.scene.reading.presets import preset_about, presets
 from neve.scene.schema.file_shapes import Text
 from neve.scene.schema.roles import forms
 from neve.scene.schema.scene import Collider, Scene, Source, Variation

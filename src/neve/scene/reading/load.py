@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import copy
 import os
-import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,26 +14,10 @@ from pydantic import ValidationError
 from neve.scene.errors import SceneError
 from neve.scene.reading import files
 from neve.scene.reading.overrides import override
+from neve.scene.reading.presets import PRESETS, no_such_scene, preset_names, presets, read_toml
 from neve.scene.reading.validation_errors import problems
 from neve.scene.schema.scene import Scene
 from neve.spelling import hint, nearest
-
-PRESETS = Path(__file__).parents[1] / "presets"
-
-
-def presets() -> list[str]:
-    """Return the names of the scenes that come with Neve, in alphabetical order."""
-    return sorted(path.stem for path in PRESETS.glob("*.toml"))
-
-
-def preset_about(name: str) -> str:
-    """Return the line that says what happens in the preset `name`.
-
-    Errors: SceneError if there is no such preset.
-    """
-    if name not in presets():
-        raise SceneError(_no_such_scene(name))
-    return str(_read(PRESETS / f"{name}.toml", f"preset {name}").get("about", ""))
 
 
 def load(name_or_path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:
@@ -54,7 +36,7 @@ def load(name_or_path: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
         where, path = text, _file(text)
         if path.name != Path(text).name:
             where = os.path.join(text, path.name)
-    return scene_from(_read(path, where), overrides, where, path.parent)
+    return scene_from(read_toml(path, where), overrides, where, path.parent)
 
 
 def scene_from(
@@ -110,7 +92,7 @@ def _file(text: str) -> Path:
         reason = (getattr(error, "strerror", None) or str(error)).rstrip(".")
         raise SceneError(
             f"{text}: this cannot be opened as a file: {reason[:1].lower()}{reason[1:]};"
-            f" name a .toml file or a preset: {_names()}"
+            f" name a .toml file or a preset: {preset_names()}"
         ) from None
 
 
@@ -119,39 +101,19 @@ def _scene_file(text: str) -> Path:
     if path.is_dir():
         if (path / "scene.toml").is_file():
             return path / "scene.toml"
-        raise SceneError(f"{text} is a folder without scene.toml; name a .toml file or a preset: {_names()}")
+        raise SceneError(
+            f"{text} is a folder without scene.toml; name a .toml file or a preset: {preset_names()}"
+        )
     if path.is_file():
         return path
     if path.suffix or os.sep in text or "/" in text:
         beside = [p.name for p in path.parent.glob("*.toml")] if path.parent.is_dir() else []
         near = nearest(path.name, beside)
         meant = hint(near and str(path.parent / near))
-        raise SceneError(f"{text}: there is no such file{meant}; name a .toml file or a preset: {_names()}")
-    raise SceneError(_no_such_scene(text))
-
-
-def _no_such_scene(name: str) -> str:
-    near = nearest(name, presets())
-    return f'no preset or file is called "{name}"{hint(near)}; the presets are {_names()}'
-
-
-def _names() -> str:
-    return ", ".join(presets())
-
-
-def _read(path: Path, where: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except tomllib.TOMLDecodeError as error:
-        match = re.fullmatch(r"(.*) \(at (.*)\)", str(error), re.DOTALL)
-        what, place = match.groups() if match else (str(error), "some line")
-        raise SceneError(f"{where}, {place}: this is not valid TOML: {what[:1].lower()}{what[1:]}") from None
-    except RecursionError:
-        raise SceneError(f"{where}: this is not a scene: brackets are nested too deeply") from None
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{where}: byte {error.start} is not UTF-8 text; save the file as UTF-8") from None
-    except OSError as error:
-        raise SceneError(f"{where}: the file cannot be read: {error.strerror}") from None
+        raise SceneError(
+            f"{text}: there is no such file{meant}; name a .toml file or a preset: {preset_names()}"
+        )
+    raise SceneError(no_such_scene(text))
 
 
 def _whole_table(

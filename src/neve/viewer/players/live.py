@@ -12,7 +12,8 @@ from pydantic import ValidationError
 
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.reading.load import load, presets
+from neve.scene.reading.load import load
+from neve.scene.reading.presets import presets
 from neve.scene.schema.scene import Scene, Source
 from neve.simulation import Simulation
 from neve.viewer.modes import MODES, available
