@@ -208,7 +208,7 @@ def test_colours_have_a_legend_and_solids_a_gizmo(page, live):
     page.mouse.down()
     page.mouse.move(tip[0], tip[1] - 60, steps=4)
     page.mouse.up()
-    until(page, "() => neve.state.bodies[1][2] > 0.35", "the box is higher")
+    until(page, "() => neve.state.poses[1][2] > 0.35", "the box is higher")
     assert live.player.scene.colliders[1].center[2] > 0.35
 
 

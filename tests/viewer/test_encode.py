@@ -80,17 +80,17 @@ def test_message_has_head_and_aligned_body():
 
 
 def test_snapshot_becomes_a_state():
-    """A page finds n x 8 bytes, the legend, the bodies and the number of the state."""
+    """A page finds n x 8 bytes, the legend, the poses and the number of the state."""
     x = cloud(10)
-    bodies = ((np.array([1.0, 2.0, 3.0]), np.eye(3)),)
-    snapshot = Snapshot(x, {"speed": np.arange(10, dtype=np.float32)}, bodies, 0.5, 15, {"steps": 3}, 2)
+    poses = ((np.array([1.0, 2.0, 3.0]), np.eye(3)),)
+    snapshot = Snapshot(x, {"speed": np.arange(10, dtype=np.float32)}, poses, 0.5, 15, {"steps": 3}, 2)
     head, body = unframed(encode(snapshot, "speed", Scale(), 7))
     q = np.frombuffer(body, "<u2").reshape(10, 4)
     assert head["n"] == 10
     assert head["version"] == 7
     assert head["mode"] == "speed"
     assert head["limits"] == [0.0, 10.0]
-    assert head["bodies"] == [[1, 2, 3, 1, 0, 0, 0, 1, 0, 0, 0, 1]]
+    assert head["poses"] == [[1, 2, 3, 1, 0, 0, 0, 1, 0, 0, 0, 1]]
     assert np.abs(np.array(head["low"]) + np.array(head["step"]) * q[:, :3] - x).max() < 4e-5
     assert json.dumps(head)
 

@@ -134,19 +134,19 @@ def test_solids_move_and_come_and_go(server):
         await page.send(
             do="move", name="colliders.1", position=[1.0, 0.2, 0.4], rotation=[0, 0, 90], done=True
         )
-        await page.until(lambda p: p.head["bodies"][1][:3] == [1.0, 0.2, 0.4])
+        await page.until(lambda p: p.head["poses"][1][:3] == [1.0, 0.2, 0.4])
         np.testing.assert_allclose(
-            np.array(page.head["bodies"][1][3:]).reshape(3, 3)[0], [0, -1, 0], atol=1e-12
+            np.array(page.head["poses"][1][3:]).reshape(3, 3)[0], [0, -1, 0], atol=1e-12
         )
         await page.send(do="play")
         await page.send(do="speed", factor=100.0)
         await page.send(do="move", name="colliders.1", position=[1.1, 0.2, 0.4], done=True)
-        await page.until(lambda p: abs(p.head["bodies"][1][0] - 1.1) < 1e-3)
+        await page.until(lambda p: abs(p.head["poses"][1][0] - 1.1) < 1e-3)
         await page.send(do="pause")
         await page.send(do="add", kind="colliders", shape="sphere", at=[2, 0, 0])
-        await page.until(lambda p: len(p.head["bodies"]) == 3)
+        await page.until(lambda p: len(p.head["poses"]) == 3)
         await page.send(do="delete", name="colliders.2")
-        await page.until(lambda p: len(p.head["bodies"]) == 2)
+        await page.until(lambda p: len(p.head["poses"]) == 2)
         await page.send(do="delete", name="sources.0")
         await page.until(lambda p: p.message("refused"))
         assert "sources" in page.message("refused")["sentence"]
@@ -298,7 +298,7 @@ def test_a_body_follows_the_pointer_and_the_other_falls_on(tmp_path):
             await page.send(do="move", name="bodies.0", position=[-1.0, 0.5, 0.8])
             count = len(page.states)
             await page.until(lambda p, count=count: len(p.states) > count)
-            here, other = page.head["bodies"][2][:3], page.head["bodies"][3][:3]
+            here, other = page.head["poses"][2][:3], page.head["poses"][3][:3]
             if abs(here[1] - 0.5) < 0.03 and abs(here[2] - 0.8) < 0.05:
                 break
         else:
@@ -308,11 +308,11 @@ def test_a_body_follows_the_pointer_and_the_other_falls_on(tmp_path):
             await page.send(do="move", name="colliders.1", position=[0.9, 0.4, 0.3])
             count = len(page.states)
             await page.until(lambda p, count=count: len(p.states) > count)
-            if abs(page.head["bodies"][1][1] - 0.4) < 0.03:
+            if abs(page.head["poses"][1][1] - 0.4) < 0.03:
                 break
         else:
             raise AssertionError("the collider did not come")
-        assert page.head["bodies"][3][1] == pytest.approx(page.head["time"], abs=1e-6)
+        assert page.head["poses"][3][1] == pytest.approx(page.head["time"], abs=1e-6)
         assert page.message("refused") is None
 
     converse(prepare(str(path), out=str(tmp_path / "out"), threads=1), talk)

@@ -27,7 +27,7 @@ def encode(snapshot: Snapshot, mode: str, scale: Scale, version: int) -> bytes:
         "time": snapshot.time,
         "frame": snapshot.frame,
         "scene": snapshot.scene,
-        "bodies": [[*map(float, p), *map(float, np.ravel(R))] for p, R in snapshot.bodies],
+        "poses": [[*map(float, p), *map(float, np.ravel(R))] for p, R in snapshot.poses],
         "facts": snapshot.facts,
     }
     return framed(head, packed.q.astype("<u2", copy=False).tobytes())

@@ -102,7 +102,7 @@ class Exports:
         if snapshot is None:
             raise SceneError("there is nothing to see yet")
         painter = Painter(seen_from(self._player.scene, camera), solids, size=(camera.width, camera.height))
-        positions, rotations = [p for p, _ in snapshot.bodies], [R for _, R in snapshot.bodies]
+        positions, rotations = [p for p, _ in snapshot.poses], [R for _, R in snapshot.poses]
         image = painter.draw_arrays(snapshot.x, snapshot.values.get("J_P"), positions, rotations)
         path = free_name(self._folder, "picture", ".png")
         write_png(path, image)

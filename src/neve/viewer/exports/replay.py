@@ -78,7 +78,7 @@ def replay_page(run: RunFolder, progress: Callable[[int, int], None] = lambda do
         "spacing": spacing,
         "n": kept, "low": low, "step": (step, step, step), "keys": keys, "frames": len(frames),
         "times": [round(float(frame.time), 6) for frame in frames],
-        "bodies": [_poses(frame) for frame in frames],
+        "poses": [_poses(frame) for frame in frames],
     }  # fmt: skip
     return assemble(head, packed)
 

@@ -391,7 +391,7 @@ export const PARTICLE_BYTES = 8;
  * @property {number} time simulated [s]
  * @property {number} frame
  * @property {number} scene number of the scene message that it belongs to
- * @property {number[][]} bodies position [m] and rotation, row by row, of each solid: twelve numbers
+ * @property {number[][]} poses position [m] and rotation, row by row, of each solid: twelve numbers
  * @property {Facts} facts
  */
 
@@ -414,7 +414,7 @@ export const PARTICLE_BYTES = 8;
  * @property {number[]} keys frames whose positions are held
  * @property {number} frames
  * @property {number[]} times of each frame [s]
- * @property {number[][][]} bodies of each frame: as in a state
+ * @property {number[][][]} poses of each frame: as in a state
  */
 
 /**

@@ -119,13 +119,13 @@ class Replay {
    * @param {number} frame also between two frames
    */
   show(frame) {
-    const { n, low, step, times, bodies, frames } = this.scene;
+    const { n, low, step, times, frames } = this.scene;
     this.place(frame);
     const whole = Math.min(Math.floor(frame), frames - 1);
     const next = Math.min(whole + 1, frames - 1);
     const share = frame - whole;
-    const poses = bodies[share < 0.5 ? whole : next].map((pose, i) => {
-      const [from, to] = [bodies[whole][i], bodies[next][i]];
+    const poses = this.scene.poses[share < 0.5 ? whole : next].map((pose, i) => {
+      const [from, to] = [this.scene.poses[whole][i], this.scene.poses[next][i]];
       return [...V.mix([from[0], from[1], from[2]], [to[0], to[1], to[2]], share), ...pose.slice(3)];
     });
     /** @type {State} */
@@ -142,7 +142,7 @@ class Replay {
       classes: false,
       time: times[whole] + share * (times[next] - times[whole]),
       frame: Math.round(frame),
-      bodies: poses,
+      poses,
       facts: {},
     };
     this.stage.show(state);

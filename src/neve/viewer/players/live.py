@@ -70,7 +70,7 @@ class Live(Player):
         self._slow: dict[str, SlowColors] = {}
 
     def solids(self) -> tuple[Solid, ...]:
-        """Return the solids in the order of a snapshot's bodies."""
+        """Return the solids in the order of a snapshot's poses."""
         return tuple(self._sim.solver.solids)
 
     def color_modes(self) -> list[str]:

@@ -60,7 +60,7 @@ class Player:
         self._queue.put(command)
 
     def solids(self) -> tuple[Solid, ...]:
-        """Return the solids in the order of a snapshot's bodies."""
+        """Return the solids in the order of a snapshot's poses."""
         raise NotImplementedError
 
     def running(self) -> Scene:

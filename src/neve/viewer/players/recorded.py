@@ -51,7 +51,7 @@ class Recorded(Player):
         self._looked = monotonic()
 
     def solids(self) -> tuple[Solid, ...]:
-        """Return the solids in the order of a snapshot's bodies."""
+        """Return the solids in the order of a snapshot's poses."""
         return self._solids
 
     def color_modes(self) -> list[str]:
@@ -122,7 +122,7 @@ class Recorded(Player):
             Snapshot(
                 x=frame.x,
                 values={m: measure(m, columns, spacing) for m in self.modes & known},
-                bodies=tuple(zip(frame.solid_position, frame.solid_rotation, strict=True)),
+                poses=tuple(zip(frame.solid_position, frame.solid_rotation, strict=True)),
                 time=frame.time,
                 frame=self._at,
                 facts={"particles": len(frame.x)},

@@ -61,8 +61,8 @@ class Recorder:
         """Write the present state as the next frame. Errors: SceneError if the disk refuses; then it ends."""
         if self.last is None:
             return
-        bodies = [(pose.position, pose.rotation) for _, pose in sim.solids()]
-        content = frame_of(sim.columns(), bodies, sim.time)
+        poses = [(pose.position, pose.rotation) for _, pose in sim.solids()]
+        content = frame_of(sim.columns(), poses, sim.time)
         try:
             write_frame(self.last.frames, self.frames, content)
         except RunError as error:

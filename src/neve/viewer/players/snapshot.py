@@ -26,7 +26,7 @@ class Snapshot:
     Attributes:
         x: positions [m], (n, 3); row p is the same particle in every snapshot of a run
         values: what each colour mode in use shows, (n,), by the name of the mode
-        bodies: position [m] (3,) and rotation (3, 3) of each solid, in the model's order
+        poses: position [m] (3,) and rotation (3, 3) of each solid, in the model's order
         time: simulated time [s]; frame: number of the frame that was reached last
         facts: figures that the page shows
         scene: counts the scenes of this player; a page asks for the new one when it changes
@@ -34,7 +34,7 @@ class Snapshot:
 
     x: Array
     values: Mapping[str, Array]
-    bodies: tuple[tuple[NDArray[Any], NDArray[Any]], ...]
+    poses: tuple[tuple[NDArray[Any], NDArray[Any]], ...]
     time: float
     frame: int
     facts: Facts = field(default_factory=Facts)
@@ -60,7 +60,7 @@ def of_simulation(
     return Snapshot(
         x=order(columns["x"]()),
         values=values,
-        bodies=tuple((pose.position.copy(), pose.rotation.copy()) for pose in _poses(sim)),
+        poses=tuple((pose.position.copy(), pose.rotation.copy()) for pose in _poses(sim)),
         time=sim.time,
         frame=frame,
         facts=facts,

@@ -210,7 +210,7 @@ class StateHead(TypedDict):
     time: Annotated[float, "simulated [s]"]
     frame: int
     scene: Annotated[int, "number of the scene message that it belongs to"]
-    bodies: Annotated[
+    poses: Annotated[
         list[list[float]], "position [m] and rotation, row by row, of each solid: twelve numbers"
     ]
     facts: Facts
@@ -225,4 +225,4 @@ class ReplayHead(Drawn):
     keys: Annotated[list[int], "frames whose positions are held"]
     frames: int
     times: Annotated[list[float], "of each frame [s]"]
-    bodies: Annotated[list[list[list[float]]], "of each frame: as in a state"]
+    poses: Annotated[list[list[list[float]]], "of each frame: as in a state"]

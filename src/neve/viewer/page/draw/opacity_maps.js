@@ -20,7 +20,7 @@ import { SHADERS } from "./shaders.js";
 import { Program, depthTexture, halfFloatTexture, makeTarget } from "./webgl.js";
 
 const SUN_SIZES = [256, 512, 1024];
-const BODY_SIZE = 1024;
+const SHADOW_SIZE = 1024;
 const SKY_TILE = 192;
 const SKY_COLUMNS = 4;
 const SKY_ROWS = 3;
@@ -37,8 +37,8 @@ export class OpacityMaps {
     this.sky = this.makeMap(SKY_TILE * SKY_COLUMNS, SKY_TILE * SKY_ROWS);
     this.suns = SUN_SIZES.map((size) => this.makeMap(size, size));
     this.sun = this.suns[0];
-    this.bodies = depthTexture(gl, BODY_SIZE, BODY_SIZE);
-    this.bodyTarget = makeTarget(gl, [], this.bodies);
+    this.shadowDepth = depthTexture(gl, SHADOW_SIZE, SHADOW_SIZE);
+    this.shadowTarget = makeTarget(gl, [], this.shadowDepth);
     this.rows = 1;
     this.table = this.makeTable(1);
     this.ball = [0, 0, 0, 1]; // centre and radius of the snow [m]
@@ -138,7 +138,7 @@ export class OpacityMaps {
       uSkyDepths: { texture: this.sky.sums, unit: 2 },
       uSunDepth: { texture: this.sun.depth, unit: 3 },
       uSunDepths: { texture: this.sun.sums, unit: 4 },
-      uBodyDepth: { texture: this.bodies, unit: 5 },
+      uSolidDepth: { texture: this.shadowDepth, unit: 5 },
       uMaps: this.ready && quality > 0 ? 1 : 0,
     };
   }
@@ -147,10 +147,10 @@ export class OpacityMaps {
    * Make the maps and the light of each particle.
    * @param {SnowCloud} snow
    * @param {Drawn} scene
-   * @param {(program: Program) => void} drawBodies
+   * @param {(program: Program) => void} drawSolids
    * @param {number} quality 0 no maps, 1 fast, 2 full
    */
-  update(snow, scene, drawBodies, quality) {
+  update(snow, scene, drawSolids, quality) {
     const gl = this.gl;
     this.ball = snow.ball;
     this.layers = [1.5, 4, 10, 30].map((cells) => cells * scene.cell);
@@ -164,12 +164,12 @@ export class OpacityMaps {
       this.sun = this.suns[Math.min(last, SUN_SIZES.findIndex((size) => size >= texels) >>> 0)];
       this.fill(this.sun, 12, 1, this.sun.width, snow, scene, quality > 1 ? 1e9 : 60000);
       this.ready = true;
-      gl.bindFramebuffer(gl.FRAMEBUFFER, this.bodyTarget);
-      gl.viewport(0, 0, BODY_SIZE, BODY_SIZE);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.shadowTarget);
+      gl.viewport(0, 0, SHADOW_SIZE, SHADOW_SIZE);
       gl.enable(gl.DEPTH_TEST);
       gl.depthMask(true);
       gl.clear(gl.DEPTH_BUFFER_BIT);
-      drawBodies(this.shadow.use(this.frame()));
+      drawSolids(this.shadow.use(this.frame()));
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.table.target);
     gl.viewport(0, 0, TABLE, this.rows);

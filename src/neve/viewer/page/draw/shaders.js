@@ -44,7 +44,7 @@ vec2 cellOf(int k, vec2 st) {
 const GLSL_MAPS = `
 ${GLSL_TILES}
 uniform vec4 uLayers;   // ends of the layers [m]
-uniform sampler2D uSkyDepth, uSkyDepths, uSunDepth, uSunDepths, uBodyDepth;
+uniform sampler2D uSkyDepth, uSkyDepths, uSunDepth, uSunDepths, uSolidDepth;
 uniform float uMaps;    // 0: no maps, all is open
 
 float layered(vec4 sums, float behind) {
@@ -66,17 +66,17 @@ float depthTo(int k, vec3 p, float skin) {
   float behind = (-dot(q, uDirection[k]) - (front * 2.0 - 1.0)) * uBall.w - skin;
   return layered(sums, behind);
 }
-// Share of the sun that the bodies leave.
-float pastBodies(vec3 p, vec3 normal) {
+// Share of the sun that the solids leave.
+float pastSolids(vec3 p, vec3 normal) {
   vec3 q = (p + normal * 0.02 * uBall.w - uBall.xyz) / (2.0 * uBall.w);
   vec2 st = vec2(dot(q, uAcross[12]), dot(q, uAlong[12]));
   if (uMaps < 0.5 || max(abs(st.x), abs(st.y)) > 0.99) return 1.0;
   float here = min(0.5 - 0.5 * dot(q, uDirection[12]), 1.0);
   float seen = 0.0;
-  vec2 texel = 1.0 / vec2(textureSize(uBodyDepth, 0));
+  vec2 texel = 1.0 / vec2(textureSize(uSolidDepth, 0));
   for (int i = 0; i < 4; ++i) {
     vec2 shift = (vec2(float(i % 2), float(i / 2)) - 0.5) * 1.5 * texel;
-    seen += step(here - 0.002, texture(uBodyDepth, 0.5 * st + 0.5 + shift).r);
+    seen += step(here - 0.002, texture(uSolidDepth, 0.5 * st + 0.5 + shift).r);
   }
   return 0.25 * seen;
 }
@@ -133,7 +133,7 @@ void main() {
   gl_PointSize = uSize;
 }`,
   mapFront: `void main() {}`,
-  // Depth of the bodies seen from the sun.
+  // Depth of the solids seen from the sun.
   shadowVertex: `
 layout(location = 0) in vec3 aPlace;
 uniform mat4 uModel;
@@ -180,7 +180,7 @@ void main() {
   float tau = depthTo(12, p, 0.5 * uCell);
   float near = min(tau, 2.2);
   float direct = exp(-0.42 * near - (tau - near)), through = exp(-0.38 * tau);
-  float past = pastBodies(p, vec3(0.0));
+  float past = pastSolids(p, vec3(0.0));
   vLight = vec4(direct * past, 1.333 * skyLight, through * past, below * (0.5 - 0.5 * normal.z));
   vNormal = vec4(normal, open);
   int i = gl_VertexID;
@@ -324,7 +324,7 @@ void main() {
     base *= 1.0 + 0.10 * wear.x;
   }
   float lit = max(dot(normal, uSun), 0.0) * clamp(8.0 * dot(flat_, uSun), 0.0, 1.0);
-  float arrives = exp(-depthTo(12, vPoint, 0.0)) * pastBodies(vPoint, flat_);
+  float arrives = exp(-depthTo(12, vPoint, 0.0)) * pastSolids(vPoint, flat_);
   float open = 0.0;
   for (int k = 0; k < 6; ++k)
     open += skyWeight(k) * max((dot(flat_, uDirection[k]) + 0.35) / 1.35, 0.0) * exp(-0.55 * depthTo(k, vPoint, 0.0));

@@ -150,7 +150,7 @@ export class Stage {
    * @returns {Pose | null}
    */
   poseOf(i) {
-    const row = this.state?.bodies[i];
+    const row = this.state?.poses[i];
     if (!row) return null;
     return { place: /** @type {Vec3} */ (row.slice(0, 3)), turn: /** @type {Rotation} */ (row.slice(3)) };
   }
@@ -159,7 +159,7 @@ export class Stage {
    * @param {Visit} visit
    * @param {boolean} withPlanes
    */
-  eachBody(visit, withPlanes) {
+  eachSolid(visit, withPlanes) {
     (this.scene?.solids ?? []).forEach((solid, i) => {
       const pose = this.poseOf(i);
       const mesh = this.meshes[i];
@@ -189,7 +189,7 @@ export class Stage {
     gl.clearColor(0, 0, 0, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     this.drawSnow(camera, common, scene, state);
-    this.drawBodies(camera, common);
+    this.drawSolids(camera, common);
     this.programs.sky.use({ ...common, uTan: camera.tan, uCovered: camera.covered });
     gl.bindVertexArray(this.empty);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
@@ -198,7 +198,7 @@ export class Stage {
 
   /** @param {Program} program */
   drawShadows(program) {
-    this.eachBody((_solid, pose, mesh, scale) => {
+    this.eachSolid((_solid, pose, mesh, scale) => {
       program.set({ uModel: M.frame(pose.turn, pose.place), uScale: scale });
       mesh.draw();
     }, false);
@@ -240,12 +240,12 @@ export class Stage {
    * @param {OrbitCamera} camera
    * @param {Record<string, UniformValue>} common
    */
-  drawBodies(camera, common) {
+  drawSolids(camera, common) {
     const program = this.programs.body;
     const detail = { uPixel: 1 / camera.focal, uDetail: this.software ? 3 : 6 };
     program.use({ ...common, ...this.maps.uniforms(this.quality), ...detail });
     const wide = 300 * camera.distance;
-    this.eachBody((solid, pose, mesh, half) => {
+    this.eachSolid((solid, pose, mesh, half) => {
       const isPlane = solid.shape === "plane";
       if (isPlane && V.dot(R.column(pose.turn, 2), V.sub(camera.eye, pose.place)) <= 0) return; // seen from below
       program.set({
