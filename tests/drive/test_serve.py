@@ -106,7 +106,7 @@ def test_taken_port_is_told(page):
 
 
 def test_next_free_port_is_taken(page):
-    """Without a wish, the first free port from the usual one is used."""
+    """Without a port asked for, the first free one from the usual one on is used."""
     with serve.listening("127.0.0.1", None, page) as one, serve.listening("127.0.0.1", None, page) as two:
         assert serve.PORT <= one.server_address[1] < two.server_address[1] < serve.PORT + TRIES
 

@@ -17,7 +17,7 @@ ALL = ["x86-64", V2, V3, V4]
 
 
 @pytest.mark.parametrize(
-    ("builds", "levels", "wish", "taken"),
+    ("builds", "levels", "asked", "taken"),
     [
         ([], ALL, None, None),
         ([V2, V3, V4], ALL, None, V4),
@@ -26,13 +26,13 @@ ALL = ["x86-64", V2, V3, V4]
         ([V2, V3, V4], ALL, V2, V2),
     ],
 )
-def test_best_build_or_the_wished_one(builds, levels, wish, taken):
+def test_best_build_or_the_one_asked_for(builds, levels, asked, taken):
     """The highest level that is both carried and run, unless another is named."""
-    assert choose(builds, levels, wish) == taken
+    assert choose(builds, levels, asked) == taken
 
 
 @pytest.mark.parametrize(
-    ("builds", "levels", "wish", "words"),
+    ("builds", "levels", "asked", "words"),
     [
         ([], ALL, V3, "one build"),
         ([V3, V4], ALL, "avx2", "carries x86-64-v3, x86-64-v4"),
@@ -41,10 +41,10 @@ def test_best_build_or_the_wished_one(builds, levels, wish, taken):
         ([V3, V4], [], None, "runs none of them"),
     ],
 )
-def test_no_build_is_one_sentence(builds, levels, wish, words):
+def test_no_build_is_one_sentence(builds, levels, asked, words):
     """What is not carried, or what the processor cannot run, is refused and said."""
     with pytest.raises(IsaError, match=words) as error:
-        choose(builds, levels, wish)
+        choose(builds, levels, asked)
     assert str(error.value).endswith(".")
     assert "\n" not in str(error.value)
 
@@ -67,10 +67,10 @@ def test_builds_are_found_wherever_the_package_lies(tmp_path):
     assert carried(path[:1]) == {}
 
 
-def python(code, wish=None):
+def python(code, asked=None):
     """Run code in a fresh interpreter with NEVE_ISA as wished."""
     environment = {name: value for name, value in os.environ.items() if name != isa.VARIABLE}
-    environment |= {isa.VARIABLE: wish} if wish else {}
+    environment |= {isa.VARIABLE: asked} if asked else {}
     return subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
     )

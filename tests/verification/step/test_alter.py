@@ -53,11 +53,11 @@ def test_twice_the_modulus_is_twice_the_stress():
 
 def test_a_changed_run_is_the_run_restored_in_the_new_scene():
     """Changed constants, gravity and friction act like in a run that is resumed with them, to the bit."""
-    wish = falling(snow={"E0": 3e5, "xi": 8.0}).model_copy(update={"colliders": ()})
+    new_scene = falling(snow={"E0": 3e5, "xi": 8.0}).model_copy(update={"colliders": ()})
     sim = moving()
     arrays = sim.arrays() | {"exchanged": np.zeros((0, 7))}
-    sim.change(wish)
-    other = neve.Simulation.restore(wish, arrays, threads=1)
+    sim.change(new_scene)
+    other = neve.Simulation.restore(new_scene, arrays, threads=1)
     for a, b in zip(columns(march(sim, 20)).values(), columns(march(other, 20)).values(), strict=True):
         np.testing.assert_array_equal(a, b)
 

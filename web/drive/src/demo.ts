@@ -50,7 +50,7 @@ export class Demo {
       const fresh = settings.depth * terrain.cover(x, z);
       return { h: fresh, W: fresh };
     };
-    // Trees stand where the map has them, whatever type of snow is wished for.
+    // Trees stand where the map has them, whatever type of snow is chosen.
     const standing = { tile: TILE, on: (i: number, j: number) => placesOf(map, i, j, SEED) };
     const car = await Car.create({ terrain, snow, settings, standing });
     return (demo = new Demo(renderer, settings, terrain, car, standing.on));

@@ -10,8 +10,8 @@ import { ICE, options, PACKED, plain, POWDER } from "./car_world";
 const FRAME = 1 / 60;
 
 /** Let a car be driven for some seconds. */
-function drive(car: Car, seconds: number, wish: Partial<Controls>): Car {
-  for (let i = 0; i < Math.round(seconds / FRAME); i++) car.step(FRAME, { ...HANDS_OFF, ...wish });
+function drive(car: Car, seconds: number, input: Partial<Controls>): Car {
+  for (let i = 0; i < Math.round(seconds / FRAME); i++) car.step(FRAME, { ...HANDS_OFF, ...input });
   return car;
 }
 
@@ -221,14 +221,14 @@ describe("frames", () => {
       }
       places.push([...car.state.position]);
     }
-    // The steps are the same; the wish to steer comes up to 1/20 s earlier or later, and what is drawn lies up to one
+    // The steps are the same; the input to steer comes up to 1/20 s earlier or later, and what is drawn lies up to one
     // step behind: 8 m/s x (1/20 + 1/120) s x 0.4 of the bend.
     for (const place of places) {
       for (let k = 0; k < 3; k++) expect(Math.abs(place[k]! - places[1]![k]!)).toBeLessThan(0.2);
     }
   });
 
-  it("takes exactly the same steps for constant wishes", async () => {
+  it("takes exactly the same steps for constant inputs", async () => {
     const ends: number[] = [];
     for (const rate of [20, 60, 120]) {
       const car = await onPlain(PACKED, 0.2);
@@ -239,7 +239,7 @@ describe("frames", () => {
     for (let i = 2; i < 6; i++) expect(Math.abs(ends[i]! - ends[i % 2]!)).toBeLessThan(1e-9);
   });
 
-  it("survives no time, negative time, a very long frame and wishes that are no numbers", async () => {
+  it("survives no time, negative time, a very long frame and inputs that are no numbers", async () => {
     const car = await onPlain(PACKED, 0.2);
     for (const dt of [0, -1, NaN, 100]) car.step(dt, { ...HANDS_OFF, throttle: NaN, steer: Infinity });
     expect(car.state.position.every(Number.isFinite)).toBe(true);
@@ -271,16 +271,16 @@ describe("the endless world", () => {
     expect(way).toBeGreaterThan(1000);
   }, 200_000);
 
-  it("keeps its numbers under a minute of random wishes", async () => {
+  it("keeps its numbers under a minute of random inputs", async () => {
     const car = await Car.create(world());
     for (let i = 0; i < 60 * 20; i++) {
-      const wish = (k: number) => random(Math.floor(i / 8), k, 77);
+      const input = (k: number) => random(Math.floor(i / 8), k, 77);
       car.step(1 / 20, {
-        steer: 2 * wish(1) - 1,
-        throttle: wish(2),
-        brake: wish(3) > 0.8 ? wish(4) : 0,
-        handbrake: wish(5) > 0.85 ? 1 : 0,
-        reset: wish(6) > 0.97,
+        steer: 2 * input(1) - 1,
+        throttle: input(2),
+        brake: input(3) > 0.8 ? input(4) : 0,
+        handbrake: input(5) > 0.85 ? 1 : 0,
+        reset: input(6) > 0.97,
       });
       const { position, rotation, velocity, wheels } = car.state;
       const numbers = [

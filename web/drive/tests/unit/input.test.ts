@@ -61,7 +61,7 @@ describe("thumbs", () => {
 });
 
 describe("merging", () => {
-  it("takes the strongest wish of each kind, within its range", () => {
+  it("takes the strongest input of each kind, within its range", () => {
     const merged = merge(
       { ...HANDS_OFF, steer: 0.3, throttle: 5 },
       { ...HANDS_OFF, steer: -0.8, brake: NaN },
