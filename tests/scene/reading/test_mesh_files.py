@@ -241,7 +241,7 @@ def test_names_of_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert isinstance(mesh, Mesh)
     assert mesh.file == str(tmp_path / "a.ply")
     for line, words in {
-        "": "colliders.0.file must name a mesh, a file that ends in",
+        "": "colliders.0.file must name a mesh: a file that ends in",
         'file = "b.ply"': 'b.ply" is not a file; name a .obj, .ply, .stl, .glb or .gltf file',
         'file = "a.blend"': 'must end in ".obj", ".ply", ".stl", ".glb" or ".gltf"',
         'file = "neve:nothing"': 'colliders.0.file = "neve:nothing" does not come with Neve',
