@@ -30,8 +30,8 @@ class Stats:
     """Hold what the last advance() did.
 
     steps taken, their dt [s] and what bound the smallest one, how many attempts were rejected and tried again
-    with a shorter dt, what each collider exchanged with the snow, (n, 7): impulse of the snow on the collider
-    [N s], its moment about the collider's centre [N m s], work of the collider on the snow [J];
+    with a shorter dt, what each solid exchanged with the snow, (n, 7): impulse of the snow on the solid
+    [N s], its moment about the origin of its frame [N m s], work of the solid on the snow [J];
     seconds per stage.
     """
 

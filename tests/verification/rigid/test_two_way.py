@@ -62,7 +62,7 @@ def test_sticky_body_in_snow():
     body = ball(0.13, 300.0, x=(0.0, 0.0, -0.15), v=(0.0, 0.0, -3.0))
     body.solid.__dict__["mode"] = "sticky"
     sim = hit(body, dt=1e-9)
-    sim._begin()
+    sim.solver.begin(sim.steps, sim.time)
     core, native = sim.solver.model.core, sim.solver.model.native
     core.p2g(native, sim.state, sim.solver.grid, 1e-9)
     ijk, mass, _ = sim.solver.grid.nodes()
