@@ -61,8 +61,8 @@ class Painter:
     ) -> NDArray[np.uint8]:
         """Return the image (height, width, 3) of particles at `x` [m], (n, 3), with J_P (n,), if it is known.
 
-        positions, rotations: of each solid, (3,) [m] and (3, 3); those of further bodies are left out
+        positions, rotations: of each solid, (3,) [m] and (3, 3); those of further solids are left out
         """
         places = zip(self._solids, positions, rotations, strict=False)
-        bodies = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in places]
-        return self._preview.draw(x, bodies, J_P=J_P)
+        solids = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in places]
+        return self._preview.draw(x, solids, J_P=J_P)
