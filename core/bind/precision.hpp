@@ -1,6 +1,7 @@
 // The objects and stages of one precision: neve._core.f32 and neve._core.f64 are the same templates.
 #pragma once
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include "bind/arrays.hpp"
@@ -25,7 +26,7 @@ void bind_model(nb::module_& m) {
   c.def(
        "__init__",
        [](M* self, double dx, const std::string& spline, const std::string& transfer, double flip_alpha,
-          const In<double, nb::shape<3>>& gravity, int polypic_modes, double flip_damping) {
+          const In<double, nb::shape<3>>& gravity, int polypic_modes, std::optional<double> flip_damping) {
          if (polypic_modes != 1 && polypic_modes != 4 && polypic_modes != 8 && polypic_modes != 27)
            throw nb::value_error("polypic_modes: 1, 4, 8 or 27");
          new (self) M{dx,
@@ -40,7 +41,7 @@ void bind_model(nb::module_& m) {
                       {}};
        },
        nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"),
-       nb::arg("polypic_modes") = 8, nb::arg("flip_damping") = -1.0)
+       nb::arg("polypic_modes") = 8, nb::arg("flip_damping") = nb::none())
       .def_prop_ro("keeps_C", &keeps_C<T>, "Whether particles carry an affine velocity.")
       .def(
           "max_compression",

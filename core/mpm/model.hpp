@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "constitutive/law.hpp"
@@ -13,12 +14,12 @@ namespace neve {
 
 template <class T>
 struct Model {
-  double dx = 0.05;          // [m]
-  int spline = 0;            // place in Splines
-  int transfer = 0;          // place in Transfers
-  int polypic_modes = 8;     // 1, 4, 8 or 27
-  double flip_alpha = 0.95;  // share of FLIP in a step
-  double flip_damping = -1;  // rate [1/s] at which what the grid cannot see fades; below 0: flip_alpha counts
+  double dx = 0.05;                    // [m]
+  int spline = 0;                      // place in Splines
+  int transfer = 0;                    // place in Transfers
+  int polypic_modes = 8;               // 1, 4, 8 or 27
+  double flip_alpha = 0.95;            // share of FLIP in a step
+  std::optional<double> flip_damping;  // rate [1/s] at which what the grid cannot see fades, for flip_alpha
   Vec3<T> gravity{T(0), T(0), T(-9.81)};  // [m/s2]
   std::vector<Snow> snows;                // the material table
   std::vector<Solid<T>> solids;           // colliders and bodies; their poses change in time
@@ -27,7 +28,7 @@ struct Model {
   std::vector<std::shared_ptr<const void>> shapes{};  // what meshes and terrain of the solids point to
 
   // The share of FLIP in a step of dt [s].
-  double alpha(double dt) const { return flip_damping < 0 ? flip_alpha : std::exp(-flip_damping * dt); }
+  double alpha(double dt) const { return flip_damping ? std::exp(-*flip_damping * dt) : flip_alpha; }
 };
 
 }  // namespace neve

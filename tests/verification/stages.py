@@ -20,7 +20,7 @@ class Lab:
         alpha=0.95,
         gravity=(0, 0, 0),
         polypic_modes=8,
-        flip_damping=-1.0,
+        flip_damping=None,
         **values,
     ):
         _core.set_threads(1)

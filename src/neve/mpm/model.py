@@ -49,7 +49,7 @@ class Model:
             numerics.flip_alpha,
             np.array(world.gravity, dtype=np.float64),
             numerics.polypic_modes,
-            -1.0 if numerics.flip_damping == "off" else float(numerics.flip_damping),
+            None if numerics.flip_damping == "off" else float(numerics.flip_damping),
         )
         for snow in self.snows:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
