@@ -58,7 +58,7 @@ class Model:
         for i, solid in enumerate(self.solids):
             if solid.motion == "dynamic":
                 self.native.make_dynamic(i)
-        self.limit_press(1.0)
+        self.limit_compression(1.0)
         for i, collider in enumerate(self.colliders):
             self._place(i, pose(collider, 0.0))
         self.place_solids(0.0)
@@ -91,11 +91,12 @@ class Model:
         self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
         self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p))
 
-    def limit_press(self, strongest: float) -> None:
-        """Set `press_limit`: how far a step may press snow, -dt tr grad v [1], before hardening stores more
-        than its work, as the laws say. `strongest`: the largest factor on the thresholds of any particle [1].
+    def limit_compression(self, strongest: float) -> None:
+        """Set `max_compression`: how far a step may press snow, -dt tr grad v [1], before hardening stores
+        more than its work, as the laws say. `strongest`: the largest factor on the thresholds of any
+        particle [1].
         """
-        self.press_limit = self.native.max_compression(strongest)
+        self.max_compression = self.native.max_compression(strongest)
 
     @property
     def solids_move(self) -> bool:

@@ -73,7 +73,7 @@ class MpmSolver(Solver):
     def begin(self, steps: int, time: float) -> None:
         """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
         self._stages = Stages(self.model, self.state, self.grid, self.timer)
-        self.model.limit_press(float(np.max(self.state.strength, initial=0.0)))
+        self.model.limit_compression(float(np.max(self.state.strength, initial=0.0)))
         self._report = self._stages.refresh()
         require_finite(self.model, self.state, self._report, steps, time, 0.0)
         if steps == 0 and self.scene.numerics.initial_volume == "grid":

@@ -3,8 +3,8 @@
 A step is rejected if a value would not be finite, if a particle would move by more than a cell, if
 det(I + dt grad v) would fall below 0.05, on the way to turning the particle inside out, if dt |grad v| would
 exceed four times numerics.strain_max, or if snow would be pressed so far that its hardening stores more
-energy than the step's work (`Model.press_limit`). Nothing has been moved by then: the particles are as they
-were, so that a rejected step needs no copy of the state to go back to.
+energy than the step's work (`Model.max_compression`). Nothing has been moved by then: the particles are
+as they were, so that a rejected step needs no copy of the state to go back to.
 
 Most steps need no trial. After the grid update the velocities of the nodes around a particle differ by
 d = `max_velocity_difference` at most, and |grad v| <= sqrt(3) d / dx. For affine transfers row a of grad v is
@@ -92,7 +92,7 @@ def needs_trial(grid_report: GridReport, before: Report, dt: float, model: Model
     displacement = max(grid_report.speed, before.speed + grid_report.max_velocity_change) * per_cell
     harmless = (
         strain <= min(_SAFE_STRAIN, 0.9 * _max_strain(model))
-        and before.compression_rate * dt <= 0.9 * model.press_limit
+        and before.compression_rate * dt <= 0.9 * model.max_compression
         and displacement <= _SAFE_DISPLACEMENT
     )
     return not (grid_report.finite and harmless)
@@ -101,7 +101,7 @@ def needs_trial(grid_report: GridReport, before: Report, dt: float, model: Model
 def rejects(report: Report, dt: float, model: Model) -> bool:
     """Tell whether a trial of a step of dt [s] must be rejected, by its report."""
     strained = report.strain_rate * dt > _max_strain(model)
-    return report.rejected or strained or report.compression_rate * dt > model.press_limit
+    return report.rejected or strained or report.compression_rate * dt > model.max_compression
 
 
 def _max_strain(model: Model) -> float:

@@ -34,8 +34,9 @@ def longest_stable(model: Model, report: Report) -> Choice:
 
     c = sqrt(modulus V0 / m) with the largest acoustic modulus of the law in the present, hardened state, per
     particle (Sun, Shinar and Schroeder 2020 give the idea; each law's header the formula); grad v is that of
-    the last step, |.| Frobenius, and L is `Model.press_limit`. The bound is "wave" or "speed", whichever is
-    larger, "solid", so that no solid runs over snow before a node has met it, "strain" (either), or "dt_max".
+    the last step, |.| Frobenius, and L is `Model.max_compression`. The bound is "wave" or "speed", whichever
+    is larger, "solid", so that no solid runs over snow before a node has met it, "strain" (either), or
+    "dt_max".
     """
     numerics = model.numerics
     best = Choice(numerics.dt_max, "dt_max")
@@ -46,8 +47,8 @@ def longest_stable(model: Model, report: Report) -> Choice:
         best = Choice(numerics.cfl * numerics.dx / model.solid_speed, "solid")
     if report.strain_rate * best.dt > numerics.strain_max:
         best = Choice(numerics.strain_max / report.strain_rate, "strain")
-    if report.compression_rate * best.dt > 0.5 * model.press_limit:
-        best = Choice(0.5 * model.press_limit / report.compression_rate, "strain")
+    if report.compression_rate * best.dt > 0.5 * model.max_compression:
+        best = Choice(0.5 * model.max_compression / report.compression_rate, "strain")
     return best
 
 
