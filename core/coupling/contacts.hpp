@@ -2,6 +2,7 @@
 #pragma once
 
 #include "coupling/solid.hpp"
+#include "math/standard.hpp"
 
 namespace neve {
 

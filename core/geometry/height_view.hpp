@@ -3,6 +3,7 @@
 
 #include "geometry/quads.hpp"
 #include "geometry/surface.hpp"
+#include "math/standard.hpp"
 
 namespace neve {
 

@@ -6,6 +6,7 @@
 
 #include "geometry/quads.hpp"
 #include "geometry/surface.hpp"
+#include "math/standard.hpp"
 
 namespace neve {
 

@@ -3,6 +3,7 @@
 
 #include "geometry/height_view.hpp"
 #include "geometry/sdf_view.hpp"
+#include "math/standard.hpp"
 
 namespace neve {
 

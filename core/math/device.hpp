@@ -46,6 +46,19 @@ struct numeric_limits<uint32_t> {
   static constexpr uint32_t max() { return 0xffffffffu; }
 };
 
+template <class A>
+constexpr const A& min(const A& a, const A& b) {
+  return b < a ? b : a;
+}
+template <class A>
+constexpr const A& max(const A& a, const A& b) {
+  return a < b ? b : a;
+}
+template <class A>
+constexpr const A& clamp(const A& a, const A& low, const A& high) {
+  return a < low ? low : high < a ? high : a;
+}
+
 using ::exp, ::expm1, ::floor, ::log, ::log1p, ::memcpy, ::sin, ::sqrt, ::tan;
 
 }  // namespace std

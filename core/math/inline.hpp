@@ -2,5 +2,12 @@
 // registers as twice the code and stop too early.
 #pragma once
 
+#if defined(__CUDACC_RTC__)
+#define NEVE_INLINE __forceinline__
+#define NEVE_INLINE_LAMBDA
+#define NEVE_RARE __noinline__
+#else
 #define NEVE_INLINE [[gnu::always_inline]] inline
 #define NEVE_INLINE_LAMBDA __attribute__((always_inline))  // between the parameters and the body
+#define NEVE_RARE [[gnu::noinline, gnu::cold]] inline      // what is seldom called stays out of the way
+#endif

@@ -79,7 +79,7 @@ NEVE_INLINE Vec3<R> normalised_or(const Vec3<R>& a, const Vec3<R>& otherwise) {
 
 // U and sigma from B = F V for any F: Gram-Schmidt on the columns, largest first.
 template <class R>
-[[gnu::noinline, gnu::cold]] inline void rotation_from_columns(const Mat3<R>& B, Svd3<R>& out) {
+NEVE_RARE void rotation_from_columns(const Mat3<R>& B, Svd3<R>& out) {
   using T = scalar_t<R>;
   const R o = splat<R>(1), z = splat<R>(0);
   const Vec3<R> u0 = normalised_or(B.c0, Vec3<R>{o, z, z});
