@@ -91,7 +91,7 @@ def flags(clang):
     """The flags of CMakeLists.txt that decide how the core's code is generated."""
     gnu = r'if\(CMAKE_CXX_COMPILER_ID STREQUAL "GNU"\).*?endif\(\)'
     text = re.sub(gnu, "", CMAKE, flags=re.S) if clang else CMAKE
-    found = re.findall(r"(?<=[ ,])-(?:O3|f(?!sanitize|no-omit)|m(?:prefer|move|store|mem))[\w=:,-]*", text)
+    found = re.findall(r"(?<=[ ,:])-(?:O3|f(?!sanitize|no-omit)|m(?:prefer|move|store|mem))[\w=:,-]*", text)
     return ["-std=gnu++20", "-w", "-Wno-psabi", *found]
 
 
