@@ -119,6 +119,9 @@ def count_run(path: Path | str, limits: Limits | None = None, out: Path | None =
     scene = load(folder.scene)
     numbers = frame_numbers(folder.frames)
     target = out or folder.path / FILE
+    folder.check_free(
+        target, {given.file() for given in entries(scene) if not isinstance(given, FragmentOptions)}
+    )
     mine = _writer(scene, target.name) if target.parent.absolute() == folder.path.absolute() else None
     if mine is not None:
         if limits is not None:
