@@ -113,6 +113,7 @@ def _run(
             check_same(folder.path, checkpoint.scene, toml)
         sim = start(checkpoint)
         done = None if checkpoint is None else checkpoint.frame
+        made = _made(scene, asked, outputs)  # before the folder loses the run that is replaced
         folder.open(version(), resume, force, {*usual_files(), *(given.file() for given in asked)} - {""})
         keep_assets(folder.path, assets)
         write_text(folder.scene, toml)
@@ -130,7 +131,7 @@ def _run(
             threads=sim.threads,
         )
         with contextlib.ExitStack() as stack:
-            scheduled = _begin(context, asked, outputs, stack)
+            scheduled = _begin(context, made, stack)
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
             stack.enter_context(warnings_to(Warnings() if quiet else progress))
             if checkpoint is not None:
@@ -145,11 +146,11 @@ def _run(
     return sim
 
 
-def _begin(
-    run: RunContext, asked: Sequence[OutputOptions], more: Sequence[Output], stack: contextlib.ExitStack
+def _made(
+    scene: Scene, asked: Sequence[OutputOptions], more: Sequence[Output]
 ) -> list[tuple[Schedule, Output]]:
-    """Make the outputs that are asked for, let all of them begin, and return them in the order of writing."""
-    fps = run.scene.run.fps
+    """Make the outputs that are asked for and return all in the order of writing. Errors: RunError."""
+    fps = scene.run.fps
     made = [(kinds()[given.kind], given) for given in asked]
     outputs = [(kind.completes, given, kind.make(**given.options())) for kind, given in made]
     rows = [(last, schedule_of(given, output, fps), output) for last, given, output in outputs]
@@ -158,6 +159,13 @@ def _begin(
     names = [output.name for _, output in scheduled if hasattr(output, "name")]
     if twice := [name for name in names if names.count(name) > 1]:
         raise RunError(f"two outputs of the run write {twice[0]}: give one of them another name.")
+    return scheduled
+
+
+def _begin(
+    run: RunContext, scheduled: list[tuple[Schedule, Output]], stack: contextlib.ExitStack
+) -> list[tuple[Schedule, Output]]:
+    """Let all outputs begin."""
     for schedule, output in scheduled:
         if isinstance(output, Begins):
             output.begin(run, schedule)
