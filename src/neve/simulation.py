@@ -106,6 +106,7 @@ class Simulation:
         if not (np.isfinite(seconds) and seconds > 0):
             raise ValueError(f"seconds = {seconds}: a positive, finite number")
         self._use_threads()
+        seconds = float(seconds)  # a float32 would make the clock one
         start, done = self.time, 0.0
         self.solver.timer.take()
         self.stats = Stats(stage_seconds=self.solver.timer.seconds)
