@@ -15,7 +15,7 @@ from neve.io.atomic import sweep, write_text
 from neve.io.errors import RunError, cannot_read, cannot_write
 from neve.io.frames import frame_numbers, frame_path
 
-FORMAT = 1
+FORMAT = 2
 """Version of the folder's layout; `run.json` carries it."""
 
 
