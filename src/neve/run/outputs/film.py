@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from neve.render.film import Film
 
 FILE = "preview.mp4"
+SLOWEST = Fraction(1, 1000)
+"""Least rate of pictures that an MP4 file can hold [1/s]."""
 COPIES = 60
 """Frames that ffmpeg may still hold when a process is killed: a segment of `neve.render.film`."""
 
@@ -54,7 +57,7 @@ class FilmOutput:
         from neve.render.film import Film
 
         path, fps = run.folder.path / self.name, run.scene.run.fps
-        rate = 1 / schedule.interval(fps) if isinstance(schedule, Regular) else fps
+        rate = max(1 / schedule.interval(fps), SLOWEST) if isinstance(schedule, Regular) else fps
         self._painter = Painter(run.seen_from(self._camera), run.solids, run.threads)
         self._frames = _Frames(run.folder.frames, path.with_name(f".{path.name}.parts"), path)
         earlier = run.frames_done(schedule)
