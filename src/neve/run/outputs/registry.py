@@ -67,13 +67,17 @@ def register_output(
         a default. A parameter `name` is the name of the file that it writes.
     unasked, completes: see `OutputKind`
 
-    Errors: ValueError for the name of an output that comes with Neve, or a parameter without default.
+    Errors: ValueError for the name of an output that comes with Neve, a class without write or close, or a
+    parameter without default, with a name that entries have already, or with a default that is not allowed.
     """
 
     def register(made: Made) -> Made:
         if name in BUILT_IN and made.__module__ != f"{__package__}.{name}":
             raise ValueError(f'"{name}" is an output that comes with Neve: choose another name')
         entries = options or _options_of(name, made)
+        if lacks := [word for word in ("write", "close") if not callable(getattr(made, word, None))]:
+            raise ValueError(f'the output "{name}" needs a method {" and ".join(lacks)}')
+        entries()  # its defaults are allowed, or no scene could have outputs from now on
         _kinds[name] = OutputKind(name, entries, made, unasked, completes)
         return made
 
@@ -129,6 +133,8 @@ def _options_of(name: str, made: type[Output]) -> type[OutputOptions]:
     hints = get_type_hints(made.__init__, include_extras=True)
     fields: dict[str, Any] = {"kind": (Literal[name], entry(name, "What is written.", ""))}
     for key, parameter in inspect.signature(made).parameters.items():
+        if key.startswith("_") or hasattr(Scheduled, key) or key in Scheduled.model_fields:
+            raise ValueError(f'the output "{name}" cannot be asked for by a scene: call "{key}" otherwise')
         if parameter.default is inspect.Parameter.empty:
             raise ValueError(f'the output "{name}" cannot be asked for by a scene: give "{key}" a default')
         hint = hints.get(key, type(parameter.default))
