@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_of
 from neve.io.table import Table
+from neve.scene.schema.outputs import RESERVED
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -79,7 +82,14 @@ class RunContext:
 
     def table(self, name: str, columns: tuple[str, ...]) -> Table:
         """Return the table `name` of the run folder, without rows after `done`. Errors: RunError."""
+        if name in self._tables and self._tables[name].columns != columns:
+            had = ", ".join(self._tables[name].columns)
+            raise RunError(f"{name} has the columns {had}: a row cannot have others ({', '.join(columns)}).")
         if name not in self._tables:
+            if name in RESERVED or not re.fullmatch(r"\w[\w.-]*", name):
+                raise RunError(
+                    f'"{name}" cannot be a table of a run: choose another, of letters, digits and . _ -'
+                )
             self.folder.own(name)
             self._tables[name] = Table(self.folder.path / name, columns, keep_through=self.done)
         return self._tables[name]
