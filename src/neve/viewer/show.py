@@ -53,6 +53,8 @@ def write_replay(run: str, path: str) -> None:
     from neve.io.atomic import write_bytes
     from neve.viewer.exports.replay import replay_of
 
+    if not Path(path).name:
+        raise ViewError(f'--replay "{path}" names no file')
     write_bytes(Path(path), replay_of(run))
 
 
