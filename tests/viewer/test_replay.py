@@ -108,6 +108,8 @@ def test_command_line_writes_a_replay(recorded, tmp_path, capsys):
     """`neve view RUN --replay FILE` writes the page; without frames it says so."""
     main(["view", str(recorded), "--replay", str(tmp_path / "a.html")], 0)
     assert (tmp_path / "a.html").read_bytes() == replay_of(str(recorded))
+    main(["view", str(recorded), "--replay", ""], 2)
+    assert "names no file" in capsys.readouterr().err
     main(["view", str(tmp_path), "--replay", str(tmp_path / "b.html")], 2)
     assert "no frames" in capsys.readouterr().err
     assert not (tmp_path / "b.html").exists()

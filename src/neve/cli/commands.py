@@ -1,4 +1,4 @@
-"""The command line: list, run, view, drive, fragments, bench, validate, stress, info, cite.
+"""The command line: list, run, view, drive, fragments, bench, validate, fuzz, info, cite.
 
 Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
 (one sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that

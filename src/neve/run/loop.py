@@ -21,9 +21,10 @@ from neve.io.run_folder import RunFolder
 from neve.io.version import version
 from neve.run.interrupt import Interrupt
 from neve.run.outputs.context import Begins, FrameContext, Output, RunContext
-from neve.run.outputs.registry import entries, kinds, own_schedule, schedule_of, usual_files
+from neve.run.outputs.registry import BUILT_IN, entries, kinds, own_schedule, schedule_of, usual_files
 from neve.run.progress import Progress, Warnings, follow, warnings_to
 from neve.run.resume import check_same, is_drawn_alike
+from neve.scene.schema.outputs import RESERVED
 from neve.stage_timer import StageTimer
 
 if TYPE_CHECKING:
@@ -129,6 +130,7 @@ def _run(
             done=done,
             redraw=checkpoint is not None and not is_drawn_alike(checkpoint.scene, toml),
             threads=sim.threads,
+            reserved={*RESERVED, *usual_files(BUILT_IN)},
         )
         with contextlib.ExitStack() as stack:
             scheduled = _begin(context, made, stack)

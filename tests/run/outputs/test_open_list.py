@@ -214,6 +214,43 @@ def test_two_outputs_of_one_file(fake, scene, tmp_path):
         run(fake.Simulation(scene), tmp_path / "ball", quiet=True, outputs=[FilmOutput()])
 
 
+def test_a_run_is_replaced_only_by_one_that_can_begin(fake, scene, tmp_path):
+    """With --force outputs that cannot be are refused before the old run is removed."""
+    out = tmp_path / "ball"
+    run(fake.Simulation(scene), out, quiet=True)
+    before = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
+    with pytest.raises(RunError, match="two outputs of the run"):
+        run(fake.Simulation(scene), out, force=True, quiet=True, outputs=[FilmOutput()])
+    assert {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()} == before
+
+
+@pytest.mark.parametrize("name", ["scene.toml", "log.csv", "run.json", "checkpoint", "preview.mp4"])
+def test_fragments_are_not_counted_into_a_file_of_the_run(fake, scene, tmp_path, name):
+    """`neve fragments RUN --out RUN/scene.toml` would destroy the run."""
+    out = tmp_path / "ball"
+    run(fake.Simulation(scene), out, quiet=True)
+    before = (out / name).read_bytes()
+    with pytest.raises(RunError, match="belongs to the run"):
+        count_run(out, out=out / name)
+    assert (out / name).read_bytes() == before
+
+
+def test_film_of_a_picture_in_half_an_hour(fake, scene_file, tmp_path, monkeypatch):
+    """However rare its pictures are, a film has a rate that its format can hold."""
+    text = '[[outputs]]\nkind = "film"\nname = "rare.mp4"\nevery_seconds = 2000\n'
+    scene_file.write_text(scene_file.read_text() + text)
+    rates = {}
+    real = fake.Film.__init__
+
+    def init(self, path, fps, size, start=0):
+        rates[Path(path).name] = fps
+        real(self, path, fps, size, start)
+
+    monkeypatch.setattr(fake.Film, "__init__", init)
+    run(fake.Simulation(load(scene_file)), tmp_path / "ball", frames=1, quiet=True)
+    assert rates["rare.mp4"] == Fraction(1, 1000)
+
+
 def test_registry_is_complete(scene):
     """Each built-in kind has options that name it; a scene without a list has all but fragments."""
     assert tuple(kinds()) == BUILT_IN

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import pytest
 
 import neve
+from neve.io.errors import RunError
 from neve.run import run, run_scene
 from neve.run.outputs import registry
 from neve.scene.errors import SceneError
@@ -131,7 +132,55 @@ def test_what_cannot_be_registered():
             def __init__(self, name):
                 self.name = name
 
-    assert "bare" not in registry.kinds()
+    with pytest.raises(ValueError, match='"mute" needs a method write and close'):
+
+        @neve.register_output("mute")
+        class Mute:
+            pass
+
+    for parameter in ("kind", "file", "every_frames", "_hidden"):
+
+        class Clash:
+            def write(self, context):
+                pass
+
+            close = write
+
+        exec(f"def made(self, {parameter}='a'): pass\nClash.__init__ = made", {"Clash": Clash})
+        with pytest.raises(ValueError, match=f'call "{parameter}" otherwise'):
+            neve.register_output("clash")(Clash)
+    assert not {"bare", "mute", "clash"} & set(registry.kinds())
+
+
+class Writer:
+    """An output that does what a test says."""
+
+    def __init__(self, *rows):
+        self.rows = rows
+
+    def write(self, context):
+        for name, row in self.rows:
+            context.add_row(name, row)
+
+    def close(self, context):
+        pass
+
+
+@pytest.mark.parametrize(
+    "name", ["scene.toml", "run.json", "checkpoint", "log.csv", "../r.csv", "a/b.csv", ""]
+)
+def test_table_over_a_file_of_the_run(fake, scene, tmp_path, name):
+    """A table has a name of its own and lies in the run folder."""
+    with pytest.raises(RunError, match="cannot be a table of a run"):
+        run(fake.Simulation(scene), tmp_path / "ball", quiet=True, outputs=[Writer((name, {"a": 1}))])
+    assert not (tmp_path / "r.csv").exists()
+
+
+def test_rows_with_other_columns(fake, scene, tmp_path):
+    """The rows of a table have the same columns."""
+    writer = Writer(("own.csv", {"a": 1}), ("own.csv", {"b": 2}))
+    with pytest.raises(RunError, match="a row cannot have others"):
+        run(fake.Simulation(scene), tmp_path / "ball", quiet=True, outputs=[writer])
 
 
 def test_scene_in_python(peak, scene):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_of
 from neve.io.table import Table
-from neve.scene.schema.outputs import RESERVED
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -60,6 +59,7 @@ class RunContext:
         done: the last frame of a run that is resumed; None if it begins
         redraw: whether camera or light have changed since the frames up to `done` were drawn
         threads: threads to draw with; None: all
+        reserved: names of files that no table of one's own may have
     """
 
     folder: RunFolder
@@ -70,6 +70,7 @@ class RunContext:
     done: int | None
     redraw: bool = False
     threads: int | None = None
+    reserved: Collection[str] = ()
     _tables: dict[str, Table] = field(default_factory=dict)
 
     def frames_done(self, schedule: Schedule) -> list[int]:
@@ -86,10 +87,6 @@ class RunContext:
             had = ", ".join(self._tables[name].columns)
             raise RunError(f"{name} has the columns {had}: a row cannot have others ({', '.join(columns)}).")
         if name not in self._tables:
-            if name in RESERVED or not re.fullmatch(r"\w[\w.-]*", name):
-                raise RunError(
-                    f'"{name}" cannot be a table of a run: choose another, of letters, digits and . _ -'
-                )
             self.folder.own(name)
             self._tables[name] = Table(self.folder.path / name, columns, keep_through=self.done)
         return self._tables[name]
@@ -134,4 +131,8 @@ class FrameContext:
         Errors: RunError if the disk refuses, or if the file has other columns.
         """
         row = {"frame": self.frame, "time": float(self.sim.time), **values}
+        if name in self.run.reserved or not re.fullmatch(r"\w[\w.-]*", name):
+            raise RunError(
+                f'"{name}" cannot be a table of a run: choose another, of letters, digits and . _ -'
+            )
         self.run.table(name, tuple(row)).append(row)

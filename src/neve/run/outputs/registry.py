@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
@@ -108,9 +108,9 @@ def entries(scene: Scene) -> list[OutputOptions]:
     return found
 
 
-def usual_files() -> set[str]:
-    """Return the names of what outputs write when their entries name no other file."""
-    return {kind.options().file() for kind in kinds().values()} - {""}
+def usual_files(among: Collection[str] | None = None) -> set[str]:
+    """Return what outputs, or those `among` them, write when their entries name no other file."""
+    return {kind.options().file() for kind in kinds().values() if among is None or kind.name in among} - {""}
 
 
 def schedule_of(given: OutputOptions, output: Output, fps: int) -> Schedule:
