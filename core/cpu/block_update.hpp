@@ -134,8 +134,8 @@ struct BlockUpdate {
   T skin() const { return T(skin_cells * model.dx); }
 
   std::vector<Solid<T>> solids_near_block(const Grid<T>& grid, std::int32_t b) const {
-    return solids_near_nodes(model, coord(grid, b), 1.5,
-                             3.2);  // half a block's diagonal, and the widest margin
+    constexpr double middle = 1.5, reach = 3.2;  // [cells]: half a block's diagonal, and the widest margin
+    return solids_near_nodes(model, coord(grid, b), middle, reach);
   }
 
   void bound_velocities(Grid<T>& grid, std::int32_t b) const {

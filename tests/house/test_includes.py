@@ -13,7 +13,9 @@ LAYERS = [
     {"constitutive", "transfer", "geometry"},  # laws; particles and grid; shapes
     {"coupling"},  # what snow and solids do to each other
     {"mpm"},  # the step of one particle and one node, from values to values
-    {"cpu", "render"},  # what drives it over all of them; what draws
+    {"cpu/grid", "render"},  # where particles and nodes lie, and how data moves between them; what draws
+    {"cpu"},  # the stages of the step over all of them
+    {"cpu/passes"},  # what is asked of all of them besides
     {"bind"},  # Python
 ]
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
@@ -27,7 +29,7 @@ def includes():
 
 def folder(path):
     """The folder of `core/` that a file is in."""
-    return path.partition("/")[0] if "/" in path else ""
+    return path.rpartition("/")[0]
 
 
 def loop_from(start, graph):

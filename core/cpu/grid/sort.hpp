@@ -8,8 +8,8 @@
 #include <cmath>
 #include <string>
 
-#include "cpu/dispatch.hpp"
 #include "cpu/grid/grid.hpp"
+#include "mpm/dispatch.hpp"
 #include "threads.hpp"
 
 namespace neve {

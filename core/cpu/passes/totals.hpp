@@ -1,9 +1,9 @@
 // Sums over all particles.
 #pragma once
 
-#include "cpu/dispatch.hpp"
 #include "cpu/fields.hpp"
 #include "cpu/material.hpp"
+#include "mpm/dispatch.hpp"
 #include "mpm/energy.hpp"
 #include "threads.hpp"
 

@@ -42,10 +42,19 @@ def to_arrays(state: State) -> dict[str, NDArray[Any]]:
 
 
 def from_arrays(core: Precision, arrays: Mapping[str, NDArray[Any]]) -> State:
-    """Make a state from the arrays of `to_arrays`."""
+    """Make a state from the arrays of `to_arrays`.
+
+    Errors: ValueError for an array of another shape, or of numbers of another kind.
+    """
     state = core.State(len(arrays["m"]), arrays["modes"].shape[1])
     for field in FIELDS:
-        getattr(state, field.name)[...] = arrays[field.name]
+        column, given = getattr(state, field.name), np.asarray(arrays[field.name])
+        if given.shape != column.shape or given.dtype != column.dtype:
+            raise ValueError(
+                f"{field.name} is an array {given.shape} of {given.dtype}: "
+                f"these particles need {column.shape} of {column.dtype}"
+            )
+        column[...] = given
     return state
 
 

@@ -116,3 +116,16 @@ def test_arrays_are_a_copy():
     march(sim, 5)
     np.testing.assert_array_equal(saved["x"], before)
     assert not np.array_equal(np.asarray(sim.state.x), before)
+
+
+def test_arrays_of_others_are_refused():
+    """A simulation is restored from arrays of its own shapes and precision alone: nothing is broadcast."""
+    sim = neve.Simulation(busy("float32", "quadratic", "apic"))
+    arrays = sim.arrays()
+    for name, wrong in (
+        ("x", arrays["x"][:1]),
+        ("J_P", arrays["J_P"].astype(np.float64)),
+        ("v", arrays["m"]),
+    ):
+        with pytest.raises(ValueError, match=f"{name} is an array"):
+            neve.Simulation.restore(sim.scene, {**arrays, name: wrong})
