@@ -10,16 +10,22 @@ class Registry:
     """Map the words of a key of a scene to classes.
 
     key: of the scene, such as "numerics.method". entries: a class for each word, or where it stands as
-    "module:Class", so that it is imported only when it is chosen.
+    "module:Class", so that it is imported only when it is chosen. meanings: of the words, for the pages of
+    the scene format.
     """
 
-    def __init__(self, key: str, entries: dict[str, Any]) -> None:
+    def __init__(self, key: str, entries: dict[str, Any], meanings: dict[str, str]) -> None:
         self.key = key
         self.entries = entries
+        self.meanings = meanings
 
     def names(self) -> tuple[str, ...]:
         """Return the words that may be chosen."""
         return tuple(self.entries)
+
+    def meaning(self) -> str:
+        """Return what the words mean, as `"word": meaning; ...`."""
+        return "; ".join(f'"{word}": {meaning}' for word, meaning in self.meanings.items())
 
     def checked(self, name: str) -> str:
         """Return `name` if it may be chosen. Errors: ValueError that says what is allowed."""
@@ -37,8 +43,10 @@ class Registry:
         return found
 
 
-METHODS = Registry("numerics.method", {"mpm": "neve.mpm.solver:MpmSolver"})
+METHODS = Registry(
+    "numerics.method", {"mpm": "neve.mpm.solver:MpmSolver"}, {"mpm": "the material point method"}
+)
 """The solvers: subclasses of `neve.solver.Solver`."""
 
-DEVICES = Registry("numerics.device", {"cpu": "neve.backend:Cpu"})
-"""Where a solver's stages run: subclasses of `neve.backend.Backend`."""
+DEVICES = Registry("numerics.device", {"cpu": "neve.backend:Cpu"}, {"cpu": "the processor"})
+"""Where a solver's stages run: classes with the methods of `neve.backend.Backend`."""

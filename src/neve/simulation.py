@@ -138,9 +138,9 @@ class Simulation:
 
         Nothing of the state changes, so a change to the same scene changes nothing.
 
-        Errors: SceneError for what a run cannot change, such as numerics.dx (see neve.solver.FIXED).
+        Errors: SceneError for what a run cannot change, such as numerics.dx (see `neve.solver.Solver.fixed`).
         """
-        check_fixed(self.scene, scene)
+        check_fixed(self.solver, scene)
         self.solver.change(scene)
         self._go_on()
 

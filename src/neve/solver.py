@@ -21,18 +21,6 @@ from neve.stage_timer import StageTimer
 
 Arrays = Mapping[str, NDArray[Any]]
 
-FIXED = (
-    "method",
-    "device",
-    "dx",
-    "precision",
-    "particles_per_cell",
-    "sampling",
-    "seed",
-    "initial_volume",
-)
-"""Keys of [numerics] that say how a state was made, or how its arrays look: no run can change them."""
-
 
 class Blowup(RuntimeError):
     """Raised when a run cannot go on: which particle, where, when, and what to change, in one sentence."""
@@ -76,6 +64,8 @@ class Solver(ABC):
     """What the state consists of."""
     stages: ClassVar[tuple[str, ...]] = ()
     """Names of the stages that `timer` measures; each has a column `seconds_NAME` in the log."""
+    fixed: ClassVar[tuple[str, ...]] = ("method", "device", "precision")
+    """Keys of [numerics] that say how a state was made, or how its arrays look: no run can change them."""
     log_columns: ClassVar[tuple[str, ...]] = ()
     """Columns of the log that `log_values` fills, between those of the clock and the seconds. "excess" is
     filled by the run, from `diagnostics` with the members of `neve.diagnostics.Balance`."""
@@ -180,8 +170,8 @@ def _getter(state: Any, name: str) -> Callable[[], Any]:
     return lambda: getattr(state, name)
 
 
-def check_fixed(scene: Scene, new_scene: Scene) -> None:
-    """Refuse a new scene that differs from `scene` in a key of FIXED. Errors: SceneError."""
-    for key in FIXED:
-        if getattr(new_scene.numerics, key) != getattr(scene.numerics, key):
+def check_fixed(solver: Solver, new_scene: Scene) -> None:
+    """Refuse a new scene for `solver` that differs in one of its `fixed` keys. Errors: SceneError."""
+    for key in solver.fixed:
+        if getattr(new_scene.numerics, key) != getattr(solver.scene.numerics, key):
             raise SceneError(f"numerics.{key} cannot change while a run goes on; start it anew")

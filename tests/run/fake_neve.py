@@ -18,7 +18,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from neve.mpm.solver import MpmSolver
-from neve.mpm.step import STAGES
 
 PAUSE = float(os.environ.get("NEVE_FAKE_PAUSE", "0"))  # seconds of wall time a frame takes
 
@@ -53,7 +52,7 @@ class Simulation:
             bound="",
             rejected=0,
             steps=0,
-            stage_seconds=dict.fromkeys(STAGES, 0.0),
+            stage_seconds=dict.fromkeys(MpmSolver.stages, 0.0),
         )
 
     def columns(self):
@@ -91,7 +90,7 @@ class Simulation:
             rejected=0,
             steps=4,
             exchanged=np.full((len(self.scene.colliders), 7), self.time),
-            stage_seconds=dict.fromkeys(STAGES, 0.1),
+            stage_seconds=dict.fromkeys(MpmSolver.stages, 0.1),
         )
 
     def solids(self):

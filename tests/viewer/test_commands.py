@@ -107,12 +107,14 @@ def test_another_kind_of_snow_brings_its_constants():
 
 def test_what_acts_at_once():
     """Constants, friction, gravity and transfer act on a run; what the state was made of waits."""
+    scene = load("throw_ball")
     assert all(
-        change.is_live(path)
+        change.is_live(scene, path)
         for path in ("snow.E0", "colliders.0.mu_c", "world.gravity", "numerics.transfer", "sources.0.snow.xi")
     )
     assert not any(
-        change.is_live(path) for path in ("numerics.dx", "numerics.seed", "sources.0.radius", "run.fps")
+        change.is_live(scene, path)
+        for path in ("numerics.dx", "numerics.seed", "sources.0.radius", "run.fps")
     )
 
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from neve import _core
 from neve.bench.spread import Spread
-from neve.mpm.step import STAGES
 from neve.scene.errors import SceneWarning
 from neve.scene.schema.scene import Body, Camera, Collider, Numerics, Scene, Source
 from neve.simulation import Simulation
@@ -104,7 +103,7 @@ def measure_bodies(
     mesh = sim.solver.solids[-1].mesh
     sim.advance(WARM * DT)
     wall: list[tuple[float, float]] = []
-    growth: dict[str, list[float]] = {stage: [] for stage in STAGES}
+    growth: dict[str, list[float]] = {stage: [] for stage in sim.solver.stages}
     for _ in range(batches):
         arrays = sim.arrays()
         arrays["exchanged"] = arrays["exchanged"][:1]
@@ -112,7 +111,7 @@ def measure_bodies(
         bare.advance(5 * DT)  # what a new grid has to allocate
         times = [_batch(run, steps) for run in (bare, sim)]
         wall.append((times[1], times[0]))
-        for stage in STAGES:
+        for stage in sim.solver.stages:
             growth[stage].append(sim.stats.stage_seconds[stage] - bare.stats.stage_seconds[stage])
     return Share(
         case="bodies",

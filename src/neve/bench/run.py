@@ -19,7 +19,6 @@ from typing import Any
 from neve import _core
 from neve.bench.bodies import Share, measure_bodies
 from neve.bench.spread import Spread
-from neve.mpm.step import STAGES
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Camera, Collider, Numerics, Scene, Source
 from neve.scene.values.choices import SPLINES, TRANSFERS
@@ -94,7 +93,7 @@ def measure(name: str, block: Block, **numerics: Any) -> Speed:
     sim = Simulation(scene)
     sim.advance(block.warm * DT)
     wall: list[float] = []
-    stages: dict[str, list[float]] = {stage: [] for stage in (*STAGES, "other")}
+    stages: dict[str, list[float]] = {stage: [] for stage in (*sim.solver.stages, "other")}
     for _ in range(block.batches):
         begun, steps = perf_counter(), sim.steps
         sim.advance(block.steps * DT)

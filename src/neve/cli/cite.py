@@ -38,7 +38,7 @@ def methods(scene: Scene) -> list[str]:
     laws: list[str] = [snow.law for snow in snows]
     if any(LAWS[snow.law].has_elastic_option and snow.plasticity == "snow" for snow in snows):
         laws.append("snow")
-    names = ["mpm", *laws, scene.numerics.spline, scene.numerics.transfer]
+    names = [scene.numerics.method, *laws, scene.numerics.spline, scene.numerics.transfer]
     if scene.numerics.sampling == "poisson":
         names.append("poisson")
     noises = [scene.completed(source).variation for source in scene.sources]
@@ -52,7 +52,7 @@ def methods(scene: Scene) -> list[str]:
 
 def bibtex(scene: Scene) -> str:
     """Return BibTeX entries for Neve and for every work behind the methods of `scene`."""
-    keys = dict.fromkeys(key for method in methods(scene) for key in METHODS[method])
+    keys = dict.fromkeys(key for method in methods(scene) for key in METHODS.get(method, ()))
     return "\n\n".join([_neve(), *(WORKS[key] for key in keys)]) + "\n"
 
 

@@ -22,7 +22,7 @@ MOST_GAIN = 0.05
 """Growth of energy that is allowed, as a share of all that was put in since the start."""
 
 MOST_SURGE = 0.25
-"""Growth of energy between two looks that is allowed, as a share of what moves and is strained then."""
+"""Growth of energy between two records that is allowed, as a share of what moves and is strained then."""
 
 MOST_STEPS = 20_000
 """Steps after which a scene counts as stuck."""
@@ -33,7 +33,7 @@ class Outcome:
     """What became of one scene.
 
     fault: what went wrong, "" if nothing did; gain: largest growth of energy over all that was put in [1];
-    surge: largest growth between two looks over what moved and was strained then [1]; both are judged
+    surge: largest growth between two records over what moved and was strained then [1]; both are judged
     unless the energy of the transfer has no bound; rejected: steps that were rejected and tried again.
     """
 
@@ -93,7 +93,7 @@ class _Trial:
         if stacked:
             _stack(sim)
         mass = _mass_by_id(sim)
-        self.budget.look(sim.diagnostics())
+        self.budget.record(sim.diagnostics())
         for _ in range(PARTS):
             sim.advance(self.scene.run.duration / PARTS)
             self.steps = sim.steps
@@ -101,7 +101,7 @@ class _Trial:
             fault = _fault(sim, mass)
             if fault:
                 return fault
-            self.budget.look(sim.diagnostics())
+            self.budget.record(sim.diagnostics())
             if self.judged and self.budget.fault():
                 return self.budget.fault()
             if sim.steps > MOST_STEPS:
@@ -114,7 +114,8 @@ class Budget:
 
     Put in are the energy at the start, the work of colliders, and what the snow fell. `gain` compares
     with all of it, and so does not see energy that comes from nowhere after as much was dissipated;
-    `surge` compares two looks, and so does not see what comes between them while as much is dissipated.
+    `surge` compares one record with the next, and so does not see what comes between them while as much
+    is dissipated.
     """
 
     def __init__(self) -> None:
@@ -122,9 +123,9 @@ class Budget:
         self._start: Balance | None = None
         self._put_in = 0.0
 
-    def look(self, moment: Diagnostics) -> None:
-        """Take in the energies of a moment."""
-        now = Balance.of(moment)
+    def record(self, totals: Diagnostics) -> None:
+        """Take in the energies of a state, whose sums are `totals`."""
+        now = Balance.of(totals)
         if self._start is None:
             self._start = self._before = now
             self._put_in = now.kinetic_and_elastic
@@ -141,7 +142,7 @@ class Budget:
         if self.gain > MOST_GAIN:
             return f"energy grew by {100 * self.gain:.3g} % of what was put in"
         if self.surge > MOST_SURGE:
-            return f"energy surged by {100 * self.surge:.3g} % between two looks"
+            return f"energy surged by {100 * self.surge:.3g} % between two records"
         return ""
 
 
@@ -164,9 +165,9 @@ def _mass_by_id(sim: Simulation) -> np.ndarray[tuple[int], np.dtype[np.float64]]
 
 def _fault(sim: Simulation, mass: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
     state = sim.state
-    for name in ("x", "v", "C", "F_E", "J_P"):
-        if not np.all(np.isfinite(getattr(state, name))):
-            return f"{name} is not finite after {sim.steps} steps"
+    for field in sim.solver.fields:
+        if not np.all(np.isfinite(getattr(state, field.name))):
+            return f"{field.name} is not finite after {sim.steps} steps"
     if not np.array_equal(np.sort(state.id), np.arange(len(mass))):
         return "a particle was lost"
     if not np.array_equal(_mass_by_id(sim), mass):

@@ -36,6 +36,7 @@ class MpmSolver(Solver):
 
     fields = FIELDS
     stages = STAGES
+    fixed = (*Solver.fixed, "dx", "particles_per_cell", "sampling", "seed", "initial_volume")
     log_columns = (
         "mass",  # [kg]
         "momentum_x",  # [kg m/s]

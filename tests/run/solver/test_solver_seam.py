@@ -22,6 +22,7 @@ from neve.viewer.players.recorded import Recorded
 from neve.viewer.players.recorder import Recorder
 from neve.viewer.players.snapshot import of_simulation
 from neve.viewer.protocol.state import unframed
+from neve.viewer.tools.change import is_live
 
 G = 9.81
 
@@ -156,6 +157,13 @@ def test_what_it_lacks_is_one_sentence(tmp_path):
         sim.change(sim.scene)
     with pytest.raises(SceneError, match=r"numerics\.method cannot change while a run goes on"):
         sim.change(load("throw_ball"))
+
+
+def test_each_solver_says_what_is_fixed():
+    """The spacing of MPM's grid and particles cannot change in a run; grains have none, so theirs could."""
+    assert not is_live(load("throw_ball"), "numerics.dx")
+    assert is_live(scene(), "numerics.dx")
+    assert not is_live(scene(), "numerics.precision")
 
 
 @pytest.mark.parametrize(("key", "allowed"), [("method", 'use "mpm" or "grains"'), ("device", r'use "cpu"')])

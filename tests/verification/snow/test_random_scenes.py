@@ -51,15 +51,15 @@ def test_energy_from_nowhere_is_seen():
     """At the start against all that was put in, and after dissipation against what still moves."""
     sim = simulate(scene([ball(velocity=(0, 0, -3))], [{"shape": "plane", "point": (0, 0, -0.16)}]))
     budget = Budget()
-    budget.look(sim.diagnostics())
+    budget.record(sim.diagnostics())
     sim.state.v[:] *= 1.03  # 6 % more than was put in, but only 6 % of what moves
-    budget.look(sim.diagnostics())
+    budget.record(sim.diagnostics())
     assert "put in" in budget.fault()
     budget = Budget()
-    budget.look(sim.diagnostics())
+    budget.record(sim.diagnostics())
     sim.advance(0.05)  # the ball is crushed and keeps a part of its energy
-    budget.look(sim.diagnostics())
+    budget.record(sim.diagnostics())
     assert budget.fault() == ""
     sim.state.v[:] *= 1.5
-    budget.look(sim.diagnostics())
-    assert "between two looks" in budget.fault()
+    budget.record(sim.diagnostics())
+    assert "between two records" in budget.fault()

@@ -7,6 +7,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
+from neve.registry import DEVICES, METHODS
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.material import Overrides, Snow, most_strength, problem
@@ -61,8 +62,8 @@ class World(Part):
 class Numerics(Part):
     """Choose how the equations are solved."""
 
-    method: Method = entry("mpm", 'How snow is simulated: "mpm", the material point method.', "")
-    device: Device = entry("cpu", 'Where the step is computed: "cpu", the processor.', "")
+    method: Method = entry(METHODS.names()[0], f"How snow is simulated. {METHODS.meaning()}.", "")
+    device: Device = entry(DEVICES.names()[0], f"Where the step is computed. {DEVICES.meaning()}.", "")
     dx: Real = entry(
         0.05, "Grid spacing; half of it means eight times as many particles.", "m", gt=0, le=1000
     )

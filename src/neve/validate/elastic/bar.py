@@ -115,7 +115,7 @@ def _march(sim: Any, omega: float, dt: float, steps: int) -> Vibration:
     v0 = STRAIN * omega / k
     z = np.asarray(sim.state.x)[:, 2]
     sim.state.v[:, 2] = v0 * np.cos(0.5 * omega * dt) * np.sin(k * z)
-    if sim.solver.model.native.keeps_C:
+    if TRANSFERS[sim.scene.numerics.transfer].keeps_C:
         sim.state.C[:, 2, 2] = v0 * np.cos(0.5 * omega * dt) * k * np.cos(k * z)
     start = column(sim, "x")[:, 2]
     m = column(sim, "m")

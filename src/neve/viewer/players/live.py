@@ -255,7 +255,7 @@ class Live(Player):
 
     def _set(self, path: str, value: Any) -> None:
         new_scene = changed(self.scene, path, value)
-        if is_live(path):
+        if is_live(self.scene, path):
             self._sim.change(changed(self._sim.scene, self._running(path), value))
         self._take_scene(new_scene)
 
@@ -270,7 +270,7 @@ class Live(Player):
 
     def _enlarge(self, path: str) -> None:
         new_scene = edit.enlarged(self.scene, path)
-        if is_live(path):
+        if is_live(self.scene, path):
             self._sim.change(edit.enlarged(self._sim.scene, self._running(path)))
         self._take_scene(new_scene)
 
@@ -279,7 +279,7 @@ class Live(Player):
         if name.startswith("sources.") and name.count(".") == 1:
             self.scene = new_scene
             self._begin()  # whose snow is whose is known at the start alone
-        elif is_live(name):
+        elif is_live(self.scene, name):
             self._sim.change(edit.deleted(self._sim.scene, self._running(name)))
         self._take_scene(new_scene)
 

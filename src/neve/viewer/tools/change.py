@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from neve.registry import METHODS
 from neve.scene.errors import SceneError
 from neve.scene.reading.files import KEYS as FILE_KEYS
 from neve.scene.reading.files import OWN
 from neve.scene.reading.load import scene_from
 from neve.scene.reading.paths import follow
 from neve.scene.schema.scene import Scene
-from neve.solver import FIXED
+from neve.solver import Solver
 
 
 def changed(scene: Scene, path: str, value: Any) -> Scene:
@@ -38,11 +39,12 @@ def checked(tables: Mapping[str, Any]) -> Scene:
         raise SceneError(str(error).removeprefix(": ")) from None
 
 
-def is_live(path: str) -> bool:
-    """Return whether a change of the value at `path` acts on a run that goes on."""
+def is_live(scene: Scene, path: str) -> bool:
+    """Return whether a change of the value at `path` acts on a run of `scene` that goes on."""
     first, _, rest = path.partition(".")
     if first == "numerics":
-        return rest not in FIXED
+        solver: type[Solver] = METHODS.get(scene.numerics.method)
+        return rest not in solver.fixed
     return first not in ("sources", "run") or path.split(".")[2:3] == ["snow"]
 
 

@@ -27,11 +27,11 @@ def panel(scene: Scene) -> list[Section]:
     """Return the sections of the panel; one that lies in another comes after it."""
     sections: list[Section] = []
     for name in SECTIONS:
-        sections += _sections(name, name, getattr(scene, name), "", "")
+        sections += _sections(scene, name, name, getattr(scene, name), "", "")
     for name in entry_lists():
         for i, entry in enumerate(getattr(scene, name)):
             kind = getattr(entry, "shape", "") or Path(getattr(entry, "file", "")).name
-            sections += _sections(f"{name}.{i}", f"{name}.{i} {kind}".strip(), entry, "", "delete")
+            sections += _sections(scene, f"{name}.{i}", f"{name}.{i} {kind}".strip(), entry, "", "delete")
     return sections
 
 
@@ -46,7 +46,7 @@ def entry_lists() -> list[str]:
     return [name for name, field in fields if shapes(field.annotation) or table_of_list(field.annotation)]
 
 
-def _sections(path: str, title: str, table: BaseModel, parent: str, can: Can) -> list[Section]:
+def _sections(scene: Scene, path: str, title: str, table: BaseModel, parent: str, can: Can) -> list[Section]:
     """Return the section of a table, and after it those of the tables in it."""
     fields: list[Field] = []
     inner: list[Section] = []
@@ -56,15 +56,15 @@ def _sections(path: str, title: str, table: BaseModel, parent: str, can: Can) ->
         where, value = f"{path}.{name}", getattr(table, name)
         control = _control(field, value)
         if control is not None:
-            fields.append(_field(where, name, field, value, control))
+            fields.append(_field(scene, where, name, field, value, control))
         elif table_of_list(field.annotation):
             inner.append(_bare(where, name, field.description or "", path, "add"))
             for i, entry in enumerate(value):
-                inner += _sections(f"{where}.{i}", f"{name}.{i}", entry, where, "delete")
+                inner += _sections(scene, f"{where}.{i}", f"{name}.{i}", entry, where, "delete")
         elif part(field.annotation) and value is None:
             inner.append(_bare(where, name, field.description or "", path, "add"))
         elif part(field.annotation):
-            inner += _sections(where, name, value, path, "delete" if field.default is None else "")
+            inner += _sections(scene, where, name, value, path, "delete" if field.default is None else "")
     head = _bare(path, title, _about(type(table)), parent, can)
     head["fields"] = fields
     return [head, *inner]
@@ -74,7 +74,7 @@ def _bare(path: str, title: str, text: str, parent: str, can: Can) -> Section:
     return {"path": path, "title": title, "text": text, "parent": parent, "can": can, "fields": []}
 
 
-def _field(path: str, name: str, field: FieldInfo, value: Any, control: Control) -> Field:
+def _field(scene: Scene, path: str, name: str, field: FieldInfo, value: Any, control: Control) -> Field:
     return {
         "path": path,
         "name": name,
@@ -84,7 +84,7 @@ def _field(path: str, name: str, field: FieldInfo, value: Any, control: Control)
         "source": source(field),
         "default": _plain(field.default),
         "value": _plain(value),
-        "live": is_live(path),
+        "live": is_live(scene, path),
         **control,
     }
 
