@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 PATH = Path("docs") / "images" / "architecture.svg"  # from the root of the checkout
 PACKAGE = "neve"
 WITHOUT = {"__init__", "assets"}
-CALM = 0.9
+DAMPING = 0.9
 """Place of a room over the mean place of its neighbours [1]: below 1, so that all stays together."""
 MODULES = {"_core": "core/bind", "_render": "core/bind", "_cpu": "core/bind"}
 """Extension modules -> the room of the core that binds them."""
@@ -175,7 +175,7 @@ def columns(points: dict[str, int], chains: list[list[str]], sweeps: int = 100) 
         for number in side:
             near = {name: [x[other] for other in joined[name]] for name in rows[number]}
             ideal = {
-                name: CALM * sum(found) / len(found) if found else x[name] for name, found in near.items()
+                name: DAMPING * sum(found) / len(found) if found else x[name] for name, found in near.items()
             }
             order = sorted(rows[number], key=lambda name: (ideal[name], name))
             x |= apart(order, ideal)

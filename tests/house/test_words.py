@@ -14,6 +14,10 @@ TEXT = {".toml", ".md", ".txt", ".cff", ".csv", ".bib", ""} | CODE
 PLACES = re.compile(
     r"(?<![\w.])/(?:home|root|Users|work|opt|tmp|mnt|scratch)/|[A-Z]:\\Users|index-url|localhost:"
 )
+FORMER = re.compile(
+    r"\b(?:careful_step|is_bold|Taken|refusals|Ahead|leap|squeeze|culprit|complaints?|Yielding|Ledger|wish)\b"
+)
+"""Names that were replaced by plainer ones."""
 
 
 def texts():
@@ -60,6 +64,18 @@ def test_no_file_names_a_machine():
         if path != Path(__file__)
         for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1)
         if PLACES.search(line)
+    ]
+    assert found == []
+
+
+def test_replaced_names_stay_away():
+    """No code of the package or the core goes back to a name that was replaced."""
+    found = [
+        f"{path.relative_to(ROOT)}: {name}"
+        for folder in ("src", "core")
+        for path in texts()
+        if path.is_relative_to(ROOT / folder) and path.suffix in CODE
+        for name in FORMER.findall(path.read_text(encoding="utf-8"))
     ]
     assert found == []
 

@@ -19,7 +19,7 @@ _ANEW = "start over with --force"
 
 
 class Arrays(dict[str, Any]):
-    """Arrays of a checkpoint by name; one that is asked for and not there is told as a RunError."""
+    """Arrays of a checkpoint by name; asking for one that is not there raises a RunError."""
 
     def __init__(self, path: Path, values: Mapping[str, Any]) -> None:
         super().__init__(values)

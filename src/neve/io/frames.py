@@ -76,7 +76,7 @@ def make_frame(
 
 def frame_of(
     columns: Mapping[str, Callable[[], Any]],
-    bodies: Iterable[tuple[NDArray[Any], NDArray[Any]]],
+    solids: Iterable[tuple[NDArray[Any], NDArray[Any]]],
     time: float,
 ) -> Frame:
     """Copy a moment of any solver as a frame, from what it lets draw (see `neve.solver.Solver.columns`).
@@ -86,7 +86,7 @@ def frame_of(
     x, id = np.asarray(columns["x"]()), np.asarray(columns["id"]())
     J_P = columns["J_P"]() if "J_P" in columns else np.ones(len(x), np.float32)
     material = columns["material"]() if "material" in columns else np.zeros(len(x), np.uint16)
-    return make_frame(x, columns["v"](), J_P, id, material, bodies, time)
+    return make_frame(x, columns["v"](), J_P, id, material, solids, time)
 
 
 def write_frame(folder: Path, frame: int, content: Frame) -> None:

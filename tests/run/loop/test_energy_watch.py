@@ -1,4 +1,4 @@
-"""Growth of energy that nothing accounts for: booked in each row of the log, told once."""
+"""Growth of energy that nothing accounts for: a value in each row of the log, one warning."""
 
 import logging
 from types import SimpleNamespace
@@ -27,7 +27,7 @@ def test_excess_is_what_nothing_accounts_for(caplog):
 
 
 def test_growth_is_told_once(caplog):
-    """5 J more of 115 J that move: told with frame, amount and remedy; the next time it is only booked."""
+    """5 J more of 115 J that move: one warning with frame, amount and remedy; then the log alone."""
     watch = EnergyWatch(None)
     with caplog.at_level("WARNING", logger="neve"):
         watch.excess(moment(), 6)

@@ -130,7 +130,7 @@ def test_source_with_a_kind_or_another_law_starts_anew() -> None:
 @pytest.mark.parametrize("changes", CHANGES)
 @pytest.mark.parametrize("name", SNOWS)
 def test_snow_of_a_source_is_as_if_written_down(name: str, changes: dict[str, Any]) -> None:
-    """`but` skips validation; what it makes passes it unchanged and without complaint."""
+    """`but` skips validation; what it makes passes it unchanged."""
     snow = Snow.model_validate({"kind": name})
     if "plasticity" in changes and not LAWS[snow.law].has_elastic_option:
         assert problem(snow.but(Overrides.model_validate(changes)), changes) is not None

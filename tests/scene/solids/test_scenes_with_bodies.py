@@ -97,7 +97,7 @@ def test_the_cannonball_smashes_the_castle():
     """The tower that is hit loses its top, the one in the far corner keeps its own, and snow flies.
 
     Snow and ball share their momentum: the ball has lost at least a fifth of its speed, and what it lost
-    is what the snow took, by the impulses that the step has booked (gravity takes part only along z).
+    is what the snow took, by the impulses that they exchanged (gravity takes part only along z).
     """
     scene = load("castle")
     ball = scene.bodies[0]

@@ -1,4 +1,4 @@
-"""A ball that falls on snow: denser and higher is deeper, and the books of contact hold its energy."""
+"""A ball that falls on snow: denser and higher is deeper, and the work it exchanges is its energy."""
 
 import numpy as np
 import pytest
@@ -24,9 +24,9 @@ def test_monotone(runs):
 
 
 def test_energy(runs):
-    """m g (H + d) is the work on the snow, from the books, and what little the ball kept.
+    """m g (H + d) is the work on the snow, as exchanged, and what little the ball kept.
 
-    Work is booked with the velocity after a step: of n equal changes of v the books miss 1 / (2 n) of the
+    Work is counted with the velocity after a step: of n equal changes of v it misses 1 / (2 n) of the
     energy, and the first steps' changes are larger. With n > 100: 1 %.
     """
     for run in runs.values():

@@ -38,7 +38,7 @@ def momentum(sim):
 def test_momentum(precision, eps, density, mode):
     """Without gravity snow and body together keep their momentum to rounding, at any ratio of masses.
 
-    Known answer 43 with a body that moves: booked in double from values rounded to eps, so a step adds an
+    Known answer 43 with a body that moves: summed in double from values rounded to eps, so a step adds an
     error of eps sum m |v|, of random sign from particle to particle; steps eps sum m |v| bounds the sum.
     """
     body = block((0.2, 0.3, 0.2), density, mode, x=(0.03, -0.02, 0.13), v=(1.0, 0.3, -4.0), w=(2.0, 1.0, 3.0))

@@ -1,4 +1,4 @@
-"""Known answer 43: what colliders book is what snow has lost, in momentum; and the work they do."""
+"""Known answer 43: what colliders exchange is what snow has lost, in momentum; and the work they do."""
 
 import numpy as np
 from verification.scenes import box, march, scene, simulate
@@ -21,7 +21,7 @@ def squeezed(precision, spline, transfer):
 def test_impulses(precision, spline, transfer, eps):
     """Without gravity the impulses on the colliders add up to minus the change of the snow's momentum.
 
-    Booked in double from values rounded to eps: per step and particle an error of eps m |v| with random sign,
+    Summed in double from values rounded to eps: per step and particle an error of eps m |v| with random sign,
     as in known answer 4, hence steps eps sum m |v|.
     """
     sim = squeezed(precision, spline, transfer)

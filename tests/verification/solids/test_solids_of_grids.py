@@ -87,7 +87,7 @@ def ball(radius, spacing):
 
 @pytest.mark.parametrize("mode", ["sticky", "slip", "separate"])
 def test_a_ball_of_triangles_is_a_ball(core, precision, mode):
-    """Its impulse and moment in the books are the ball's within what its faces and blends tilt.
+    """The impulse and moment it exchanges are the ball's within what its faces and blends tilt.
 
     A face lies s = 0.3 mm inside the ball of 0.3 m, so normals, differences over 2 h, tilt by up to
     sqrt(3) s / 2h = 2 %; impulses of nodes and particles err by that, their sum by less. Blends add h^2 / 4 r

@@ -22,7 +22,7 @@ const HELP_FOR_THUMBS =
   "the left thumb steers, the right one drives and brakes\neverything else is in the panel";
 
 async function begin(): Promise<void> {
-  const { settings, complaints } = readAddress(location.hash);
+  const { settings, errors } = readAddress(location.hash);
   const canvas = element("view") as HTMLCanvasElement;
   say("Snow is falling …");
   const demo = await Demo.create(makeRenderer(canvas), settings);
@@ -40,7 +40,7 @@ async function begin(): Promise<void> {
   addEventListener("hashchange", () => location.reload());
   watchContext(canvas, demo);
   const help = matchMedia("(pointer: coarse)").matches ? HELP_FOR_THUMBS : HELP;
-  say(complaints.length > 0 ? complaints.join("\n") : help, complaints.length > 0 ? 12 : 6);
+  say(errors.length > 0 ? errors.join("\n") : help, errors.length > 0 ? 12 : 6);
   run(demo, devices, canvas);
 }
 

@@ -188,7 +188,7 @@ def _outside(constant: Constant, value: float) -> str:
 def _over_limit(snow: _Snow, given: Collection[str]) -> tuple[str, str]:
     """Say which constant puts the thresholds of `snow` over their law's limit, and how far it may go.
 
-    What counts is told from the limit itself: each constant is moved a little.
+    What counts is found from the limit itself: each constant is moved a little.
     """
     law, now = LAWS[snow.law], snow.constants()
     most = law.most_strength(now)

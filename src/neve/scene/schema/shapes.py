@@ -34,7 +34,7 @@ ROLES = ("source", "collider", "body")
 class Shape(Part):
     """Hold the size of a shape and where it is; say what follows from that.
 
-    A shape of a formula is told to the core as three half extents along its own axes, `half` [m] (3,); the
+    A shape of a formula is given to the core as three half extents along its own axes, `half` [m] (3,); the
     static methods are functions of these. A shape that is read from a file has neither.
 
     Attributes:

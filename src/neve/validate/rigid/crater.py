@@ -32,7 +32,7 @@ class Fall:
         depth: of the ball's lowest point below the surface, where it stops [m]
         way: H + depth, how far it fell in all [m]
         energy: m g (H + depth) [J]
-        work: of the ball on the snow, from the books of contact [J]
+        work: of the ball on the snow, from what they exchanged [J]
         left: kinetic energy of the ball at the end [J]
     """
 

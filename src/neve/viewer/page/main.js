@@ -91,7 +91,7 @@ export class App {
     this.state = state;
     if (!this.scene) return;
     this.stage.show(state);
-    this.bar.showMoment(state);
+    this.bar.showState(state);
     document.body.dataset.time = String(state.time);
     document.body.dataset.particles = String(state.n);
     byId("cover").classList.add("gone");

@@ -146,7 +146,7 @@ class Replay {
       facts: {},
     };
     this.stage.show(state);
-    this.bar.showMoment(state);
+    this.bar.showState(state);
     document.body.dataset.time = String(state.time);
   }
 

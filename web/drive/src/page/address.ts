@@ -4,22 +4,22 @@ import type { ChoiceName, QuantityName, Settings } from "../settings";
 /**
  * The settings in an address: what differs from the defaults, as `#depth=0.6&type=powder`.
  * What an address holds is checked: an unknown name, a word that is no number or a value out of range is left out
- * and told in one sentence each.
+ * and gives one sentence each.
  */
 export interface Read {
   readonly settings: Settings;
-  readonly complaints: readonly string[];
+  readonly errors: readonly string[];
 }
 
 /** Read settings from the part of an address after `#`. */
 export function readAddress(hash: string): Read {
   const settings: Record<string, number | string> = defaults();
-  const complaints: string[] = [];
+  const errors: string[] = [];
   for (const [name, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
-    const complaint = take(settings, name, text);
-    if (complaint) complaints.push(complaint);
+    const error = take(settings, name, text);
+    if (error) errors.push(error);
   }
-  return { settings: settings as Settings, complaints };
+  return { settings: settings as Settings, errors };
 }
 
 /** Write settings into the part of an address after `#`: empty if nothing differs from the defaults. */

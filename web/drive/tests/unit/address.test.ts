@@ -6,7 +6,7 @@ import type { QuantityName } from "../../src/settings";
 describe("address", () => {
   it("is empty for the defaults, and nothing reads as the defaults", () => {
     expect(writeAddress(defaults())).toBe("");
-    expect(readAddress("")).toEqual({ settings: defaults(), complaints: [] });
+    expect(readAddress("")).toEqual({ settings: defaults(), errors: [] });
     expect(readAddress("#").settings).toEqual(defaults());
   });
 
@@ -18,7 +18,7 @@ describe("address", () => {
       settings.drive = "rear";
       settings.detail = "low";
       settings.resolution = "256";
-      expect(readAddress(`#${writeAddress(settings)}`)).toEqual({ settings, complaints: [] });
+      expect(readAddress(`#${writeAddress(settings)}`)).toEqual({ settings, errors: [] });
     }
   });
 
@@ -32,8 +32,8 @@ describe("address", () => {
     ["constructor=1", "There is no setting constructor."],
     ["__proto__=1", "There is no setting __proto__."],
   ])("refuses %s in one sentence and keeps the rest", (hash, sentence) => {
-    const { settings, complaints } = readAddress(`${hash}&hour=8`);
-    expect(complaints).toEqual([sentence]);
+    const { settings, errors } = readAddress(`${hash}&hour=8`);
+    expect(errors).toEqual([sentence]);
     expect(settings).toEqual({ ...defaults(), hour: 8 });
   });
 });

@@ -3,7 +3,7 @@
 /** @import { Command, Drawn, LegendName, Mode, PlayerState } from "../protocol.js" */
 /** @import { State } from "../draw/snow_cloud.js" */
 /** @import { Child } from "./dom.js" */
-/** @typedef {Pick<State, "n" | "time" | "frame" | "mode" | "limits" | "facts">} Moment what the bar tells */
+/** @typedef {Pick<State, "n" | "time" | "frame" | "mode" | "limits" | "facts">} BarState what the bar shows */
 /**
  * @typedef {object} Host
  * @property {Drawn | null} scene
@@ -49,8 +49,8 @@ export class Bar {
     this.playing = false;
     this.pictures = new Rate();
     this.updates = new Rate();
-    /** @type {Moment | null} */
-    this.moment = null;
+    /** @type {BarState | null} */
+    this.state = null;
     this.shown = 0; // clock of the last figures [ms]
     this.legendKey = "";
     this.play = button("play", "Play or pause (space)", () => this.toggle());
@@ -105,21 +105,21 @@ export class Bar {
     this.timeline.max = String(Math.max(0, player.frames - 1));
   }
 
-  /** @param {Moment} moment */
-  showMoment(moment) {
+  /** @param {BarState} state */
+  showState(state) {
     this.updates.add();
-    if (document.activeElement !== this.timeline || this.playing) this.timeline.value = String(moment.frame);
-    this.clock.textContent = `${moment.time.toFixed(3)} s · ${moment.frame}`;
-    this.moment = moment;
-    this.showLegend(moment);
+    if (document.activeElement !== this.timeline || this.playing) this.timeline.value = String(state.frame);
+    this.clock.textContent = `${state.time.toFixed(3)} s · ${state.frame}`;
+    this.state = state;
+    this.showLegend(state);
   }
 
   /** Show the figures, four times a second. */
   tick() {
     const now = performance.now();
-    if (!this.moment || now - this.shown < 250) return;
+    if (!this.state || now - this.shown < 250) return;
     this.shown = now;
-    const { n, facts } = this.moment;
+    const { n, facts } = this.state;
     /** @type {[string, string][]} */
     const lines = [
       [this.pictures.text(), "pictures/s"],
@@ -158,22 +158,22 @@ export class Bar {
     box.append(bar, names);
   }
 
-  /** @param {Moment} moment */
-  showLegend(moment) {
+  /** @param {BarState} state */
+  showLegend(state) {
     const root = byId("legend");
-    const mode = this.host.scene?.modes.find((m) => m.name === moment.mode);
-    root.hidden = !mode || moment.mode === "snow";
+    const mode = this.host.scene?.modes.find((m) => m.name === state.mode);
+    root.hidden = !mode || state.mode === "snow";
     if (root.hidden || !mode) {
       this.legendKey = "";
       return;
     }
-    const key = JSON.stringify([moment.mode, moment.limits, mode.names]);
+    const key = JSON.stringify([state.mode, state.limits, mode.names]);
     if (key === this.legendKey) return;
     this.legendKey = key;
     const title = make("div", {}, mode.label + (mode.unit && mode.unit !== "1" ? ` [${mode.unit}]` : ""));
     root.replaceChildren(
       title,
-      ...(mode.classes ? mode.names.map(legendName) : legendRamp(mode, moment.limits)),
+      ...(mode.classes ? mode.names.map(legendName) : legendRamp(mode, state.limits)),
     );
   }
 }

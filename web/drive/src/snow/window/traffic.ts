@@ -12,7 +12,7 @@ import { TILE, tileKey, tileRect, type Tile, type TileWindow } from "./tiles";
 const UNSAVED = 2;
 
 /** The snow's clock [s] and the fresh depth of the settings [m]. */
-export interface Moment {
+export interface Conditions {
   readonly now: number;
   readonly depth: number;
 }
@@ -39,30 +39,30 @@ export class TileTraffic {
    * Slide the window to begin at a tile, or make all of it. Returns the tiles that came with tracks, which have to
    * catch up on time; null if the window has to wait for a tile that is still being read back.
    */
-  move(tx: number, tz: number, everything: boolean, moment: Moment): Tile[] | null {
+  move(tx: number, tz: number, everything: boolean, conditions: Conditions): Tile[] | null {
     const { window } = this;
     if (everything) {
       this.lattices.clear();
       // From so far away that no tile stays.
-      window.move(tx + 4 * window.n, tz, moment.now);
-      return this.fill(window.move(tx, tz, moment.now).entered, moment);
+      window.move(tx + 4 * window.n, tz, conditions.now);
+      return this.fill(window.move(tx, tz, conditions.now).entered, conditions);
     }
     if (tx === window.tx && tz === window.tz) return [];
     if (window.entering(tx, tz).some((place) => this.store.expects(tileKey(place)))) return null;
-    const { left, entered } = window.move(tx, tz, moment.now);
+    const { left, entered } = window.move(tx, tz, conditions.now);
     for (const tile of left) {
-      if (tile.touched && tile.changedAt > tile.savedAt) this.keep(tile, moment);
+      if (tile.touched && tile.changedAt > tile.savedAt) this.keep(tile, conditions);
       else this.lattices.delete(tileKey(tile));
     }
-    return this.fill(entered, moment);
+    return this.fill(entered, conditions);
   }
 
   /** Keep a copy of the tile that has gone longest without one, so that a lost context loses little. */
-  save(moment: Moment): void {
+  save(conditions: Conditions): void {
     const stale = ({ touched, changedAt, savedAt }: Tile) =>
-      touched && changedAt > savedAt && moment.now - savedAt > UNSAVED;
+      touched && changedAt > savedAt && conditions.now - savedAt > UNSAVED;
     const tile = this.window.tiles.filter(stale).sort((a, b) => a.savedAt - b.savedAt)[0];
-    if (tile && !this.store.expects(tileKey(tile))) this.keep(tile, moment);
+    if (tile && !this.store.expects(tileKey(tile))) this.keep(tile, conditions);
   }
 
   /** Read texels of the window, given in the world, as (h, W) pairs; null if the context is lost before. */
@@ -76,7 +76,7 @@ export class TileTraffic {
   }
 
   /** Make tiles that entered: fresh ones, and from the store those that had tracks. */
-  private fill(tiles: readonly Tile[], moment: Moment): Tile[] {
+  private fill(tiles: readonly Tile[], conditions: Conditions): Tile[] {
     const { passes, texel } = this;
     const n = passes.snow.width;
     const { x0, z0 } = this.window.rect;
@@ -87,7 +87,7 @@ export class TileTraffic {
     passes.cover.needsUpdate = true;
     passes.draw("bed", passes.bed, slots);
     passes.draw("fresh", passes.snow, slots);
-    return tiles.filter((tile, k) => this.load(tile, slots[k]!, moment.depth));
+    return tiles.filter((tile, k) => this.load(tile, slots[k]!, conditions.depth));
   }
 
   private setCover(tile: Tile, slot: Rect): void {
@@ -114,7 +114,7 @@ export class TileTraffic {
   }
 
   /** Read a tile back into the store. What turns out to be fresh snow is not kept. */
-  private keep(tile: Tile, { now, depth }: Moment): void {
+  private keep(tile: Tile, { now, depth }: Conditions): void {
     const key = tileKey(tile);
     const time = tile.settledAt;
     const lattice = this.lattices.get(key);

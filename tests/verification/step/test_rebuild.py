@@ -1,4 +1,4 @@
-"""A run that is altered while it goes on: other constants for the same snow, and more snow."""
+"""A run whose scene changes while it goes on: other constants for the same snow, and more snow."""
 
 import math
 import warnings
@@ -30,9 +30,9 @@ def moving(**changes):
 
 def test_a_change_to_the_same_scene_changes_no_bit():
     """20 + 20 steps with `change` between them end in the bits of 20 + 20 steps without."""
-    plain, altered = moving(), moving()
-    altered.change(falling())
-    for a, b in zip(columns(march(plain, 20)).values(), columns(march(altered, 20)).values(), strict=True):
+    plain, changed = moving(), moving()
+    changed.change(falling())
+    for a, b in zip(columns(march(plain, 20)).values(), columns(march(changed, 20)).values(), strict=True):
         np.testing.assert_array_equal(a, b)
 
 
