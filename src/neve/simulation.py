@@ -95,6 +95,11 @@ class Simulation:
         """Memory of the particles and of what the steps need [bytes]."""
         return self.solver.bytes
 
+    @property
+    def radius(self) -> float:
+        """Radius of a particle at rest [m], the mean if the solver has one for each."""
+        return float(np.mean(self.solver.radius))
+
     def advance(self, seconds: float, enough: Callable[[], bool] | None = None) -> None:
         """Simulate `seconds` [s] more, in as many substeps as the time step needs.
 

@@ -133,6 +133,14 @@ class Solver(ABC):
         """
         return {field.name: _getter(self.state, field.name) for field in self.fields}
 
+    @property
+    def radius(self) -> float | NDArray[Any]:
+        """Radius of the particles [m], one or (n,): half the distance of two that touch, at rest.
+
+        By default what dx and particles_per_cell say. Film and viewer draw all alike, by the mean.
+        """
+        return self.scene.numerics.spacing / 2
+
     # Solids
 
     @property

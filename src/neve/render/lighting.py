@@ -37,17 +37,22 @@ def sky_color(light: Light) -> Triple:
     return _scaled(light.sky_color, _SKY * light.sky_strength)
 
 
-def particle_volume(numerics: Numerics) -> float:
-    """Return the volume of one particle at rest, dx^3 over the particles of a cell [m3]."""
-    return numerics.dx**3 / numerics.particles_per_cell
+def particle_volume(numerics: Numerics, radius: float | None = None) -> float:
+    """Return the volume that one particle takes at rest [m3]: dx^3 over the particles of a cell.
+
+    radius: of the particles [m], of a solver that has its own: they take the cube of twice as much.
+    """
+    if radius is None or 2 * radius == numerics.spacing:  # alike but for rounding, which pictures show
+        return numerics.dx**3 / numerics.particles_per_cell
+    return (2 * radius) ** 3
 
 
-def density_cell(numerics: Numerics) -> float:
+def density_cell(numerics: Numerics, radius: float | None = None) -> float:
     """Return the cell size of the density that light passes through [m].
 
     Fine enough for shadows of clods, coarse enough that solid snow has no holes.
     """
-    return max(0.75 * numerics.dx, 1.5 * math.cbrt(particle_volume(numerics)))
+    return max(0.75 * numerics.dx, 1.5 * math.cbrt(particle_volume(numerics, radius)))
 
 
 def is_ground(solid: Solid) -> bool:

@@ -35,17 +35,25 @@ class Preview:
     grains at fixed places around it. The same input gives the same bytes for any number of threads.
     """
 
-    def __init__(self, scene: Scene, width: int = 1280, height: int = 720, threads: int = 0) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        width: int = 1280,
+        height: int = 720,
+        threads: int = 0,
+        radius: float | None = None,
+    ) -> None:
         """Prepare the camera and the light.
 
-        scene: the scene; its numerics say how large a particle is. width, height: of the picture [px].
+        scene: the scene; its numerics say how large a particle is, unless `radius` [m] does.
+        width, height: of the picture [px].
         threads: at most this many; 0 means as many as OpenMP takes by itself.
         """
         camera, light, numerics = scene.camera, scene.light, scene.numerics
         self.size = (width, height)
         self.threads = threads
-        self.volume = particle_volume(numerics)
-        self.cell_size = density_cell(numerics)
+        self.volume = particle_volume(numerics, radius)
+        self.cell_size = density_cell(numerics, radius)
         self._meshes: dict[int, tuple[object, _render.Mesh]] = {}
         self._painter = _render.Painter(
             _render.Camera(camera.position, camera.target, camera.up, camera.fov, width, height),

@@ -130,6 +130,7 @@ def _run(
             done=done,
             redraw=checkpoint is not None and not is_drawn_alike(checkpoint.scene, toml),
             threads=sim.threads,
+            radius=sim.radius,
             reserved={*RESERVED, *usual_files(BUILT_IN)},
         )
         with contextlib.ExitStack() as stack:

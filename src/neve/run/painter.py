@@ -25,7 +25,7 @@ class Painter:
     """Draw frames with the camera and the light of a scene.
 
     solids: colliders and bodies, in the order of the poses in a frame. threads: None or 0 for all.
-    size: width and height [pixels], SIZE by default
+    size: width and height [pixels], SIZE by default. radius: of a particle [m], by default as the scene says
 
     It draws what a frame file holds, so that a film drawn afterwards is the same film.
     """
@@ -36,17 +36,19 @@ class Painter:
         solids: Sequence[Solid],
         threads: int | None = None,
         size: tuple[int, int] | None = None,
+        radius: float | None = None,
     ) -> None:
         self.size = size or SIZE
         self._scene = scene
         self._solids = solids
         self._threads = threads or 0
+        self._radius = radius
 
     @functools.cached_property
     def _preview(self) -> Preview:
         from neve.render.preview import Preview
 
-        return Preview(self._scene, *self.size, threads=self._threads)
+        return Preview(self._scene, *self.size, threads=self._threads, radius=self._radius)
 
     def draw(self, content: Frame) -> NDArray[np.uint8]:
         """Return the image of a frame, (height, width, 3)."""

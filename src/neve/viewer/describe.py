@@ -23,7 +23,13 @@ def describe(player: Player) -> messages.SceneMessage:
     """Return the message of kind "scene", all that a page needs beside the snapshots."""
     scene = player.scene
     return {
-        **drawn(player.name, scene, player.solids(), described(player.color_modes(), player.running())),
+        **drawn(
+            player.name,
+            scene,
+            player.solids(),
+            described(player.color_modes(), player.running()),
+            player.radius(),
+        ),
         "kind": "scene",
         "number": player.number,
         "live": player.live,
@@ -34,9 +40,12 @@ def describe(player: Player) -> messages.SceneMessage:
     }
 
 
-def drawn(name: str, scene: Scene, solids: tuple[Solid, ...], modes: list[messages.Mode]) -> messages.Drawn:
+def drawn(
+    name: str, scene: Scene, solids: tuple[Solid, ...], modes: list[messages.Mode], radius: float
+) -> messages.Drawn:
     """Return what is drawn beside the particles: camera, light, solids, and how large a particle is.
 
+    `radius`: of a particle [m].
     Light is in the units of the film (neve.render), whose curve the page uses as well.
     """
     camera = scene.camera
@@ -45,8 +54,8 @@ def drawn(name: str, scene: Scene, solids: tuple[Solid, ...], modes: list[messag
         "about": scene.about,
         "fps": scene.run.fps,
         "dx": scene.numerics.dx,
-        "spacing": scene.numerics.spacing,
-        "cell": density_cell(scene.numerics),
+        "spacing": 2 * radius,
+        "cell": density_cell(scene.numerics, radius),
         "camera": {
             "position": camera.position, "target": camera.target, "up": camera.up,
             "fov": camera.fov,

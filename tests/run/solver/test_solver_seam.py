@@ -1,11 +1,14 @@
-"""A solver of thirty lines is run, filmed, viewed, resumed and logged, with nothing changed outside of it."""
+"""A solver of fifty lines is run, filmed, viewed, resumed and logged, with nothing changed outside of it."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from viewer.conftest import converse
 
 import neve
+from neve.build import coupled
+from neve.colliders.motion import pose
 from neve.io.errors import RunError
 from neve.io.frames import read_frame
 from neve.io.log import read_log
@@ -17,18 +20,20 @@ from neve.scene.reading.load import load, scene_from, to_toml
 from neve.solver import Field, Solver, StepSummary
 from neve.viewer.encode import encode
 from neve.viewer.modes import Scale
-from neve.viewer.players.live import Live
 from neve.viewer.players.recorded import Recorded
-from neve.viewer.players.recorder import Recorder
 from neve.viewer.players.snapshot import of_simulation
 from neve.viewer.protocol.state import unframed
+from neve.viewer.show import prepare
 from neve.viewer.tools.change import is_live
 
 G = 9.81
+BALL = {"shape": "sphere", "radius": 0.3, "center": [0, 0, 2]}
+FLOOR = {"colliders": [{"shape": "plane"}]}
+RADIUS, MASS = 0.02, 0.01
 
 
 class Grains(Solver):
-    """Grains that fly: v += g dt, x += v dt."""
+    """Grains of RADIUS [m] and MASS [kg] that fly, v += g dt, x += v dt, and that planes and spheres stop."""
 
     fields = (
         Field("x", (3,), "m", "float64", "position"),
@@ -36,14 +41,28 @@ class Grains(Solver):
         Field("id", (), "", "int64", "number"),
     )
     stages = ("fly",)
+    solids = ()
     log_columns = ("grains", "height")
 
     def __init__(self, scene, saved=None):
         super().__init__(scene, saved)
+        self.solids, self.rigid = coupled(scene)
+        if saved is not None and self.rigid:
+            self.rigid.restore(saved)
         if saved is None:
             x = np.concatenate([fill(s, scene.numerics, i).x for i, s in enumerate(scene.sources)])
             saved = {"x": x, "v": np.zeros_like(x), "id": np.arange(len(x))}
         self.state = SimpleNamespace(**{field.name: np.array(saved[field.name]) for field in self.fields})
+
+    def poses(self, time):
+        return [pose(c, time) for c in self.scene.colliders] + (self.rigid.poses() if self.rigid else [])
+
+    @property
+    def radius(self):
+        return np.full(self.count, RADIUS)
+
+    def save(self):
+        return super().save() | (self.rigid.save() if self.rigid else {})
 
     def step(self, steps, time, remaining):
         dt = min(1e-3, remaining)
@@ -51,6 +70,22 @@ class Grains(Solver):
             self.state.v += dt * np.array(self.scene.world.gravity)
             self.state.x += dt * self.state.v
         return StepSummary(dt, "grains", 0)
+
+    def end_step(self, steps, time, dt):
+        exchanged = np.zeros((len(self.solids), 7))
+        for row, solid, at in zip(exchanged, self.solids, self.poses(time), strict=True):
+            arm = self.state.x - at.position
+            far = np.linalg.norm(arm, axis=1, keepdims=True)
+            normal = at.rotation[:, 2] + 0 * arm if solid.endless else arm / far
+            depth = solid.half[0] + RADIUS - (arm * normal).sum(axis=1)
+            speed = ((self.state.v - at.velocity) * normal).sum(axis=1)
+            push = np.where((depth > 0) & (speed < 0), -speed, 0)[:, None] * normal
+            self.state.v += push
+            row[:3], row[3:6] = -MASS * push.sum(axis=0), -MASS * np.cross(arm, push).sum(axis=0)
+            row[6] = MASS * push.sum(axis=0) @ at.velocity
+        if self.rigid:
+            self.rigid.advance(dt, exchanged[len(self.scene.colliders) :], time - dt)
+        return exchanged
 
     def diagnostics(self, exchanged):
         return {"grains": self.count, "height": float(self.state.x[:, 2].mean())}
@@ -61,12 +96,13 @@ def _registered(monkeypatch):
     monkeypatch.setitem(METHODS.entries, "grains", Grains)
 
 
-def scene(**run):
+def scene(more=(), **run):
     return scene_from(
         {
             "numerics": {"method": "grains", "dx": 0.1},
-            "sources": [{"shape": "sphere", "radius": 0.3, "center": [0, 0, 2]}],
+            "sources": [BALL],
             "run": {"duration": 0.1, "fps": 50, **run},
+            **dict(more),
         },
         where="test",
     )
@@ -127,13 +163,59 @@ def test_it_is_viewed(tmp_path):
     seen = np.array(head["low"]) + np.array(head["step"]) * q[:, :3]
     np.testing.assert_allclose(seen, sim.state.x, atol=0.51 * max(head["step"]) + 1e-6)
     np.testing.assert_allclose(snapshot.values["speed"], G * 0.05, rtol=1e-5)
-    live = Live("grains", scene(), 1, Recorder(tmp_path))
-    live._begin()
-    live._playing = True
-    while live._frame == 0:
-        live._go_on()
-    assert live.latest.time == pytest.approx(1 / 50)
-    assert live.color_modes() == ["snow", "speed"]
+
+
+def test_a_page_plays_it(tmp_path):
+    """Over the socket: grains as large as the solver says, a frame on command, and the floor beneath."""
+    (tmp_path / "grains.toml").write_text(to_toml(scene(FLOOR)))
+
+    async def talk(page, port):
+        told = page.message("scene")
+        assert told["spacing"] == pytest.approx(2 * RADIUS)
+        assert [mode["name"] for mode in told["modes"]] == ["snow", "speed"]
+        assert [solid["name"] for solid in told["solids"]] == ["colliders.0"]
+        await page.send(do="frame")
+        await page.until(lambda p: p.head["frame"] == 1)
+        assert page.head["time"] == pytest.approx(1 / 50)
+
+    converse(prepare(str(tmp_path / "grains.toml"), out=str(tmp_path / "out"), threads=1), talk)
+
+
+def test_its_picture_has_its_grain_size(tmp_path, monkeypatch):
+    """Grains of twice the radius make another picture of the same places."""
+    pictures = []
+    for radius in (RADIUS, RADIUS, 2 * RADIUS):
+        monkeypatch.setattr(Grains, "radius", radius)
+        folder = tmp_path / f"run{len(pictures)}"
+        run_scene(scene(film=False, duration=0.02), folder, quiet=True)
+        pictures.append((folder / "preview.png").read_bytes())
+    assert pictures[0] == pictures[1] != pictures[2]
+
+
+def test_a_floor_stops_it():
+    """Grains that reach a plane stay on it, and it has taken the momentum that gravity gave them."""
+    sim = neve.Simulation(scene({**FLOOR, "sources": [BALL | {"center": [0, 0, 0.4]}]}))
+    sim.advance(0.5)
+    z, v = sim.state.x[:, 2], sim.state.v[:, 2]
+    assert z.min() > RADIUS - 0.01
+    assert (v == 0).sum() > 0.1 * sim.count
+    assert sim.exchanged[0, 2] == pytest.approx(-MASS * (sim.count * G * 0.5 + v.sum()), rel=1e-9)
+
+
+def test_a_body_loses_what_it_gives():
+    """Without gravity a body that flies into grains loses what they gain; resumed it does so bit by bit."""
+    body = {"shape": "sphere", "radius": 0.2, "density": 400, "center": [0, 0, 1.4], "velocity": [0, 0, 2]}
+    flying = scene({"world": {"gravity": [0, 0, 0]}, "bodies": [body]})
+    sim = neve.Simulation(flying)
+    before = sim.solver.rigid.momentum
+    sim.advance(0.1)
+    half = neve.Simulation.restore(flying, sim.arrays())
+    sim.advance(0.1)
+    half.advance(0.1)
+    gained = MASS * sim.state.v.sum(axis=0)
+    assert gained[2] > 0.05 * before[2]
+    np.testing.assert_allclose(sim.solver.rigid.momentum + gained, before, atol=1e-9 * before[2])
+    np.testing.assert_array_equal(half.state.x, sim.state.x)
 
 
 def test_its_run_is_played(tmp_path):

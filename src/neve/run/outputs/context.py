@@ -59,6 +59,7 @@ class RunContext:
         done: the last frame of a run that is resumed; None if it begins
         redraw: whether camera or light have changed since the frames up to `done` were drawn
         threads: threads to draw with; None: all
+        radius: of a particle [m], as the solver has it; None: as the scene says
         reserved: names of files that no table of one's own may have
     """
 
@@ -70,6 +71,7 @@ class RunContext:
     done: int | None
     redraw: bool = False
     threads: int | None = None
+    radius: float | None = None
     reserved: Collection[str] = ()
     _tables: dict[str, Table] = field(default_factory=dict)
 

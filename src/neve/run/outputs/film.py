@@ -58,7 +58,7 @@ class FilmOutput:
 
         path, fps = run.folder.path / self.name, run.scene.run.fps
         rate = max(1 / schedule.interval(fps), SLOWEST) if isinstance(schedule, Regular) else fps
-        self._painter = Painter(run.seen_from(self._camera), run.solids, run.threads)
+        self._painter = Painter(run.seen_from(self._camera), run.solids, run.threads, radius=run.radius)
         self._frames = _Frames(run.folder.frames, path.with_name(f".{path.name}.parts"), path)
         earlier = run.frames_done(schedule)
         self._next = len(earlier)

@@ -46,7 +46,7 @@ class PictureOutput:
 
     def begin(self, run: RunContext, schedule: Schedule) -> None:
         """Prepare to draw."""
-        self._painter = Painter(run.seen_from(self._camera), run.solids, run.threads)
+        self._painter = Painter(run.seen_from(self._camera), run.solids, run.threads, radius=run.radius)
 
     def write(self, context: FrameContext) -> None:
         """Do nothing: the telling frame is known only at the end."""

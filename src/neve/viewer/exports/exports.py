@@ -101,7 +101,8 @@ class Exports:
         snapshot, solids = self._player.latest, self._player.solids()
         if snapshot is None:
             raise SceneError("there is nothing to see yet")
-        painter = Painter(seen_from(self._player.scene, camera), solids, size=(camera.width, camera.height))
+        scene, size = seen_from(self._player.scene, camera), (camera.width, camera.height)
+        painter = Painter(scene, solids, size=size, radius=self._player.radius())
         positions, rotations = [p for p, _ in snapshot.poses], [R for _, R in snapshot.poses]
         image = painter.draw_arrays(snapshot.x, snapshot.values.get("J_P"), positions, rotations)
         path = free_name(self._folder, "picture", ".png")

@@ -73,7 +73,7 @@ def replay_page(run: RunFolder, progress: Callable[[int, int], None] = lambda do
     keys, packed = _small_enough(places, lambda done: progress(len(frames) + done, 2 * len(frames)))
     modes = described(["snow", "speed"], scene)
     head: ReplayHead = {
-        **drawn(run.path.resolve().name, scene, solids(scene), modes),
+        **drawn(run.path.resolve().name, scene, solids(scene), modes, scene.numerics.spacing / 2),
         "fps": float(frame_rate(numbers, scene.run.fps)),
         "spacing": spacing,
         "n": kept, "low": low, "step": (step, step, step), "keys": keys, "frames": len(frames),

@@ -77,6 +77,10 @@ class Live(Player):
         """Return the names of the colour modes that the solver has columns for."""
         return available(set(self._sim.columns()))
 
+    def radius(self) -> float:
+        """Return the radius of a particle [m] that the solver has."""
+        return self._sim.radius
+
     def running(self) -> Scene:
         """Return the scene whose snow is shown, with what pages have thrown in."""
         return self._sim.scene
@@ -299,7 +303,7 @@ class Live(Player):
         norm = sum(a * a for a in throw.direction) ** 0.5
         if norm < 1e-9:
             return
-        many = 4.2 * (throw.radius / self.scene.numerics.spacing) ** 3
+        many = 4.2 * (throw.radius / (2 * self.radius())) ** 3
         if many > MOST_THROWN:
             raise SceneError(f"a ball of {throw.radius:g} m has {many:.2g} particles: throw a smaller one")
         way = [a / norm for a in throw.direction]

@@ -63,6 +63,10 @@ class Player:
         """Return the solids in the order of a snapshot's poses."""
         raise NotImplementedError
 
+    def radius(self) -> float:
+        """Return the radius of a particle [m], as the scene says unless a solver says it."""
+        return self.scene.numerics.spacing / 2
+
     def running(self) -> Scene:
         """Return the scene whose snow is shown, with what pages have thrown in."""
         return self.scene

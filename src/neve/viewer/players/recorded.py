@@ -116,12 +116,11 @@ class Recorded(Player):
             "material": lambda: frame.material,
             "density": lambda: self._rho0[np.minimum(frame.material, len(self._rho0) - 1)] / frame.J_P,
         }
-        spacing = self.scene.numerics.spacing
         known = set(self.color_modes())
         self._show(
             Snapshot(
                 x=frame.x,
-                values={m: measure(m, columns, spacing) for m in self.modes & known},
+                values={m: measure(m, columns, 2 * self.radius()) for m in self.modes & known},
                 poses=tuple(zip(frame.solid_position, frame.solid_rotation, strict=True)),
                 time=frame.time,
                 frame=self._at,

@@ -55,8 +55,7 @@ def of_simulation(
     """
     columns = sim.columns()
     order = by_birth(np.asarray(columns["id"]()))
-    spacing = sim.scene.numerics.spacing
-    values = {mode: order(measure(mode, columns, spacing)) for mode in modes} | dict(known)
+    values = {mode: order(measure(mode, columns, 2 * sim.radius)) for mode in modes} | dict(known)
     return Snapshot(
         x=order(columns["x"]()),
         values=values,
