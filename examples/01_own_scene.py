@@ -10,8 +10,7 @@ import sys
 from pathlib import Path
 
 import neve
-from neve.scene.reading.load import to_toml
-from neve.scene.schema.scene import Collider, Numerics, Run, Snow, Source
+from neve.scene import Collider, Numerics, Run, Snow, Source, to_toml
 
 scene = neve.Scene(
     about="Letters of snow fall on a soft layer beside a step.",

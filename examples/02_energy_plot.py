@@ -28,4 +28,8 @@ axes.set(xlabel="time [s]", ylabel="energy [J]", title="A snowball hits the grou
 axes.legend()
 figure.savefig("runs/energy.png", dpi=150)
 
-print(f"{1 - total[-1] / total[0]:.0%} of the energy is lost to plastic flow, friction and impact")
+lost = 1 - total[-1] / total[0]
+if lost >= 0:
+    print(f"{lost:.0%} of the energy is lost to plastic flow, friction and impact")
+else:
+    print(f"the sum of the energies grew by {-lost:.1%}")

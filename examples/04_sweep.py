@@ -10,7 +10,7 @@ import sys
 import numpy as np
 
 import neve
-from neve.scene.reading.load import scene_from
+from neve.scene import scene_from
 
 BLOCK = {
     "numerics": {"dx": 0.08},

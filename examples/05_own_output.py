@@ -12,7 +12,7 @@ A scene file can ask for it too, wherever this module has been imported:
 import sys
 
 import neve
-from neve.scene.reading.load import scene_from
+from neve.scene import scene_from
 
 SCENE = {
     "numerics": {"dx": 0.1},

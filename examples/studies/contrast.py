@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from neve.scene.reading.load import scene_from
+from neve.scene import scene_from
 from neve.simulation import Simulation
 
 Array = NDArray[np.float64]

@@ -13,8 +13,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from neve.render.preview import Preview
-from neve.scene.reading.load import scene_from
-from neve.scene.schema.scene import Scene
+from neve.scene import Scene, scene_from
 from neve.scene.schema.snow_kinds import SNOWS
 from neve.simulation import Simulation
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import neve
+import neve.scene
 
 ROOT = Path(__file__).parents[2]
 MODULES = sorted((ROOT / "src/neve").rglob("*.py"))
@@ -29,6 +30,15 @@ def test_import_loads_only_what_a_scene_needs():
     """`import neve` loads numpy and pydantic: no image, film, terminal, window or GPU package."""
     extra = loaded_by("import neve; neve.load; neve.Simulation") - NEEDED - set(sys.stdlib_module_names)
     assert extra == set()
+
+
+def test_names_of_scenes_are_loaded_at_their_first_use():
+    """`import neve.scene` loads no pydantic; each name it offers is there, listed, and no other is."""
+    assert not {"pydantic", "tomli_w"} & loaded_by("import neve.scene")
+    assert set(neve.scene.__all__) <= set(dir(neve.scene))
+    assert all(getattr(neve.scene, name).__name__ == name for name in neve.scene.__all__)
+    with pytest.raises(AttributeError, match=r"'neve\.scene' has no attribute 'Sauce'"):
+        _ = neve.scene.Sauce
 
 
 def test_import_of_one_module_shows_in_the_listing():
