@@ -33,7 +33,7 @@ struct Shared {
 template <class View, class T, class Owner>
 const View* keep(Model<T>& model, std::shared_ptr<Owner> owner) {
   const View view = owner->view();
-  auto shared = std::make_shared<const Shared<Owner, View>>(std::move(owner), view);
+  auto shared = std::make_shared<const Shared<Owner, View>>(Shared<Owner, View>{std::move(owner), view});
   model.shapes.push_back(shared);
   return &shared->view;
 }
