@@ -1,7 +1,13 @@
 """Types of the compiled core; `f32` and `f64` are the same interface in two precisions.
 
 This is the contract of a device (see neve.backend). Units are SI, positions and vectors in world axes, arrays
-in C order; n is the number of particles. "real" is float32 in `f32` and float64 in `f64`.
+in C order; n is the number of particles, or of points where a function takes points. "real" is float32 in
+`f32` and float64 in `f64`.
+
+Arrays go in as NumPy arrays. What a call reads may be of other numbers and in another order: it is converted,
+and copied where the object keeps it, so that later changes do not show. What comes out is a new array, but
+for the arrays of State, which are views. A shape other than the one named here is a TypeError where nothing
+else is said.
 """
 
 from typing import Any, Literal, Protocol
@@ -67,75 +73,175 @@ class Totals:
     """Sum of -m g . x [J]."""
 
 class TriangleMesh:
-    def __init__(self, vertices: Array64, faces: NDArray[np.int32]) -> None: ...
+    """Triangles in their own frame, in a tree of boxes; closed or not, and not to be changed.
+
+    Faces without area do not count. If the volume that the faces enclose is negative, all of them are turned.
+    """
+
+    def __init__(self, vertices: Array64, faces: NDArray[np.int32]) -> None:
+        """Copy vertices (n, 3) [m] and faces (m, 3), rows of vertices.
+
+        Errors: ValueError for a vertex that is not finite or not there, or no face with an area.
+        """
     @property
-    def triangles(self) -> int: ...
+    def triangles(self) -> int:
+        """Number of faces that have an area."""
     @property
-    def skipped(self) -> int: ...
+    def skipped(self) -> int:
+        """Number of faces without area."""
     @property
-    def closed(self) -> bool: ...
+    def closed(self) -> bool:
+        """Whether every edge is passed as often one way as the other; vertices at one place are one."""
     @property
-    def inverted(self) -> bool: ...
+    def inverted(self) -> bool:
+        """Whether the faces looked inwards and were turned."""
     @property
-    def area(self) -> float: ...
+    def area(self) -> float:
+        """Area of all triangles [m2]."""
     @property
-    def volume(self) -> float: ...
+    def volume(self) -> float:
+        """Enclosed volume [m3], never below 0; of an open mesh a guess."""
     @property
-    def low(self) -> Array64: ...
+    def low(self) -> Array64:
+        """Lower corner of the bounds of the triangles, (3,) [m]; a copy."""
     @property
-    def high(self) -> Array64: ...
-    def distance(self, points: Array64) -> Array64: ...
-    def closest(self, points: Array64) -> tuple[Array64, Array64, NDArray[np.int32]]: ...
-    def winding(self, points: Array64, exact: bool = False) -> Array64: ...
-    def signed_distance(self, points: Array64) -> Array64: ...
-    def ray(self, origins: Array64, directions: Array64) -> tuple[Array64, NDArray[np.int32]]: ...
+    def high(self) -> Array64:
+        """Upper corner of the bounds of the triangles, (3,) [m]; a copy."""
+    def distance(self, points: Array64) -> Array64:
+        """Return the distances (n,) [m] from points (n, 3) [m] to the nearest triangle, never below 0."""
+    def closest(self, points: Array64) -> tuple[Array64, Array64, NDArray[np.int32]]:
+        """Return of points (n, 3) [m] what is nearest on the surface.
+
+        Its place (n, 3) [m], its distance (n,) [m] and its row in the faces given (n,).
+        """
+    def winding(self, points: Array64, exact: bool = False) -> Array64:
+        """Return how often the surface winds around points (n, 3) [m]: (n,) [1], 1 inside, 0 outside.
+
+        Where the mesh is open it is between. exact: add up all triangles one by one; otherwise far ones count
+        together, within 0.03.
+        """
+    def signed_distance(self, points: Array64) -> Array64:
+        """Return the distances (n,) [m] of points (n, 3) [m], below 0 where |winding| is above 0.5."""
+    def ray(self, origins: Array64, directions: Array64) -> tuple[Array64, NDArray[np.int32]]:
+        """Return where rays first meet the surface, from either side.
+
+        origins (n, 3) [m], directions (n, 3) of any length. First the way (n,) in lengths of the direction,
+        above 0, or inf; then the row in the faces given (n,), or -1.
+        Errors: ValueError unless there is one direction per origin.
+        """
 
 class SdfGrid:
+    """Signed distance to a mesh and its normal, sampled in the frame of the mesh; not to be changed.
+
+    Bricks of 8^3 cells hold samples wherever the surface is within the band; elsewhere those at the
+    corners of bricks serve.
+    """
+
     @staticmethod
-    def build(mesh: TriangleMesh, spacing: float, band: float, thickness: float = 0.0) -> SdfGrid: ...
+    def build(mesh: TriangleMesh, spacing: float, band: float, thickness: float = 0.0) -> SdfGrid:
+        """Sample the signed distance of `mesh`, which need not live on.
+
+        spacing: of the samples [m]; band: where |distance| is no more, samples have that spacing [m];
+        thickness [m]: above 0, the distance is that to a sheet of this thickness, and no more to a body.
+        Errors: ValueError for a spacing that is not above 0, a band or thickness below 0, or 2^27 bricks and
+        more.
+        """
     @staticmethod
-    def bytes_for(mesh: TriangleMesh, spacing: float, band: float, thickness: float = 0.0) -> int: ...
+    def bytes_for(mesh: TriangleMesh, spacing: float, band: float, thickness: float = 0.0) -> int:
+        """Return the memory that `build` of the same would take [bytes], sooner. Errors: those of `build`."""
     @staticmethod
-    def from_arrays(arrays: dict[str, NDArray[Any]]) -> SdfGrid: ...
-    def arrays(self) -> dict[str, NDArray[Any]]: ...
-    def sample(self, points: Array64) -> tuple[Array64, Array64]: ...
+    def from_arrays(arrays: dict[str, NDArray[Any]]) -> SdfGrid:
+        """Make the grid that `arrays()` came from, with copies of them.
+
+        Errors: KeyError for an array that is missing; RuntimeError for one of another shape; ValueError for
+        arrays that do not fit each other, a brick that is not there, or a spacing that is not above 0.
+        """
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return copies of all that the grid is, for a grid of (a, b, c) bricks, k of them with samples.
+
+        table (a, b, c) int32: row of `fine`, or -1; coarse (a + 1, b + 1, c + 1, 4) float32 at the corners of
+        bricks and fine (k, 9, 9, 9, 4) float32: distance [m] and normal [1]; sizes (13,) float64: first
+        corner of the grid, `low`, `high`, `spacing`, `band`, `thickness` [m], `openness` [1].
+        """
+    def sample(self, points: Array64) -> tuple[Array64, Array64]:
+        """Return signed distances (n,) [m], below 0 inside, and unit normals (n, 3) at points (n, 3) [m].
+
+        Trilinear between samples. Beyond the grid: the distance to a point of the surface, not always the
+        nearest.
+        """
     @property
-    def bytes(self) -> int: ...
+    def bytes(self) -> int:
+        """Memory [bytes]."""
     @property
-    def spacing(self) -> float: ...
+    def spacing(self) -> float:
+        """Spacing of the samples in bricks [m]."""
     @property
-    def band(self) -> float: ...
+    def band(self) -> float:
+        """Largest |distance| around which there are surely bricks [m]."""
     @property
-    def thickness(self) -> float: ...
+    def thickness(self) -> float:
+        """Thickness of the sheet that the surface was taken for [m]; 0: it is the boundary of a body."""
     @property
-    def openness(self) -> float: ...
+    def openness(self) -> float:
+        """Share of samples near the surface that are neither in nor out [1]; 0 for a closed mesh.
+
+        Of those between a spacing and the band (or three spacings) off it, the ones whose winding number is
+        more than 0.25 from a whole number.
+        """
     @property
-    def low(self) -> Array64: ...
+    def low(self) -> Array64:
+        """Lower corner of the bounds of the solid, half a thickness beyond the mesh, (3,) [m]; a copy."""
     @property
-    def high(self) -> Array64: ...
+    def high(self) -> Array64:
+        """Upper corner of the same bounds, (3,) [m]; a copy."""
 
 class HeightField:
-    def __init__(self, heights: NDArray[np.float32], size: Array64 | tuple[float, float]) -> None: ...
-    def sample(self, points: Array64) -> tuple[Array64, Array64]: ...
+    """Ground in its own frame, z up; the middle of its rectangle is x = y = 0. Not to be changed.
+
+    Bilinear between the heights. Beyond an edge the edge's height goes on for ever; below all is ground.
+    """
+
+    def __init__(self, heights: NDArray[np.float32], size: Array64 | tuple[float, float]) -> None:
+        """Copy heights (nx, ny) [m], rows along x.
+
+        The outer ones lie on the edges. size: of the rectangle along x and y, (2,) [m].
+        Errors: ValueError for fewer than 2 or more than 2^20 samples a side, a size that is not above 0, or a
+        height that is not finite.
+        """
+    def sample(self, points: Array64) -> tuple[Array64, Array64]:
+        """Return signed distances (n,) [m], below 0 in the ground, and normals (n, 3) at points (n, 3) [m].
+
+        The distance is (z - h) n_z, that to the tangent plane: exact for planes.
+        """
     @property
-    def heights(self) -> NDArray[np.float32]: ...
+    def heights(self) -> NDArray[np.float32]:
+        """Heights as given, (nx, ny) [m]; a copy."""
     @property
-    def size(self) -> tuple[float, float]: ...
+    def size(self) -> tuple[float, float]:
+        """Size of the rectangle along x and y [m]."""
     @property
-    def low(self) -> float: ...
+    def low(self) -> float:
+        """Least height [m]."""
     @property
-    def high(self) -> float: ...
+    def high(self) -> float:
+        """Largest height [m]."""
     @property
-    def bytes(self) -> int: ...
+    def bytes(self) -> int:
+        """Memory [bytes]."""
 
 _TriangleMesh = TriangleMesh
 _SdfGrid = SdfGrid
 _HeightField = HeightField
 
 class Geometry(Protocol):
+    """What is known of shapes: bodies of triangles, their signed distance, ground from heights."""
+
     TriangleMesh: type[_TriangleMesh]
+    """Triangles."""
     SdfGrid: type[_SdfGrid]
+    """Sampled signed distance."""
     HeightField: type[_HeightField]
+    """Ground from heights."""
     @staticmethod
     def shapes() -> tuple[str, ...]:
         """Return the words of all shapes, those with a formula before those with samples."""
@@ -153,18 +259,28 @@ class Model(Protocol):
     def max_compression(self, strongest: float) -> float:
         """Return how far one step may compress any of the snows, -dt tr grad v [1]; see `Law`."""
     def add_snow(self, law: str, plasticity: str, constants: dict[str, float]) -> None:
-        """Add a row to the material table, with the constants of the law by name, in their units."""
+        """Add a row to the material table, with the constants of the law by name, in their units.
+
+        Errors: ValueError for an unknown law or plasticity, or a constant that no law has.
+        """
     def add_solid(self, shape: str, half: Array64, mode: str, mu_c: float) -> None:
         """Add a solid, at rest at the origin until it is placed.
 
         half: half extents in its own axes, (3,) [m]; mode of contact; mu_c: friction [1]
+        Errors: ValueError for an unknown shape or mode, or a shape with samples.
         """
     def add_mesh_solid(self, grid: SdfGrid, mode: str, mu_c: float, thickness: float = ...) -> None:
-        """Add a solid of sampled distances; thickness: of its thinnest parts [m]."""
+        """Add a solid of sampled distances, which it keeps alive; thickness: of its thinnest parts [m].
+
+        Errors: ValueError for an unknown mode.
+        """
     def add_terrain_solid(self, field: HeightField, mode: str, mu_c: float) -> None:
-        """Add ground under a height map."""
+        """Add ground under a height map, which it keeps alive. Errors: ValueError for an unknown mode."""
     def surface(self, index: int, points: Array64) -> tuple[Array64, Array64]:
-        """Return signed distances (n,) [m], below 0 inside, and normals (n, 3) at points (n, 3) [m]."""
+        """Return signed distances (n,) [m], below 0 inside, and normals (n, 3) at points (n, 3) [m].
+
+        Computed in the precision of the step. Errors: IndexError for a solid that is not there.
+        """
     def place_solid(
         self, index: int, centre: Array64, rotation: Array64, velocity: Array64, omega: Array64
     ) -> None:
@@ -172,14 +288,20 @@ class Model(Protocol):
 
         centre (3,) [m]; rotation (3, 3) from its own axes to the world's [1]; velocity of the centre (3,)
         [m/s]; omega (3,) [1/s]
+        Errors: IndexError for a solid that is not there.
         """
     def make_dynamic(self, index: int) -> None:
-        """Let snow move solid `index`; the order of the calls is the order of the bodies."""
+        """Let snow move solid `index`; the order of the calls is the order of the bodies.
+
+        Mobility is 0 again for all bodies until `set_body_dynamics`. Errors: IndexError for a solid that is
+        not there.
+        """
     def set_body_dynamics(self, mobility: Array64, free: Array64) -> None:
         """Say how the b bodies move in the next step.
 
         mobility (6 b, 6 b): impulses [N s] and moments [N m s] to changes of velocity [m/s] and of omega
         [1/s]; free (b, 6): accelerations by all but the snow [m/s2, 1/s2]
+        Errors: ValueError for another number of bodies.
         """
 
 class State(Protocol):
@@ -265,7 +387,10 @@ _State = State
 _Grid = Grid
 
 class Precision(Protocol):
+    """The objects and stages of one precision; objects of the other one are a TypeError."""
+
     lanes: int
+    """Numbers of this precision in a pack: as many as fill 64 bytes."""
     def Model(
         self,
         dx: float,
@@ -275,31 +400,73 @@ class Precision(Protocol):
         gravity: Array64,
         polypic_modes: int = 8,
         flip_damping: float | None = None,
-    ) -> _Model: ...
-    def State(self, count: int, more_modes: int = 0) -> _State: ...
-    def Grid(self) -> _Grid: ...
+    ) -> _Model:
+        """Make a model without snows and solids.
+
+        dx: grid spacing [m]; spline and transfer: words of `splines` and `transfers`; gravity (3,) [m/s2];
+        polypic_modes: 1, 4, 8 or 27; flip_alpha, flip_damping: see [numerics] of a scene, read by the
+        transfers that name them in `options`.
+        Errors: ValueError for an unknown word, or another number of modes.
+        """
+    def State(self, count: int, more_modes: int = 0) -> _State:
+        """Make `count` particles at rest; more_modes: as the model has.
+
+        F_E = I; J_P, stiffness and strength 1; id 0 to count - 1; all else, the mass too, is 0.
+        Errors: ValueError for more_modes below 0.
+        """
+    def Grid(self) -> _Grid:
+        """Make an empty grid: `sort` lays it out."""
     def sort(self, model: _Model, state: _State, grid: _Grid, /) -> None:
         """Sort the rows of the state by block and cell, and lay out the grid.
 
         Errors: ValueError for a particle beyond the lattice.
         """
     def refresh(self, model: _Model, state: _State, /) -> Report:
-        """Write `state.tau` from F_E and J_P, and report; nothing else changes."""
+        """Write `state.tau` from F_E and J_P, and report; nothing else changes.
+
+        Errors: ValueError for a material that the model lacks.
+        """
     def p2g(self, model: _Model, state: _State, grid: _Grid, dt: float, /) -> None:
-        """Scatter mass, momentum and dt [s] times force to the nodes; needs a `current` grid."""
+        """Scatter mass, momentum and dt [s] times force to the nodes; needs a `current` grid.
+
+        Errors: ValueError for a grid that is not current or of another state, or for other modes than the
+        model's.
+        """
     def volumes_from_grid(self, model: _Model, state: _State, grid: _Grid, /) -> None:
-        """Write `state.V0` = m / rho, with rho from the masses that `p2g` left."""
+        """Write `state.V0` = m / rho, with rho from the masses that `p2g` left. Errors: as of `p2g`."""
     def grid_update(self, model: _Model, grid: _Grid, dt: float, /) -> GridReport:
-        """Turn the momenta of `p2g` into velocities after dt [s], with gravity and contact."""
+        """Turn the momenta of `p2g` into velocities after dt [s], with gravity and contact.
+
+        Errors: ValueError for a grid of another kind of transfer.
+        """
     def g2p(self, model: _Model, state: _State, grid: _Grid, dt: float, commit: bool = True) -> Report:
-        """Deform and move the particles by dt [s]; without `commit` the state is left as it is."""
+        """Deform and move the particles by dt [s]; without `commit` the state is left as it is.
+
+        Errors: as of `p2g`.
+        """
     def totals(self, model: _Model, state: _State, /) -> Totals:
-        """Add up the state as it stands."""
+        """Add up the state as it stands.
+
+        Errors: ValueError for a material that the model lacks, or for other modes than the model's.
+        """
     def first_not_finite(self, state: _State, /) -> int:
         """Return the row with the lowest id that has a value that is not finite; -1 if there is none."""
-    def svd(self, F: Reals) -> tuple[Reals, Reals, Reals]: ...
-    def weights(self, spline: str, x: Reals) -> tuple[NDArray[np.int32], Reals, Reals]: ...
-    def function(self, name: Literal["exp", "expm1", "log1p", "sinh", "asinh"], x: Reals) -> Reals: ...
+    def svd(self, F: Reals) -> tuple[Reals, Reals, Reals]:
+        """Return U (n, 3, 3), sigma (n, 3) and V (n, 3, 3) with F = U diag(sigma) V^T, of F (n, 3, 3).
+
+        U and V are rotations, det = +1; sigma_0 >= sigma_1 >= |sigma_2|, which has the sign of det F.
+        """
+    def weights(self, spline: str, x: Reals) -> tuple[NDArray[np.int32], Reals, Reals]:
+        """Return of positions x (n,) [cells] on one axis: first node (n,), weights and derivatives (n, k).
+
+        Weights [1] of the k nodes from the first, and their derivatives by x [1/cells]; k is 3 for quadratic
+        and 4 for cubic splines. Errors: ValueError for an unknown spline.
+        """
+    def function(self, name: Literal["exp", "expm1", "log1p", "sinh", "asinh"], x: Reals) -> Reals:
+        """Return a function of x (n,) as the packs compute it, (n,); sinh and asinh for x >= 0 only.
+
+        Errors: ValueError for another name.
+        """
     def law(
         self,
         name: str,
@@ -308,14 +475,26 @@ class Precision(Protocol):
         F_trial: Reals,
         J_P: Reals,
         strength: Reals | None = None,
-    ) -> tuple[Reals, Reals, Reals, Reals, Reals]: ...
+    ) -> tuple[Reals, Reals, Reals, Reals, Reals]:
+        """Return the plastic update of n particles and what the new state has, as the step computes it.
+
+        name: of the law; plasticity: "snow" or "none"; constants: by name, the usual ones where they are left
+        out; F_trial (n, 3, 3), J_P (n,) and strength (n,) [1], 1 if left out; stiffness is 1. In this order:
+        F_E (n, 3, 3) [1], J_P (n,) [1], Kirchhoff stress tau (n, 3, 3) [Pa], elastic energy per volume at
+        rest (n,) [J/m3], largest acoustic modulus (n,) [Pa].
+        Errors: ValueError for arrays of different lengths, an unknown law or plasticity, or a constant that
+        no law has; those of other laws are left aside.
+        """
 
 class Choice:
     """One of the words that a scene may choose."""
 
     name: str
+    """The word."""
     meaning: str
+    """What it stands for: one sentence."""
     source: str
+    """Where its equations come from."""
     cites: list[str]
     """Keys of the works behind it."""
 
@@ -323,14 +502,19 @@ class Constant:
     """What a law says about one of its constants, which is legal from low to high [unit]."""
 
     name: str
+    """Its key."""
     usual: float
     """Its default [unit]."""
     unit: str
+    """Its unit, in which all other numbers here are."""
     low: float
+    """Lower end of what is legal [unit]."""
     high: float
+    """Upper end of what is legal [unit]."""
     open_low: bool
     """The lower end itself is not legal."""
     open_high: bool
+    """The upper end itself is not legal."""
     drawn: tuple[float, float]
     """What random trials take, on a logarithmic scale where it spans a factor of 100 [unit]."""
     is_plastic: bool
@@ -338,15 +522,19 @@ class Constant:
     is_threshold: bool
     """A particle's `strength` multiplies it."""
     source: str
+    """Where the default is from."""
     meaning: str
+    """What it is: one sentence."""
 
 class Law(Choice):
     """A constitutive law. `constants` are numbers by name, the usual ones where they are left out."""
 
     constants: list[Constant]
+    """Its constants, in its own order."""
     has_elastic_option: bool
     """Whether plasticity = "none" leaves its elasticity alone."""
     plasticity_cites: list[str]
+    """Keys of the works behind its plastic flow, if they are not the law's own."""
     limit: str
     """Why its thresholds have a limit: the end of a sentence."""
 
@@ -363,22 +551,46 @@ class Transfer(Choice):
     options: list[str]
     """Keys of [numerics] that it reads."""
     keeps_C: bool
+    """The affine velocity travels with the particle."""
     has_change: bool
+    """Force and momentum stay apart on the grid."""
     damps: bool
+    """All motions but translations fade."""
     has_bounded_energy: bool
+    """No step gives the particles more than the grid had."""
 
-def laws() -> list[Law]: ...
-def transfers() -> list[Transfer]: ...
-def splines() -> list[Choice]: ...
+def laws() -> list[Law]:
+    """Return all constitutive laws, the default first; new objects each time."""
+
+def transfers() -> list[Transfer]:
+    """Return all transfers, the default first; new objects each time."""
+
+def splines() -> list[Choice]:
+    """Return all splines, the default first; new objects each time."""
 
 displacement_limit: float
 """Longest way of a particle in a step [cells]."""
 volume_ratio_limit: float
 """Smallest det(I + dt grad v) of a particle in a step [1]."""
 geometry: Geometry
+"""Shapes, in double precision but for the samples that they keep."""
 f32: Precision
+"""Single precision."""
 f64: Precision
+"""Double precision, for verification and wide worlds."""
 
-def build_info() -> dict[str, Any]: ...
-def set_threads(n: int) -> None: ...
-def threads() -> int: ...
+def build_info() -> dict[str, Any]:
+    """Return what this build is; a new dict each time.
+
+    isa: level of instructions that it needs, simd: its vectors, compiler: words; lanes_f32, lanes_f64:
+    numbers in a pack; openmp: whether it has threads; threads: as `threads` at this moment.
+    """
+
+def set_threads(n: int) -> None:
+    """Use n threads in later calls from this thread of Python; others keep theirs.
+
+    n: 1 or more, which is not checked. Without OpenMP it does nothing. Results do not depend on it.
+    """
+
+def threads() -> int:
+    """Return how many threads calls from this thread of Python use: 1 without OpenMP."""

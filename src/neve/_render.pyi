@@ -17,14 +17,16 @@ class Camera:
 
     def __init__(
         self, position: Triple, target: Triple, up: Triple, fov: float, width: int, height: int
-    ) -> None: ...
+    ) -> None:
+        """Stand at position and look at target [m]. Errors: ValueError for another width or height."""
     def project(self, point: Triple) -> Triple:
         """Return column, row [px] and depth [m]; the middle of pixel (row 0, column 0) is (0.5, 0.5)."""
 
 class Light:
     """Sun and sky. sun: direction towards it; colours: light on what faces the sun, on open level ground."""
 
-    def __init__(self, sun: Triple, sun_color: Triple, sky_color: Triple) -> None: ...
+    def __init__(self, sun: Triple, sun_color: Triple, sky_color: Triple) -> None:
+        """Make a light; the length of `sun` does not count."""
 
 class Mesh:
     """Triangles, ready to be drawn: closed or not, turned out or in.
@@ -33,10 +35,14 @@ class Mesh:
     Errors: ValueError for a vertex that is not finite or not there, or no area at all.
     """
 
-    def __init__(self, vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> None: ...
+    def __init__(self, vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> None:
+        """Copy the triangles and prepare them."""
     @staticmethod
     def terrain(heights: NDArray[np.float32], size: tuple[float, float]) -> Mesh:
-        """Make the ground of heights (nx, ny) [m] over a rectangle (x, y) [m], and on to the horizon."""
+        """Make the ground of heights (nx, ny) [m] over a rectangle (x, y) [m], and on to the horizon.
+
+        Errors: ValueError for fewer than 2 heights a side, no size, or a height that is not finite.
+        """
 
 class Solid:
     """A collider or a body, drawn.
@@ -45,7 +51,8 @@ class Solid:
     numbers row by row; half: half extents along the shape's own axes [m]; mesh: the triangles of a mesh or
     terrain, for these shapes only; surface_material: a word of `surface_materials()`; is_static: it has the
     same place in every frame, which saves time.
-    Errors: ValueError for an unknown word, or a mesh that is missing or too many.
+    Errors: ValueError for an unknown word, a mesh that is missing or too many, or a rotation
+    of other than nine numbers.
     """
 
     def __init__(
@@ -58,15 +65,18 @@ class Solid:
         surface_material: str = "paint",
         mesh: Mesh | None = None,
         is_static: bool = False,
-    ) -> None: ...
+    ) -> None:
+        """Place a solid; the mesh is shared, not copied."""
 
 class Density:
     """Volume fraction of snow on a pyramid of sparse grids, each level twice as coarse as the one before.
 
     x (n, 3) [m]; volume: of one particle [m3]; cell_size: of level 0 [m].
+    Levels are 0 to 5, which is not checked.
     """
 
-    def __init__(self, x: NDArray[np.float32], volume: float, cell_size: float) -> None: ...
+    def __init__(self, x: NDArray[np.float32], volume: float, cell_size: float) -> None:
+        """Spread the particles over the cells; those that are not finite are left out."""
     def total(self, level: int = 0) -> float:
         """Return the volume of the snow on a level [m3]."""
 
@@ -85,7 +95,8 @@ class Density:
 class Painter:
     """Draw frames with the same camera and light. A frame depends on its own input only."""
 
-    def __init__(self, camera: Camera, light: Light) -> None: ...
+    def __init__(self, camera: Camera, light: Light) -> None:
+        """Keep copies of camera and light. Threads of Python may share a painter: they draw in turn."""
     def draw(
         self,
         x: NDArray[np.float32],
