@@ -123,7 +123,7 @@ class Simulation:
 class Preview:
     """Draw particles as single white dots."""
 
-    def __init__(self, scene, width=1280, height=720, threads=0):
+    def __init__(self, scene, width=1280, height=720, threads=0, radius=None):
         self.size = width, height
 
     def draw(self, x, bodies, J_P=None):
