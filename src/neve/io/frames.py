@@ -18,14 +18,18 @@ from neve.io.npz import read_npz, write_npz
 _NAME = re.compile(r"(\d{6,})\.npz")
 
 
+_OPTIONAL = ("J_P", "material")
+"""Arrays that a frame has only if the solver has these columns."""
+
+
 class Frame(NamedTuple):
     """What a frame file holds; particles in the order of their id, a row is the same one in every frame."""
 
     x: NDArray[np.float32]  # positions [m], (n, 3)
     v: NDArray[np.float32]  # velocities [m/s], (n, 3)
-    J_P: NDArray[np.float32]  # plastic volume ratio [1], (n,)
+    J_P: NDArray[np.float32] | None  # plastic volume ratio [1], (n,); None: the solver has none
     id: NDArray[Any]  # name of the particle for the whole run, (n,)
-    material: NDArray[Any]  # index of the particle's snow source's material, (n,)
+    material: NDArray[Any] | None  # index of the particle's snow source's material, (n,); None as well
     solid_position: NDArray[np.float32]  # position of each collider and body [m], (s, 3)
     solid_rotation: NDArray[np.float32]  # rotation matrix of each collider and body, (s, 3, 3)
     time: float  # [s]
@@ -53,9 +57,9 @@ def frame_rate(numbers: Sequence[int], fps: int) -> Fraction:
 def make_frame(
     x: NDArray[Any],
     v: NDArray[Any],
-    J_P: NDArray[Any],
+    J_P: NDArray[Any] | None,
     id: NDArray[Any],
-    material: NDArray[Any],
+    material: NDArray[Any] | None,
     solids: Iterable[tuple[NDArray[Any], NDArray[Any]]],
     time: float,
 ) -> Frame:
@@ -65,9 +69,9 @@ def make_frame(
     return Frame(
         x=x.take(order, axis=0).astype(np.float32, copy=False),
         v=v.take(order, axis=0).astype(np.float32, copy=False),
-        J_P=J_P.take(order, axis=0).astype(np.float32, copy=False),
+        J_P=None if J_P is None else J_P.take(order, axis=0).astype(np.float32, copy=False),
         id=id[order],
-        material=material[order],
+        material=None if material is None else material[order],
         solid_position=np.array([position for position, _ in poses], np.float32).reshape(-1, 3),
         solid_rotation=np.array([rotation for _, rotation in poses], np.float32).reshape(-1, 3, 3),
         time=time,
@@ -81,11 +85,10 @@ def frame_of(
 ) -> Frame:
     """Copy a moment of any solver as a frame, from what it lets draw (see `neve.solver.Solver.columns`).
 
-    J_P is 1 and the material 0 where the solver has none.
+    It has J_P and material only where the solver has them.
     """
     x, id = np.asarray(columns["x"]()), np.asarray(columns["id"]())
-    J_P = columns["J_P"]() if "J_P" in columns else np.ones(len(x), np.float32)
-    material = columns["material"]() if "material" in columns else np.zeros(len(x), np.uint16)
+    J_P, material = (columns[name]() if name in columns else None for name in _OPTIONAL)
     return make_frame(x, columns["v"](), J_P, id, material, solids, time)
 
 
@@ -95,7 +98,7 @@ def write_frame(folder: Path, frame: int, content: Frame) -> None:
     Errors: RunError if the disk refuses.
     """
     with replacing(frame_path(folder, frame)) as file:
-        write_npz(file, content._asdict())
+        write_npz(file, {k: a for k, a in content._asdict().items() if a is not None})
 
 
 def read_frame(folder: Path, frame: int) -> Frame:
@@ -108,6 +111,8 @@ def read_frame(folder: Path, frame: int) -> Frame:
         arrays = read_npz(path)
         if "body_position" in arrays:
             raise RunError(f"{path} was written by an older Neve; run its scene.toml again to read it.")
+        for name in _OPTIONAL:
+            arrays.setdefault(name, None)  # type: ignore[arg-type]
         return Frame(**{name: arrays[name] for name in Frame._fields[:-1]}, time=float(arrays["time"]))
     except OSError as error:
         raise cannot_read(path, error) from error

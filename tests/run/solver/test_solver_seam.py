@@ -12,13 +12,16 @@ from neve.colliders.motion import pose
 from neve.io.errors import RunError
 from neve.io.frames import read_frame
 from neve.io.log import read_log
+from neve.io.npz import read_npz
 from neve.registry import METHODS
 from neve.run import run_scene
+from neve.run.outputs.fragments import count_run
 from neve.sampling import fill
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import load, scene_from, to_toml
 from neve.solver import Field, Solver, StepSummary
 from neve.viewer.encode import encode
+from neve.viewer.exports.replay import replay_page
 from neve.viewer.modes import Scale
 from neve.viewer.players.recorded import Recorded
 from neve.viewer.players.snapshot import of_simulation
@@ -130,7 +133,9 @@ def test_it_fills_a_run_folder(tmp_path):
     assert float(rows[-1]["height"]) == pytest.approx(sim.state.x[:, 2].mean(), rel=1e-15)
     frame = read_frame(tmp_path / "run/frames", 5)
     np.testing.assert_array_equal(frame.x, sim.state.x.astype(np.float32))
-    assert (frame.J_P == 1).all()
+    arrays = read_npz(tmp_path / "run/frames/000005.npz")
+    assert list(arrays) == ["x", "v", "id", "solid_position", "solid_rotation", "time"]
+    assert (frame.J_P, frame.material) == (None, None)
     for name in ("preview.mp4", "preview.png"):
         assert (tmp_path / "run" / name).stat().st_size > 1000
 
@@ -226,12 +231,17 @@ def test_its_run_is_played(tmp_path):
     player = Recorded(RunFolder(tmp_path / "run"))
     player._begin()
     assert len(player.latest.x) == sim.count
+    assert player.color_modes() == ["snow", "speed"]
+    assert len(replay_page(RunFolder(tmp_path / "run"))) > 10_000
 
 
 def test_what_it_lacks_is_one_sentence(tmp_path):
     """Fragments need masses; a change in a run needs a solver that can; a word needs to be registered."""
-    with pytest.raises(RunError, match=r'numerics\.method = "grains" has no m or V0'):
+    with pytest.raises(RunError, match=r'numerics\.method = "grains" has no m or V0 or J_P'):
         run_scene(scene(film=False, fragments=True), tmp_path / "run", quiet=True)
+    run_scene(scene(film=False), tmp_path / "flown", frames=1, quiet=True)
+    with pytest.raises(RunError, match=r'numerics\.method = "grains" has no m or V0 or J_P'):
+        count_run(tmp_path / "flown")
     sim = neve.Simulation(scene())
     with pytest.raises(SceneError, match=r'"grains" cannot add snow in a run'):
         sim.add(sim.scene.sources[0])

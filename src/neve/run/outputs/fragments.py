@@ -57,10 +57,7 @@ class FragmentOutput:
 
     def begin(self, run: RunContext, schedule: Schedule) -> None:
         """Start the table, or continue it after the rows of frame `done`."""
-        method = run.scene.numerics.method
-        have = [field.name for field in METHODS.get(method).fields]
-        if lacks := [name for name in NEEDED if name not in have]:
-            raise RunError(f'numerics.method = "{method}" has no {" or ".join(lacks)}: drop the fragments.')
+        _require_columns(run.scene)
         path = run.folder.path / self.name
         due = run.frames_done(schedule)
         kept = _kept(path, due)
@@ -117,6 +114,7 @@ def count_run(path: Path | str, limits: Limits | None = None, out: Path | None =
     if not folder.is_run():
         raise RunError(f"{folder.path} holds no Neve run, so there is nothing to count.")
     scene = load(folder.scene)
+    _require_columns(scene)
     numbers = frame_numbers(folder.frames)
     target = out or folder.path / FILE
     folder.check_free(
@@ -158,10 +156,23 @@ def of_frame(
     spacing: float,
     limits: Limits = Limits(),  # noqa: B008 (a constant)
 ) -> Fragments:
-    """Find the fragments of a frame, with the masses `m` [kg] and volumes `V0` [m3] of the particles `id`."""
+    """Find the fragments of a frame, with the masses `m` [kg] and volumes `V0` [m3] of the particles `id`.
+
+    Errors: RunError for a frame without J_P.
+    """
+    if content.J_P is None:
+        raise RunError("this frame has no J_P, which tells torn snow from whole: it has no fragments.")
     order = np.argsort(id)
     mine = order[np.searchsorted(id, content.id, sorter=order)]
     return find(content.x, content.v, content.J_P, m[mine], V0[mine], spacing, limits)
+
+
+def _require_columns(scene: Scene) -> None:
+    """Refuse a scene whose solver lacks what fragments are found from. Errors: RunError."""
+    method = scene.numerics.method
+    have = [field.name for field in METHODS.get(method).fields]
+    if lacks := [name for name in (*NEEDED, "J_P") if name not in have]:
+        raise RunError(f'numerics.method = "{method}" has no {" or ".join(lacks)}: drop the fragments.')
 
 
 def _writer(scene: Scene, name: str) -> FragmentOptions | None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Callable
 from time import monotonic
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +27,6 @@ from neve.viewer.tools.change import changed
 KEPT = 512 * 2**20
 """Bytes of frames that stay in memory, so that playing in a circle does not read them again."""
 
-COLUMNS = {"x", "v", "J_P", "material", "density"}
-"""What a frame file has for the colour modes; density is rho0 / J_P there, without the elastic strain."""
-
 
 class Recorded(Player):
     """Play the frames of a run folder at the run's own pace times `speed`, in a circle."""
@@ -39,9 +38,10 @@ class Recorded(Player):
         self._numbers = frame_numbers(run.frames)
         if not self._numbers:
             raise RunError(f"{run.path} holds no frames to play: run it first, neve run.")
-        read_frame(run.frames, self._numbers[0])  # a damaged run is reported before a server starts
         self._solids = solids(self.scene)
         self._rho0 = np.array([snow.rho0 for snow in material_table(self.scene)], np.float32)
+        first = read_frame(run.frames, self._numbers[0])  # a damaged run is reported before a server starts
+        self._modes = available(set(self._columns(first)))
         self._memory: OrderedDict[int, Frame] = OrderedDict()
         self._bytes = 0
         self._playing = False
@@ -56,7 +56,7 @@ class Recorded(Player):
 
     def color_modes(self) -> list[str]:
         """Return the names of the colour modes that the frames have columns for."""
-        return available(COLUMNS)
+        return list(self._modes)
 
     def state(self) -> PlayerState:
         """Return whether it plays, how fast, and how many frames there are to seek in."""
@@ -109,14 +109,8 @@ class Recorded(Player):
             self._refuse(str(error))
             self._state_changed()
             return
-        columns: Columns = {
-            "x": lambda: frame.x,
-            "v": lambda: frame.v,
-            "J_P": lambda: frame.J_P,
-            "material": lambda: frame.material,
-            "density": lambda: self._rho0[np.minimum(frame.material, len(self._rho0) - 1)] / frame.J_P,
-        }
-        known = set(self.color_modes())
+        columns = self._columns(frame)
+        known = set(self._modes)
         self._show(
             Snapshot(
                 x=frame.x,
@@ -128,6 +122,18 @@ class Recorded(Player):
                 scene=self.number,
             )
         )
+
+    def _columns(self, frame: Frame) -> Columns:
+        """Return what a frame has for the colour modes; density is rho0 / J_P, without the elastic strain."""
+        J_P, material = frame.J_P, frame.material
+        columns: dict[str, Callable[[], Any]] = {"x": lambda: frame.x, "v": lambda: frame.v}
+        if J_P is not None:
+            columns["J_P"] = lambda: J_P
+        if material is not None:
+            columns["material"] = lambda: material
+        if J_P is not None and material is not None:
+            columns["density"] = lambda: self._rho0[np.minimum(material, len(self._rho0) - 1)] / J_P
+        return columns
 
     def _frame(self, number: int) -> Frame:
         """Return a frame from memory or from its file. Errors: RunError."""
@@ -167,4 +173,5 @@ class Recorded(Player):
 
 
 def _size(frame: Frame) -> int:
-    return sum(array.nbytes for array in (frame.x, frame.v, frame.J_P, frame.id, frame.material))
+    arrays = (frame.x, frame.v, frame.J_P, frame.id, frame.material)
+    return sum(array.nbytes for array in arrays if array is not None)
