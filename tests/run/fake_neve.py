@@ -35,7 +35,7 @@ class Simulation:
         self.scene, self.threads = scene, threads
         rng = np.random.default_rng(scene.numerics.seed)
         n = self.count
-        self.time, self.steps = 0.0, 0
+        self.time, self.steps, self.radius = 0.0, 0, scene.numerics.spacing / 2
         self.state = SimpleNamespace(
             x=rng.random((n, 3), np.float32),
             v=rng.standard_normal((n, 3), np.float32),
