@@ -199,7 +199,7 @@ def test_films_have_their_own_cameras(fake, listed, tmp_path, monkeypatch):
     seen = []
     real = fake_neve.Preview.__init__
 
-    def init(self, scene, *size, threads=0):
+    def init(self, scene, *size, threads=0, **rest):
         seen.append(scene.camera.position[0])
         real(self, scene, *size, threads=threads)
 
