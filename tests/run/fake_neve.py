@@ -26,7 +26,6 @@ class Simulation:
     """Throw `count` particles."""
 
     count = 50
-    radius = None
     solver = SimpleNamespace(
         log_columns=MpmSolver.log_columns, log_values=lambda totals: MpmSolver.log_values(MpmSolver, totals)
     )
