@@ -121,15 +121,6 @@ class RunFolder:
                 with contextlib.suppress(OSError):  # a run that never began leaves no empty folder
                     self.path.rmdir()
 
-    def check_free(self, target: Path, files: Iterable[str] = ()) -> None:
-        """Refuse `target` where it is a file of the run itself, or one of `files`. Errors: RunError."""
-        own = {
-            *files,
-            *(path.name for path in (self.card, self.scene, self.log, self.checkpoint, self.assets)),
-        }
-        if target.name in own and target.resolve().parent == self.path.resolve():
-            raise RunError(f"{target} belongs to the run: choose another file with --out.")
-
     def drop_frames_after(self, frame: int) -> None:
         """Remove the frames later than `frame`: they were written after the last checkpoint.
 

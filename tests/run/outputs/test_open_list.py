@@ -180,16 +180,22 @@ def test_counting_afterwards_keeps_what_the_run_wrote(fake, listed, tmp_path):
     assert frames_of(tmp_path / "other.csv") == [0, 3, 6]
 
 
-def test_film_plays_as_fast_as_the_snow_moved(fake, listed, tmp_path, monkeypatch):
-    """A film of every second frame of 20 per second has 10 pictures per second; the other one has 20."""
-    rates = {}
+@pytest.fixture
+def rates(fake, monkeypatch):
+    """The pictures per second of each film that is begun, by its name."""
+    found = {}
     real = fake.Film.__init__
 
     def init(self, path, fps, size, start=0):
-        rates[Path(path).name] = fps
+        found[Path(path).name] = fps
         real(self, path, fps, size, start)
 
     monkeypatch.setattr(fake.Film, "__init__", init)
+    return found
+
+
+def test_film_plays_as_fast_as_the_snow_moved(fake, listed, tmp_path, rates):
+    """A film of every second frame of 20 per second has 10 pictures per second; the other one has 20."""
     run(fake.Simulation(listed), tmp_path / "ball", frames=1, quiet=True)
     assert rates == {"preview.mp4": Fraction(10), "side.mp4": Fraction(20)}
 
@@ -235,18 +241,10 @@ def test_fragments_are_not_counted_into_a_file_of_the_run(fake, scene, tmp_path,
     assert (out / name).read_bytes() == before
 
 
-def test_film_of_a_picture_in_half_an_hour(fake, scene_file, tmp_path, monkeypatch):
+def test_film_of_a_picture_in_half_an_hour(fake, scene_file, tmp_path, rates):
     """However rare its pictures are, a film has a rate that its format can hold."""
     text = '[[outputs]]\nkind = "film"\nname = "rare.mp4"\nevery_seconds = 2000\n'
     scene_file.write_text(scene_file.read_text() + text)
-    rates = {}
-    real = fake.Film.__init__
-
-    def init(self, path, fps, size, start=0):
-        rates[Path(path).name] = fps
-        real(self, path, fps, size, start)
-
-    monkeypatch.setattr(fake.Film, "__init__", init)
     run(fake.Simulation(load(scene_file)), tmp_path / "ball", frames=1, quiet=True)
     assert rates["rare.mp4"] == Fraction(1, 1000)
 

@@ -19,7 +19,7 @@ from neve.io.table import Table, read_table, table_text
 from neve.registry import METHODS
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import entries, register_output, schedule_of
-from neve.scene.schema.outputs import Scheduled
+from neve.scene.schema.outputs import RESERVED, Scheduled
 from neve.scene.values.fields import Real, Whole, entry
 from neve.schedule import Schedule
 
@@ -117,13 +117,12 @@ def count_run(path: Path | str, limits: Limits | None = None, out: Path | None =
     _require_columns(scene)
     numbers = frame_numbers(folder.frames)
     target = out or folder.path / FILE
-    folder.check_free(
-        target, {given.file() for given in entries(scene) if not isinstance(given, FragmentOptions)}
-    )
-    mine = _writer(scene, target.name) if target.parent.absolute() == folder.path.absolute() else None
+    inside = target.resolve().parent == folder.path.resolve()
+    mine = _writer(scene, target.name) if inside else None
+    others = {given.file() for given in entries(scene) if not isinstance(given, FragmentOptions)}
+    if (mine is not None and limits is not None) or (inside and target.name in {*RESERVED, *others}):
+        raise RunError(f"{target} belongs to the run: choose another file with --out.")
     if mine is not None:
-        if limits is not None:
-            raise RunError(f"{target} belongs to the run: choose another file with --out.")
         limits = Limits(mine.link, mine.torn, mine.least)
         schedule = schedule_of(mine, FragmentOutput(**mine.options()), scene.run.fps)
         due = [number for number in range(numbers[-1] + 1 if numbers else 0) if schedule.due(number)]

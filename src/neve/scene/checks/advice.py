@@ -56,12 +56,16 @@ def fastest(scene: Scene, source: Source) -> float:
     return math.sqrt(factor * p_wave_modulus(snow.E0, snow.nu) / snow.rho0) + speed
 
 
+def _thinner(part: Source | Collider | Body, least: float) -> tuple[str, float] | None:
+    """Return the key and the length [m] that make `part` thinner than `least` [m], if one does."""
+    thinnest = part.thinnest()
+    return thinnest if thinnest is not None and thinnest[1] < least * (1 - 1e-9) else None
+
+
 def _thin_source(scene: Scene, source: Source, name: str) -> Iterator[str]:
     dx = scene.numerics.dx
-    if (thinnest := source.thinnest()) is None:
-        return
-    key, length = thinnest
-    if length < SOURCE_CELLS * dx * (1 - 1e-9):
+    if (found := _thinner(source, SOURCE_CELLS * dx)) is not None:
+        key, length = found
         yield (
             f"{name}.{key} makes this snow {length:g} m thick, only {length / dx:.2g} cells of numerics.dx = "
             f"{dx:g}: use numerics.dx = {rounded_down(length / SOURCE_CELLS)} or smaller"
@@ -108,10 +112,8 @@ def _long_step(scene: Scene) -> Iterator[str]:
 
 def _thin_solid(scene: Scene, solid: Collider | Body, name: str) -> Iterator[str]:
     dx = scene.numerics.dx
-    if (thinnest := solid.thinnest()) is None:
-        return
-    key, length = thinnest
-    if length < COLLIDER_CELLS * dx * (1 - 1e-9):
+    if (found := _thinner(solid, COLLIDER_CELLS * dx)) is not None:
+        key, length = found
         yield (
             f"{name}.{key} makes this {solid.role} {length:g} m thin, only {length / dx:.2g} cells of "
             f"numerics.dx = {dx:g}: nothing passes through it, but snow on one side drags on snow on the "
