@@ -1,24 +1,21 @@
 """Rows of measured figures have a column for each stage, and the files have the columns that are written."""
 
 import csv
-import sys
 from pathlib import Path
 
 import pytest
+from scripts import script
 
 from neve.mpm.step import STAGES
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 
 
-@pytest.fixture
-def to_csv(monkeypatch):
+@pytest.fixture(scope="module")
+def to_csv():
     """The script that appends rows."""
-    monkeypatch.syspath_prepend(str(BENCHMARKS))
-    import to_csv
-
-    yield to_csv
-    sys.modules.pop("to_csv")
+    with script("benchmarks", "to_csv") as module:
+        yield module
 
 
 def test_each_stage_has_a_column(to_csv):

@@ -1,11 +1,11 @@
 """The meshes that come with Neve: closed, small, of the size that is promised, and made by the script."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from scripts import script
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "src/neve" / "assets" / "meshes"
@@ -25,14 +25,8 @@ SIZES = {
 @pytest.fixture(scope="module")
 def maker():
     """The script, imported from its folder."""
-    folder = str(ROOT / "tools" / "meshes")
-    sys.path.insert(0, folder)
-    try:
-        import make
-
-        yield make
-    finally:
-        sys.path.remove(folder)
+    with script("tools/meshes", "make") as module:
+        yield module
 
 
 def load(name):

@@ -1,11 +1,11 @@
 """The height maps that come with Neve: small, made by the script, level where ground goes on beyond them."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+from scripts import script
 
 ROOT = Path(__file__).parents[3]
 FOLDER = ROOT / "src/neve" / "assets" / "terrains"
@@ -15,14 +15,8 @@ NAMES = sorted(path.stem for path in FOLDER.glob("*.png"))
 @pytest.fixture(scope="module")
 def maker():
     """The script, imported from its folder."""
-    folder = str(ROOT / "tools" / "terrains")
-    sys.path.insert(0, folder)
-    try:
-        import make_terrains
-
-        yield make_terrains
-    finally:
-        sys.path.remove(folder)
+    with script("tools/terrains", "make_terrains") as module:
+        yield module
 
 
 def test_all_are_here(maker):
