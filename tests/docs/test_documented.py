@@ -133,11 +133,13 @@ def serve(words, place):
 
 def parse_neve(words, place):
     """The command line takes these words, and knows the cases that they name."""
-    with cli.make_context("neve", words[1:]) as top:
-        name, command, rest = cli.resolve_command(top, [*top._protected_args, *top.args])
-        with command.make_context(name, rest, parent=top) as context:
-            known = {"bench": BENCHMARKS, "validate": VALIDATIONS}.get(name, ())
-            assert set(context.params.get("cases", ())) <= set(known)
+    with cli.make_context("neve", words[1:]) as context:
+        while isinstance(context.command, click.Group):
+            rest = [*context._protected_args, *context.args]
+            name, command, rest = context.command.resolve_command(context, rest)
+            context = command.make_context(name, rest, parent=context)
+        known = {"bench": BENCHMARKS, "validate": VALIDATIONS}.get(context.info_name, ())
+        assert set(context.params.get("cases", ())) <= set(known)
 
 
 def parse_script(words, place):
@@ -173,7 +175,7 @@ def files_exist(words, place):
 RULES = [
     (r"neve run ", run_scene),
     (r"neve (view (?!.*--replay)|drive)", serve),
-    (r"neve (bench|validate)|neve fuzz$", parse_neve),
+    (r"neve (bench|validate|fuzz)", parse_neve),
     (r"neve ", runs),
     (r"python examples/\d\d_\S+\.py", files_exist),  # tests/docs/test_examples.py runs them
     (r"python (-\w )?\S+\.py", parse_script),
@@ -218,6 +220,8 @@ def test_a_command_that_cannot_be_typed_is_found(place):
             rule(line.split(), place)
     with pytest.raises(click.UsageError):
         parse_neve(["neve", "bench", "--jsn"], place)
+    with pytest.raises(click.UsageError):
+        parse_neve(["neve", "fuzz", "--seeds", "3"], place)
 
 
 SHORTER = {'neve.load("throw_ball")': 'neve.load("throw_ball", ["numerics.dx=0.1", "run.duration=0.1"])'}

@@ -126,5 +126,5 @@ def test_a_scene_runs_with_the_law(tree):
     )
     python(tree, "-m", "neve.cli", *words.split(), *short.split())
     assert 'law = "st_venant_kirchhoff"' in (tree / "made/scene.toml").read_text(encoding="utf-8")
-    drawn = "from neve.fuzz import draw; print({draw(0, k)[0].snow.law for k in range(60)})"
+    drawn = "from neve.fuzz.scenes import draw; print({draw(0, k)[0].snow.law for k in range(60)})"
     assert "st_venant_kirchhoff" in python(tree, "-c", drawn)

@@ -17,6 +17,7 @@ from typing import Any
 
 import click
 
+from neve.cli.campaigns import fuzz
 from neve.cli.console import Commands, thread_count, usage, user_error, whole_number
 
 
@@ -265,23 +266,7 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
     return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
 
 
-@cli.command()
-@click.option(
-    "--scenes", metavar="N", default="200", callback=whole_number, help="How many scenes; 200 by default."
-)
-@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of the campaign; 0 by default.")
-@click.option("--only", type=click.IntRange(0), help="Run only the scene of this number.")
-@click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; one by default.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def fuzz(scenes: int, seed: int, only: int | None, threads: int | None, as_json: bool) -> None:
-    """Try to break the step with random scenes: any law, parameters over their ranges, impacts, presses.
-
-    Exit code 1 if a scene does not hold.
-    """
-    from neve.fuzz import run as campaign
-
-    if not campaign(seed, scenes, only, threads or 1, as_json):
-        raise SystemExit(1)
+cli.add_command(fuzz)
 
 
 @cli.command()

@@ -1,56 +1,90 @@
-"""The command `neve fuzz`: run the campaign and tell its outcomes as they come."""
+"""The command `neve fuzz`: run a campaign and tell its outcomes as they come."""
 
 from __future__ import annotations
 
-import json
-import logging
+import itertools
 import sys
-import warnings
-from dataclasses import asdict
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
-from neve.fuzz.campaign import MOST_GAIN, MOST_SURGE, Outcome, endure
-from neve.scene.errors import SceneWarning
+from neve.fuzz.outcome import VERDICTS, Outcome
+from neve.fuzz.record import Record
+from neve.fuzz.registry import Campaign, named
+from neve.fuzz.workers import outcomes, scratch
+
+MOST_REFUSED = 0.5
+"""Share of trials above which a campaign tests little, and so does not hold."""
 
 
 def run(
-    seed: int = 0,
-    scenes: int = 200,
+    campaign: Campaign,
+    seeds: range = range(1),
+    count: int | None = None,
     only: int | None = None,
-    threads: int | None = None,
+    jobs: int = 1,
+    limit: float | None = None,
     as_json: bool = False,
+    out: str | None = None,
 ) -> bool:
-    """Run the scenes 0 to `scenes` - 1 of the campaign `seed`, or `only` one; return whether all held."""
-    logging.getLogger("neve").setLevel(logging.ERROR)
-    warnings.simplefilter("ignore", SceneWarning)
-    outcomes = []
-    for number in range(scenes) if only is None else [only]:
-        outcomes.append(endure(seed, number, threads))
-        if not as_json:
-            print(text_of(outcomes[-1]), flush=True)
-    bad = [outcome for outcome in outcomes if outcome.fault]
-    if as_json:
-        json.dump([asdict(outcome) for outcome in outcomes], sys.stdout, indent=2)
-        print()
-    else:
-        steps = sum(outcome.steps for outcome in outcomes)
-        judged = [outcome for outcome in outcomes if outcome.judged]
-        gain = max((outcome.gain for outcome in judged), default=0.0)
-        surge = max((outcome.surge for outcome in judged), default=0.0)
-        print(
-            f"{len(outcomes) - len(bad)} of {len(outcomes)} scenes held, {steps:,} steps, "
-            f"{sum(outcome.rejected for outcome in outcomes):,} of them shortened; largest growth of energy "
-            f"{100 * gain:.2g} % of what was put in (allowed {100 * MOST_GAIN:g} %), "
-            f"{100 * surge:.2g} % of what moved between two looks (allowed {100 * MOST_SURGE:g} %)"
-        )
-        for outcome in bad:
-            print(f"scene {outcome.number} did not hold: neve fuzz --seed {seed} --only {outcome.number}")
-    return not bad
+    """Run the trials 0 to `count` - 1 of each seed, or `only` one of each; return whether all held.
+
+    jobs: processes at once. limit: seconds [s] for a trial. out: a file of JSON lines; what it holds already
+    is not run again. With `as_json` outcomes are printed as JSON lines.
+
+    Errors: RunError for `out`; KeyboardInterrupt, after a summary, for Ctrl-C.
+    """
+    numbers = range(count or campaign.count) if only is None else [only]
+    record = None if out is None else Record(Path(out), campaign.name)
+    done = {} if record is None else record.done
+    seen = [done[trial] for trial in itertools.product(seeds, numbers) if trial in done]
+    left = (trial for trial in itertools.product(seeds, numbers) if trial not in done)
+    total = len(seeds) * len(numbers)
+    told = sys.stderr if as_json else sys.stdout
+    try:
+        for outcome in _run(campaign, left, min(jobs, total), limit or campaign.limit):
+            seen.append(outcome)
+            if record is not None:
+                record.add(outcome)
+            print(outcome.as_json() if as_json else outcome.as_text(), flush=True)
+    except KeyboardInterrupt:
+        print(summary(campaign, seen), file=told, flush=True)
+        again = "" if record is None else ", and the same command goes on"
+        raise KeyboardInterrupt(
+            f"stopped: {len(seen):,} of {total:,} {campaign.things} are done{again}"
+        ) from None
+    finally:
+        if record is not None:
+            record.close()
+    print(summary(campaign, seen), file=told, flush=True)
+    return holds(seen)
 
 
-def text_of(outcome: Outcome) -> str:
-    """Put an outcome into a line."""
-    return (
-        f"{outcome.number:4} {outcome.situation:10} {outcome.particles:6,} particles "
-        f"{outcome.steps:6,} steps {outcome.seconds:5.1f} s  {outcome.description}"
-        f"{': ' + outcome.fault if outcome.fault else ''}"
-    )
+def _run(campaign: Campaign, trials: Iterator[tuple[int, int]], jobs: int, limit: float) -> Iterator[Outcome]:
+    with scratch() as folder:
+        yield from outcomes(campaign.trial, trials, jobs, limit, folder)
+
+
+def holds(seen: Sequence[Outcome]) -> bool:
+    """Return whether nothing failed, and no more was refused than a share of MOST_REFUSED."""
+    verdicts = Counter(outcome.verdict for outcome in seen)
+    return not verdicts["failed"] and verdicts["refused"] <= MOST_REFUSED * len(seen)
+
+
+def summary(campaign: Campaign, seen: Sequence[Outcome]) -> str:
+    """Count the verdicts, say what the campaign says of its numbers, and how to run again what failed."""
+    verdicts = Counter(outcome.verdict for outcome in seen)
+    counts = ", ".join(f"{verdicts[verdict]:,} {verdict}" for verdict in VERDICTS)
+    busy = sum(outcome.seconds for outcome in seen)
+    lines = [f"{len(seen):,} {campaign.things}: {counts}; {busy:,.0f} s of work"]
+    if campaign.summary is not None and seen:
+        lines.append(named(campaign.summary)(seen))
+    if verdicts["refused"] > MOST_REFUSED * len(seen):
+        lines.append("most were refused, so this campaign tests little else")
+    lines += [
+        f"failed: neve fuzz {campaign.name} --seed {outcome.seed} --only {outcome.number}"
+        f"  ({outcome.sentence})"
+        for outcome in sorted(seen, key=lambda outcome: (outcome.seed, outcome.number))
+        if outcome.verdict == "failed"
+    ]
+    return "\n".join(lines)

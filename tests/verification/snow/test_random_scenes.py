@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from verification.scenes import ball, scene, simulate
 
-from neve.fuzz import draw, endure
-from neve.fuzz.campaign import Budget, _fault, _mass_by_id
-from neve.fuzz.draw import SITUATIONS
+from neve.fuzz.scenes import draw, endure
+from neve.fuzz.scenes.draw import SITUATIONS
+from neve.fuzz.scenes.trial import Budget, _fault, _mass_by_id
 from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
 
 
@@ -14,9 +14,9 @@ from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
 @pytest.mark.parametrize("number", range(20))
 def test_scene_holds(number):
     """`neve fuzz --only NUMBER` holds; the whole campaign of 200 is a command (docs/validation.md)."""
-    outcome = endure(0, number, threads=1)
-    assert outcome.fault == ""
-    assert outcome.steps > 0
+    outcome = endure(0, number)
+    assert (outcome.verdict, outcome.sentence) == ("held", "")
+    assert outcome.facts["steps"] > 0
 
 
 def test_campaign_is_seeded_and_wide():

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import time
-import traceback
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
 from neve.diagnostics import Balance, Diagnostics
-from neve.fuzz.draw import draw
+from neve.fuzz.outcome import Outcome
+from neve.fuzz.scenes.draw import draw
 from neve.scene.schema.scene import Scene
 from neve.scene.values.choices import TRANSFERS
 from neve.simulation import Simulation
@@ -28,55 +27,46 @@ MOST_STEPS = 20_000
 """Steps after which a scene counts as stuck."""
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What became of one scene.
+def endure(seed: int, number: int) -> Outcome:
+    """Run scene `number` of the campaign `seed`.
 
-    fault: what went wrong, "" if nothing did; gain: largest growth of energy over all that was put in [1];
-    surge: largest growth between two records over what moved and was strained then [1]; both are judged
-    unless the energy of the transfer has no bound; rejected: steps that were rejected and tried again.
+    Facts of the outcome: particles; steps; rejected: steps that were rejected and tried again; gain: largest
+    growth of energy over all that was put in [1]; surge: largest growth between two records over what moved
+    and was strained then [1]; judged: whether the transfer bounds energy, so that both count.
     """
-
-    number: int
-    situation: str
-    description: str
-    particles: int
-    steps: int
-    rejected: int
-    gain: float
-    surge: float
-    judged: bool
-    seconds: float
-    fault: str
-
-
-def endure(seed: int, number: int, threads: int | None = None) -> Outcome:
-    """Run scene `number` of the campaign `seed`; whatever it raises is a fault of the outcome."""
     scene, situation = draw(seed, number)
-    started = time.perf_counter()
     trial = _Trial(scene)
     try:
-        fault = trial.run(threads, stacked=situation == "coincident")
+        fault = trial.run(stacked=situation == "coincident")
     except Blowup as stop:
         fault = f"gave up: {stop}"
-    except Exception as error:  # a crash is what the campaign looks for
-        fault = f"crashed: {traceback.format_exception_only(error)[-1].strip()}"
     numerics = scene.numerics
     laws = "+".join(dict.fromkeys(scene.snow_of(source).law for source in scene.sources))
-    return Outcome(
-        number=number,
-        situation=situation,
-        description=", ".join(
-            (laws, numerics.transfer, numerics.spline, numerics.precision, f"dx {numerics.dx:.2g}")
-        ),
-        particles=trial.particles,
-        steps=trial.steps,
-        rejected=trial.rejected,
-        gain=trial.budget.gain,
-        surge=trial.budget.surge,
-        judged=trial.judged,
-        seconds=time.perf_counter() - started,
-        fault=fault,
+    facts = {
+        "particles": trial.particles,
+        "steps": trial.steps,
+        "rejected": trial.rejected,
+        "gain": trial.budget.gain,
+        "surge": trial.budget.surge,
+        "judged": trial.judged,
+    }
+    kind = ", ".join((laws, numerics.transfer, numerics.spline, numerics.precision, f"dx {numerics.dx:.2g}"))
+    about = f"{situation:10} {trial.particles:6,} particles {trial.steps:6,} steps  {kind}"
+    return Outcome(seed, number, "failed" if fault else "held", about, fault, facts=facts)
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    """Say how many steps there were, and how far energy grew."""
+    ran = [outcome.facts for outcome in outcomes if "steps" in outcome.facts]
+    judged = [facts for facts in ran if facts["judged"]]
+    gain = max((facts["gain"] for facts in judged), default=0.0)
+    surge = max((facts["surge"] for facts in judged), default=0.0)
+    return (
+        f"{sum(facts['steps'] for facts in ran):,} steps, "
+        f"{sum(facts['rejected'] for facts in ran):,} of them shortened; "
+        f"largest growth of energy {100 * gain:.2g} % of what was put in "
+        f"(allowed {100 * MOST_GAIN:g} %), {100 * surge:.2g} % of what moved between two looks "
+        f"(allowed {100 * MOST_SURGE:g} %)"
     )
 
 
@@ -87,8 +77,8 @@ class _Trial:
         self.budget = Budget()
         self.judged = TRANSFERS[scene.numerics.transfer].has_bounded_energy
 
-    def run(self, threads: int | None, stacked: bool) -> str:
-        sim = Simulation(self.scene, threads=threads)
+    def run(self, stacked: bool) -> str:
+        sim = Simulation(self.scene, threads=1)
         self.particles = sim.state.count
         if stacked:
             _stack(sim)

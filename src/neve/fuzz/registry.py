@@ -1,0 +1,53 @@
+"""The campaigns of `neve fuzz`: one entry each, from which the command line makes a command."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """Describe a campaign: trials that are drawn from a seed and a number.
+
+    name: its word on the command line. about: what it attacks and what must hold. things: what its trials
+    are, in the plural. trial: "module:function"; the function takes (seed, number) and returns an
+    `neve.fuzz.outcome.Outcome`; it runs in a process of its own, and whatever it raises is a failure.
+    count: trials for each seed by default. limit: seconds [s] after which a trial is stuck, by default.
+    summary: "module:function"; the function takes the list of outcomes and returns a sentence about them.
+    """
+
+    name: str
+    about: str
+    things: str
+    trial: str
+    count: int
+    limit: float
+    summary: str | None = None
+
+
+CAMPAIGNS = {
+    campaign.name: campaign
+    for campaign in (
+        Campaign(
+            name="scenes",
+            about="Random scenes of any law, with parameters over their ranges, that collide, are pressed and"
+            " stirred: no crash, no NaN, nothing lost, mass exact, no energy from nowhere.",
+            things="scenes",
+            trial="neve.fuzz.scenes.trial:endure",
+            count=200,
+            limit=600.0,
+            summary="neve.fuzz.scenes.trial:summary",
+        ),
+    )
+}
+"""Campaigns by their names; `neve fuzz` alone is the first."""
+
+
+def named(place: str) -> Callable[..., Any]:
+    """Return the function of "module:function"."""
+    module, _, name = place.partition(":")
+    function: Callable[..., Any] = getattr(import_module(module), name)
+    return function
