@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve import disk
+
 LIMIT = 2 * 2**30
 """Bytes that the folder may take; beyond them the files that were not used for longest go."""
 
@@ -45,7 +47,7 @@ def recall(key: str) -> dict[str, NDArray[Any]] | None:
         return None
     path = kept_in / f"{key}.npz"
     try:
-        with open(path, "rb") as file, np.load(file, allow_pickle=False) as arrays:
+        with disk.open_regular(path) as file, np.load(file, allow_pickle=False) as arrays:
             found = {name: arrays[name] for name in arrays.files}
     except FileNotFoundError:
         return None
@@ -62,17 +64,10 @@ def keep(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
     kept_in = folder()
     if kept_in is None:
         return
-    temporary = kept_in / f".{key}.{os.getpid()}.tmp"
     try:
-        kept_in.mkdir(parents=True, exist_ok=True)
-        try:
-            with open(temporary, "wb") as file:
-                np.savez(file, **arrays)  # type: ignore[arg-type]
-            os.replace(temporary, kept_in / f"{key}.npz")
-        except BaseException:
-            with contextlib.suppress(OSError):
-                temporary.unlink()
-            raise
+        disk.make_folder(kept_in)
+        with disk.replacing(kept_in / f"{key}.npz") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]
         _prune(spared=kept_in / f"{key}.npz")
     except OSError as error:
         _log.warning("nothing is kept in the cache folder %s: %s", kept_in, error.strerror or error)
@@ -97,5 +92,5 @@ def _prune(spared: Path) -> None:
             return
         if path != spared:
             with contextlib.suppress(OSError):
-                path.unlink()
+                disk.remove(path)
                 excess -= stat.st_size

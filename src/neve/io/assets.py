@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
 import re
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
-from neve.io.atomic import sweep, write_bytes
-from neve.io.errors import cannot_read, cannot_write
+from neve import disk
+from neve.io.atomic import write_bytes, writing
+from neve.io.errors import cannot_read
+from neve.io.links import refuse_link
 from neve.scene.reading.files import NamedFile, named_files
 from neve.scene.reading.load import to_toml
 from neve.scene.schema.bodies import ROBOTS
@@ -63,20 +63,19 @@ def keep_assets(folder: Path, assets: Sequence[Asset]) -> None:
     """
     wanted: dict[str, Path] = {name: source for asset in assets for source, name in asset.files}
     for name, source in wanted.items():
+        refuse_link(folder, folder / name, but_last=True)
         _copy(source, folder / name)
     place = folder / FOLDER
+    refuse_link(folder, place)
     if not place.is_dir():
         return
     first = {Path(name).parts[1] for name in wanted}
-    try:
-        sweep(place)
+    with writing(place):
+        disk.sweep(place)
         for path in place.iterdir():
             if _KEPT.fullmatch(path.name) and path.name not in first:
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
-    except OSError as error:
-        raise cannot_write(place, error) from error
-    with contextlib.suppress(OSError):  # other files in it stay, and the folder with them
-        place.rmdir()
+                disk.remove_tree(path)
+    disk.remove_if_empty(place)  # other files in it stay, and the folder with them
 
 
 def same_content(before: object, now: object) -> bool:
@@ -131,17 +130,15 @@ def _of_gltf(content: bytes) -> list[str]:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return disk.read_bytes(path)
     except OSError as error:
         raise cannot_read(path, error) from error
 
 
 def _copy(source: Path, target: Path) -> None:
     content = _bytes(source)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if target.is_file() and target.read_bytes() == content:
+    with writing(target):
+        disk.make_folder(target.parent)
+        if target.is_file() and not target.is_symlink() and target.read_bytes() == content:
             return
-    except OSError as error:
-        raise cannot_write(target, error) from error
     write_bytes(target, content)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
-import errno
 import io
 import math
-import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from neve.io.atomic import write_text
-from neve.io.errors import RunError, cannot_read, cannot_write
+from neve import disk
+from neve.io.atomic import write_text, writing
+from neve.io.errors import RunError, cannot_read
 
 
 class Table:
@@ -38,19 +36,8 @@ class Table:
     def append(self, *rows: Mapping[str, object]) -> None:
         """Add rows; each has a value for every column (None leaves the cell empty)."""
         data = "".join(_line(self.columns, row) for row in rows).encode()
-        try:
-            with open(self.path, "ab", buffering=0) as file:
-                end = file.seek(0, os.SEEK_END)
-                try:
-                    if file.write(data) != len(data):
-                        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # a full disk takes a part
-                    os.fsync(file.fileno())
-                except BaseException:
-                    with contextlib.suppress(OSError):
-                        file.truncate(end)
-                    raise
-        except OSError as error:
-            raise cannot_write(self.path, error) from error
+        with writing(self.path):
+            disk.append(self.path, data)
 
 
 def table_text(columns: tuple[str, ...], rows: Iterable[Mapping[str, object]]) -> str:
@@ -65,7 +52,7 @@ def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
     Errors: RunError if the file cannot be read or has other columns.
     """
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = disk.read_bytes(path).decode("utf-8", errors="replace")
     except OSError as error:
         raise cannot_read(path, error) from error
     lines = text[: text.rfind("\n") + 1].splitlines()

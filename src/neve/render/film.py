@@ -13,9 +13,7 @@ from frame n on. So every frame is in the film exactly once.
 from __future__ import annotations
 
 import contextlib
-import os
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -25,6 +23,8 @@ from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
+
+from neve import disk
 
 SEGMENT = re.compile(r"(\d{6,})-(\d{6,})\.h264")
 # A minute of drawing at most is lost with a segment, and a key frame every two seconds costs little.
@@ -98,7 +98,7 @@ class Film:
             if segments:
                 self._join([part for _, _, part in segments])
             if not keep:
-                shutil.rmtree(self._parts, ignore_errors=True)
+                disk.remove_tree(self._parts)
 
     def _segments(self) -> list[tuple[int, int, Path]]:
         """First frame, last frame and file of all complete segments, in order."""
@@ -110,18 +110,24 @@ class Film:
 
     def _keep_before(self, start: int) -> None:
         """Drop segments that are torn, that reach past `start`, or that belong to a film of another make."""
+        if self._parts.is_symlink():
+            raise FilmError(
+                f"{self._parts} is a symbolic link, and a film is made in its own folder: remove it."
+            )
         make = self._parts / "make"
         text = f"{self.size[0]}x{self.size[1]} {self.fps}"
-        if start == 0 or not make.is_file() or make.read_text() != text:
-            shutil.rmtree(self._parts, ignore_errors=True)
-        self._parts.mkdir(parents=True, exist_ok=True)
-        _replace(make, text)
+        if start == 0 or not make.is_file() or disk.read_bytes(make) != text.encode():
+            disk.remove_tree(self._parts)
+        disk.make_folder(self._parts)
+        with disk.replacing(make) as file:
+            file.write(text.encode())
+        disk.sweep(self._parts)
         for torn in self._parts.glob("*.part"):
-            torn.unlink()
+            disk.remove(torn)
         end = 0
         for first, last, part in self._segments():
             if last >= start or first < end:
-                part.unlink()
+                disk.remove(part)
             else:
                 end = last + 1
 
@@ -139,17 +145,13 @@ class Film:
         self._held.difference_update(range(encoder.first, encoder.last + 1))
 
     def _join(self, parts: list[Path]) -> None:
-        temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}.tmp")
         command = ["-f", "h264", "-framerate", str(self.fps), "-i", "pipe:0", "-c", "copy"]
-        command += ["-movflags", "+faststart", "-f", "mp4", str(temporary)]
-        try:
-            child = _Child(command)
+        command += ["-movflags", "+faststart", "-f", "mp4"]
+        with disk.temporary_of(self.path) as temporary:
+            child = _Child([*command, str(temporary)])
             for part in parts:
-                child.write(part.read_bytes())
+                child.write(disk.read_bytes(part))
             child.close()
-            os.replace(temporary, self.path)
-        finally:
-            temporary.unlink(missing_ok=True)
 
 
 class _Encoder:
@@ -176,7 +178,7 @@ class _Encoder:
 
     def close(self) -> None:
         self._child.close()
-        os.replace(self._part, self._folder / f"{self.first:06d}-{self.last:06d}.h264")
+        disk.move(self._part, self._folder / f"{self.first:06d}-{self.last:06d}.h264")
 
 
 class _Child:
@@ -216,16 +218,6 @@ class _Child:
         said = self._process.communicate()[1].decode(errors="replace").strip().splitlines()
         if self._process.returncode:
             raise FilmError(f"ffmpeg could not write the film: {said[-1] if said else 'it gave no reason'}.")
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write a file in one move, so that a kill leaves the old text or the new."""
-    temporary = path.with_name(f"{path.name}.part")
-    with open(temporary, "w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(temporary, path)
 
 
 @contextlib.contextmanager

@@ -109,7 +109,7 @@ def _run(
     toml = portable(scene, assets)
     asked = entries(scene)
     with folder.lock():
-        checkpoint = read_checkpoint(folder.checkpoint) if resume else None
+        checkpoint = read_checkpoint(folder.checkpoint) if resume and folder.has_begun() else None
         if checkpoint is not None:
             check_same(folder.path, checkpoint.scene, toml)
         sim = start(checkpoint)
@@ -205,6 +205,7 @@ def _loop(
     context = FrameContext(sim, frame, last, timer, run)
     if run.done is None:
         _write(context, outputs)
+        run.folder.begin()
     progress.update(frame, sim.count, sim.steps)
     while frame < last and not interrupt.requested:
         sim.advance(1.0 / sim.scene.run.fps)

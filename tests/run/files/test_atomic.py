@@ -11,8 +11,10 @@ import pytest
 from PIL import Image
 
 import neve
+from neve import disk
+from neve.disk import sweep
 from neve.io import atomic
-from neve.io.atomic import replacing, sweep, write_bytes, write_text
+from neve.io.atomic import replacing, write_bytes, write_text
 from neve.io.errors import RunError
 from neve.io.frames import make_frame, read_frame, write_frame
 from neve.io.log import Log, columns, read_log
@@ -89,7 +91,7 @@ def test_refusals_are_one_sentence(old, monkeypatch, call, number, words):
     def refuse(*_):
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr(atomic.os, call, refuse)
+    monkeypatch.setattr(disk.os, call, refuse)
     with pytest.raises(RunError) as caught:
         write_bytes(old, b"new")
     assert str(caught.value).startswith(f"{old} could not be written: {words}")
@@ -145,7 +147,7 @@ def test_kill_between_writing_and_moving(old):
     """A process killed just before the move leaves the old file; the next run sweeps the temporary one."""
     code = (
         "import os, sys; from pathlib import Path; from neve.io import atomic\n"
-        "atomic.os.replace = lambda *_: os.kill(os.getpid(), 9)\n"
+        "os.replace = lambda *_: os.kill(os.getpid(), 9)\n"
         "atomic.write_bytes(Path(sys.argv[1]), b'new')"
     )
     done = subprocess.run([sys.executable, "-c", code, str(old)], check=False)

@@ -8,8 +8,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
 
+from neve import disk
+from neve.io.atomic import writing
 from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_numbers, frame_path, read_frame, write_frame
+from neve.io.run_folder import parts_of
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.run.painter import Painter
@@ -59,7 +62,7 @@ class FilmOutput:
         path, fps = run.folder.path / self.name, run.scene.run.fps
         rate = max(1 / schedule.interval(fps), SLOWEST) if isinstance(schedule, Regular) else fps
         self._painter = Painter(run.seen_from(self._camera), run.solids, run.threads, radius=run.radius)
-        self._frames = _Frames(run.folder.frames, path.with_name(f".{path.name}.parts"), path)
+        self._frames = _Frames(run.folder.frames, parts_of(path), path)
         earlier = run.frames_done(schedule)
         self._next = len(earlier)
         self._film = Film(path, rate, self._painter.size, start=0 if run.redraw else len(earlier))
@@ -115,10 +118,11 @@ class _Frames:
         """Copy the frame unless the run has its file; drop copies that are in complete pieces of the film."""
         if frame_path(self._folder, frame).exists():
             return
-        self._copies.mkdir(exist_ok=True)
-        write_frame(self._copies, frame, content)
-        for old in frame_numbers(self._copies)[: -2 * COPIES]:
-            frame_path(self._copies, old).unlink()
+        with writing(self._copies):
+            disk.make_folder(self._copies)
+            write_frame(self._copies, frame, content)
+            old = frame_numbers(self._copies)[: -2 * COPIES]
+            disk.remove_files(self._copies, [frame_path(self._copies, number).name for number in old])
 
     def read(self, frame: int) -> Frame:
         """Return the frame. Errors: RunError if the run keeps no file of it, and it is no recent one."""

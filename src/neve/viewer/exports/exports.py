@@ -7,8 +7,9 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from neve.io.atomic import write_bytes, write_png, write_text
-from neve.io.errors import RunError, cannot_write
+from neve import disk
+from neve.io.atomic import write_bytes, write_png, write_text, writing
+from neve.io.errors import RunError
 from neve.io.frames import frame_numbers, frame_rate, read_frame
 from neve.io.run_folder import RunFolder
 from neve.render.film import Film, FilmError
@@ -60,10 +61,8 @@ class Exports:
 
     def _make(self, command: commands.Command) -> None:
         try:
-            try:
-                self._folder.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise cannot_write(self._folder, error) from error
+            with writing(self._folder):
+                disk.make_folder(self._folder)
             match command:
                 case commands.Picture():
                     path = self._picture(command.camera)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from neve import disk
 from neve.io.assets import assets_of, keep_assets, portable
-from neve.io.atomic import write_text
-from neve.io.errors import RunError, cannot_write
+from neve.io.atomic import write_text, writing
+from neve.io.card import FORMAT, Card, write_card
+from neve.io.errors import RunError
 from neve.io.frames import frame_of, write_frame
-from neve.io.run_folder import FORMAT, RunFolder
+from neve.io.run_folder import RunFolder
 from neve.io.version import version
 from neve.scene.errors import SceneError
 
@@ -43,14 +44,12 @@ class Recorder:
             return
         try:
             run = RunFolder(free_name(self.folder, "recording", ""))
-            try:
-                run.frames.mkdir(parents=True)
-            except OSError as error:
-                raise cannot_write(run.path, error) from error
+            with writing(run.path):
+                disk.make_folder(run.frames)
             assets = assets_of(scene)
             keep_assets(run.path, assets)
             write_text(run.scene, portable(scene, assets))
-            write_text(run.card, json.dumps({"run_format": FORMAT, "neve": version()}) + "\n")
+            write_card(run.card, Card(FORMAT, version()))
         except RunError as error:
             self.on = False
             raise SceneError(str(error)) from error
