@@ -16,6 +16,9 @@ from neve.fuzz.workers import outcomes, scratch
 MOST_REFUSED = 0.5
 """Share of trials above which a campaign tests little, and so does not hold."""
 
+FEWEST = 20
+"""Trials from which on that share says something."""
+
 
 def run(
     campaign: Campaign,
@@ -68,7 +71,12 @@ def _run(campaign: Campaign, trials: Iterator[tuple[int, int]], jobs: int, limit
 def holds(seen: Sequence[Outcome]) -> bool:
     """Return whether nothing failed, and no more was refused than a share of MOST_REFUSED."""
     verdicts = Counter(outcome.verdict for outcome in seen)
-    return not verdicts["failed"] and verdicts["refused"] <= MOST_REFUSED * len(seen)
+    return not verdicts["failed"] and not _tests_little(seen)
+
+
+def _tests_little(seen: Sequence[Outcome]) -> bool:
+    refused = sum(outcome.verdict == "refused" for outcome in seen)
+    return len(seen) >= FEWEST and refused > MOST_REFUSED * len(seen)
 
 
 def summary(campaign: Campaign, seen: Sequence[Outcome]) -> str:
@@ -79,7 +87,7 @@ def summary(campaign: Campaign, seen: Sequence[Outcome]) -> str:
     lines = [f"{len(seen):,} {campaign.things}: {counts}; {busy:,.0f} s of work"]
     if campaign.summary is not None and seen:
         lines.append(named(campaign.summary)(seen))
-    if verdicts["refused"] > MOST_REFUSED * len(seen):
+    if _tests_little(seen):
         lines.append("most were refused, so this campaign tests little else")
     lines += [
         f"failed: neve fuzz {campaign.name} --seed {outcome.seed} --only {outcome.number}"
