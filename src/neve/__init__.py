@@ -8,6 +8,12 @@ The names below are loaded at their first use: `neve --help` waits for none of t
 """
 
 import os
+
+from neve.system import stopping as _stopping
+
+if _stopping.is_command_line():  # before anything that takes long to load
+    _stopping.listen()
+
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

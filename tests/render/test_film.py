@@ -152,7 +152,7 @@ def test_a_kill_while_the_make_is_written_costs_nothing(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("neve.disk.os.replace", killed)
+        patch.setattr("neve.system.disk.os.replace", killed)
         with pytest.raises(KeyboardInterrupt):
             Film(path, 24, SIZE, start=1)
     assert Film(path, 24, SIZE, start=1).missing == []

@@ -1,8 +1,8 @@
 """The command line: list, run, view, drive, fragments, bench, validate, fuzz, info, cite.
 
 Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
-(one sentence on standard error), 130 is Ctrl-C. Everything but click is imported inside the command that
-needs it, so that `neve --help` is instant.
+(one sentence on standard error), 130 is Ctrl-C, 141 a reader of the output that has gone. Everything but
+click is imported inside the command that needs it, so that `neve --help` is instant.
 """
 
 from __future__ import annotations
@@ -18,7 +18,17 @@ from typing import Any
 import click
 
 from neve.cli.campaigns import fuzz
-from neve.cli.console import Commands, thread_count, usage, user_error, whole_number
+from neve.cli.console import (
+    Commands,
+    output_code,
+    report,
+    tell,
+    thread_count,
+    usage,
+    user_error,
+    whole_number,
+)
+from neve.system import stopping, streams
 
 
 @click.group(
@@ -98,7 +108,7 @@ def run(
 
     reported = advice(checked)
     for sentence in reported:
-        _report(f"warning: {sentence}.")
+        report(f"warning: {sentence}.")
     with warnings.catch_warnings():
         _report_others(reported)
         run_scene(checked, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
@@ -115,7 +125,7 @@ def _report_others(reported: list[str]) -> None:
             usual(message, category, *where, **more)
         elif str(message) not in seen:
             seen.add(str(message))
-            _report(f"warning: {message}.")
+            report(f"warning: {message}.")
 
     warnings.simplefilter("always", SceneWarning)
     warnings.showwarning = show
@@ -181,7 +191,7 @@ def view(
     if replay is not None:
         write_replay(scene, replay)
     else:
-        show(scene, changes, out, host, port, threads, browse, click.echo)
+        show(scene, changes, out, host, port, threads, browse, tell)
 
 
 @cli.command()
@@ -196,7 +206,7 @@ def drive(host: str, port: int | None, browse: bool) -> None:
     """Drive a car on game snow in the browser: fast, pretty and not physical."""
     from neve.drive import drive as serve
 
-    serve(host, port, browse, click.echo)
+    serve(host, port, browse, tell)
 
 
 @cli.command()
@@ -317,23 +327,28 @@ def cite(scene: str) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
+    streams.make_whole()
+    with stopping.ready():
+        code = output_code(_code_of(arguments))
+    sys.exit(code)
+
+
+def _code_of(arguments: Sequence[str] | None) -> int:
     try:
         code = cli.main(args=arguments, prog_name="neve", standalone_mode=False)
     except (click.Abort, KeyboardInterrupt) as stop:
         cause = stop.__cause__ if isinstance(stop, click.Abort) else stop
-        _report(str(cause) if cause is not None and str(cause) else "stopped")
-        sys.exit(130)
+        report(str(cause) if cause is not None and str(cause) else "stopped")
+        return stopping.STOPPED
     except click.ClickException as error:
-        _report(usage(error))
-        sys.exit(2)
+        report(usage(error))
+        return 2
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0
     except (ImportError, MemoryError, OSError, RuntimeError, ValueError) as error:
         sentence = user_error(error)
         if sentence is None:
             raise
-        _report(sentence)
-        sys.exit(2)
-    sys.exit(code if isinstance(code, int) else 0)
-
-
-def _report(sentence: str) -> None:
-    click.echo(f"neve: {' '.join(sentence.split())}", err=True)
+        report(sentence)
+        return 2
+    return code if isinstance(code, int) else 0

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import sys
+from typing import Any
 
 import click
 
 from neve.isa import MAX_THREADS
 from neve.spelling import hint, nearest
+from neve.system import streams
 
 # Errors whose text is a sentence for the user, by module, so that asking for them imports nothing.
 USER_ERRORS = (
@@ -23,6 +26,15 @@ USER_ERRORS = (
 
 class Commands(click.Group):
     """Suggest the nearest command when one is misspelled."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command until standard output takes no more."""
+        try:
+            return super().invoke(ctx)
+        except OSError:
+            if streams.output_error() is None:
+                raise
+            raise SystemExit(2) from None  # `output_code` says why
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -51,6 +63,34 @@ def thread_count(ctx: click.Context, param: click.Parameter, value: str | None) 
         sentence = f"{number} is more than {MAX_THREADS}, four threads for each processor"
         raise click.BadParameter(sentence, ctx, param)
     return number
+
+
+def report(sentence: str) -> None:
+    """Say a sentence on standard error."""
+    print(f"neve: {' '.join(sentence.split())}", file=sys.stderr, flush=True)
+
+
+def tell(sentence: str) -> None:
+    """Say a sentence on standard output, if somebody listens: a server goes on without."""
+    steady = streams.Steady(sys.stdout)
+    steady.write(f"{sentence}\n")
+    steady.flush()
+
+
+def output_code(code: int) -> int:
+    """Return the exit code of a command that ends with `code`, once all that it printed is out.
+
+    A disk that takes no more is told; a reader that has gone ends the command without a word.
+    """
+    refused = streams.output_error()
+    if refused is None:
+        return code
+    if refused.errno == errno.EPIPE:
+        return streams.GONE
+    from neve.io.errors import reason
+
+    report(f"standard output could not be written: {reason(refused)}.")
+    return 2
 
 
 def user_error(error: Exception) -> str | None:

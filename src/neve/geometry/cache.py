@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve import disk
+from neve.system import disk
 
 LIMIT = 2 * 2**30
 """Bytes that the folder may take; beyond them the files that were not used for longest go."""

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
-from neve import disk
 from neve.io.atomic import write_bytes, writing
 from neve.io.errors import cannot_read
 from neve.io.links import refuse_link
@@ -19,6 +18,7 @@ from neve.scene.reading.files import NamedFile, named_files
 from neve.scene.reading.load import to_toml
 from neve.scene.schema.bodies import ROBOTS
 from neve.scene.schema.scene import Scene
+from neve.system import disk
 
 FOLDER = "assets"
 DIGITS = 12

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from neve import disk
 from neve.io.errors import cannot_write
+from neve.system import disk
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[BinaryIO]:
-    """Open a file that takes the place of `path` when the block ends well (see `neve.disk.replacing`).
+    """Open a file that takes the place of `path` when the block ends well (see `neve.system.disk.replacing`).
 
     Errors: RunError, one sentence, when the system refuses (full disk, no permission, read-only disk).
     """

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from neve import disk
 from neve.io.atomic import write_text
 from neve.io.errors import RunError, cannot_read
+from neve.system import disk
 
 FORMAT = 2
 """Version of the layout of a run folder."""

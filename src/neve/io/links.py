@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from neve import disk
 from neve.io.errors import RunError
+from neve.system import disk
 
 
 def refuse_link(root: Path, path: Path, but_last: bool = False) -> None:

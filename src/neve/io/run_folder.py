@@ -8,13 +8,13 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from neve import disk
 from neve.io.assets import FOLDER as ASSETS
 from neve.io.atomic import writing
 from neve.io.card import FORMAT, Card, read_card, write_card
 from neve.io.errors import RunError, cannot_read
 from neve.io.frames import frame_numbers, frame_path
 from neve.io.links import refuse_link
+from neve.system import disk
 
 OLDER = ("bodies.csv",)
 """Files that a run of an older layout has and may not list."""

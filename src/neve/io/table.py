@@ -8,9 +8,9 @@ import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from neve import disk
 from neve.io.atomic import write_text, writing
 from neve.io.errors import RunError, cannot_read
+from neve.system import disk
 
 
 class Table:

@@ -24,7 +24,7 @@ from typing import IO, Any
 import numpy as np
 import numpy.typing as npt
 
-from neve import disk
+from neve.system import disk
 
 SEGMENT = re.compile(r"(\d{6,})-(\d{6,})\.h264")
 # A minute of drawing at most is lost with a segment, and a key frame every two seconds costs little.

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import threading
 from types import FrameType, TracebackType
 from typing import Self
+
+from neve.system import stopping
 
 
 class Interrupt:
@@ -23,7 +26,8 @@ class Interrupt:
 
     def __enter__(self) -> Self:
         main = threading.current_thread() is threading.main_thread()
-        self._active = main and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        self._before = signal.getsignal(signal.SIGINT)
+        self._active = main and self._before in (signal.default_int_handler, stopping.hear)
         if self._active:
             signal.signal(signal.SIGINT, self._hear)
         return self
@@ -32,11 +36,12 @@ class Interrupt:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._active:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            signal.signal(signal.SIGINT, self._before)
 
     def _hear(self, number: int, frame: FrameType | None) -> None:
         if self.requested:
-            raise KeyboardInterrupt("stopped at once")
+            stopping.interrupt(frame, "stopped at once")
         self.requested = True
         if not self._quiet:  # a plain write: printing is not safe inside a signal handler
-            os.write(2, b"\nfinishing this frame (press Ctrl-C again to stop at once)\n")
+            with contextlib.suppress(OSError):
+                os.write(2, b"\nfinishing this frame (press Ctrl-C again to stop at once)\n")

@@ -8,7 +8,9 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from types import TracebackType
-from typing import TYPE_CHECKING, Protocol, Self, TextIO
+from typing import TYPE_CHECKING, Protocol, Self, TextIO, cast
+
+from neve.system.streams import Steady
 
 if TYPE_CHECKING:
     from rich.progress import Progress as RichProgress
@@ -35,7 +37,7 @@ class Progress(Protocol):
 
 def follow(name: str, first: int, last: int, quiet: bool = False, stream: TextIO | None = None) -> Progress:
     """Return the progress that suits where the messages go (`stream`, by default standard error)."""
-    stream = stream or sys.stderr
+    stream = cast(TextIO, Steady(stream or sys.stderr))  # a run does not depend on who reads
     if quiet:
         return Silence()
     if stream.isatty():
@@ -184,7 +186,7 @@ class Warnings(Silence):
     """Show no progress; print sentences as lines in the style of the command line."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
-        self._stream = stream or sys.stderr
+        self._stream = cast(TextIO, Steady(stream or sys.stderr))
 
     def say(self, sentence: str) -> None:
         """Write the sentence on a line of its own."""

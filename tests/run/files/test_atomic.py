@@ -11,13 +11,13 @@ import pytest
 from PIL import Image
 
 import neve
-from neve import disk
-from neve.disk import sweep
 from neve.io import atomic
 from neve.io.atomic import replacing, write_bytes, write_text
 from neve.io.errors import RunError
 from neve.io.frames import make_frame, read_frame, write_frame
 from neve.io.log import Log, columns, read_log
+from neve.system import disk
+from neve.system.disk import sweep
 
 resource = pytest.importorskip("resource")
 ROOT = Path(neve.__file__).parents[1]

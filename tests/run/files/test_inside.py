@@ -112,11 +112,11 @@ def test_the_run_folder_itself_may_be_a_link(fake, scene, tmp_path):
 
 def test_a_temporary_name_that_is_a_link(out, scene, elsewhere, monkeypatch):
     """Even the name of a temporary file, made a link in advance, leads nowhere."""
-    monkeypatch.setattr("neve.disk._count", iter(range(10_000)))
+    monkeypatch.setattr("neve.system.disk._count", iter(range(10_000)))
     for number in range(40):
         (out / f".log.csv.{os.getpid()}-{number}.tmp").symlink_to(elsewhere / "make")
     before = content(elsewhere)
-    monkeypatch.setattr("neve.disk.sweep", lambda folder: None)
+    monkeypatch.setattr("neve.system.disk.sweep", lambda folder: None)
     run_scene(scene, out, resume=True, quiet=True)
     assert content(elsewhere) == before
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
 
-from neve import disk
 from neve.io.atomic import writing
 from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_numbers, frame_path, read_frame, write_frame
@@ -20,6 +19,7 @@ from neve.scene.schema.outputs import Scheduled
 from neve.scene.schema.scene import Camera
 from neve.scene.values.fields import entry
 from neve.schedule import Regular, Schedule
+from neve.system import disk
 
 if TYPE_CHECKING:
     from neve.render.film import Film

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from neve import disk
 from neve.io.atomic import write_bytes, write_png, write_text, writing
 from neve.io.errors import RunError
 from neve.io.frames import frame_numbers, frame_rate, read_frame
@@ -17,6 +16,7 @@ from neve.run.painter import Painter
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import to_toml
 from neve.scene.schema.scene import Camera, Scene
+from neve.system import disk
 from neve.viewer.exports.replay import replay_page
 from neve.viewer.players.player import Player
 from neve.viewer.players.recorded import Recorded

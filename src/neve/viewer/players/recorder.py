@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from neve import disk
 from neve.io.assets import assets_of, keep_assets, portable
 from neve.io.atomic import write_text, writing
 from neve.io.card import FORMAT, Card, write_card
@@ -14,6 +13,7 @@ from neve.io.frames import frame_of, write_frame
 from neve.io.run_folder import RunFolder
 from neve.io.version import version
 from neve.scene.errors import SceneError
+from neve.system import disk
 
 if TYPE_CHECKING:
     from neve.scene.schema.scene import Scene

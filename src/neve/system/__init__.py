@@ -1,0 +1,1 @@
+"""What the operating system gives: the disk, the standard streams, and Ctrl-C."""
