@@ -152,7 +152,7 @@ def _together(f: Fragments) -> Fragments:
     mass = f.mass[MOST + 1 :]
 
     def mean(values: Array) -> Array:
-        return np.asarray(mass @ values[MOST + 1 :] / mass.sum())[None]
+        return np.asarray(np.sum(mass[:, None] * values[MOST + 1 :], axis=0) / mass.sum())[None]
 
     def total(values: NDArray[Any]) -> NDArray[Any]:
         return np.asarray(values[MOST + 1 :].sum())[None]

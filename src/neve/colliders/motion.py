@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.geometry.pose import Pose, rotation_matrix, rotation_to_normal, rotation_vector
+from neve.reproducible import product
 from neve.scene.schema.scene import Collider, Keyframe
 
 Array = NDArray[np.float64]
@@ -23,7 +24,10 @@ def pose(collider: Collider, t: float) -> Pose:
         return _between_keyframes(collider, t)
     velocity, spin = np.array(collider.velocity), np.array(collider.spin)
     return Pose(
-        _position(collider) + t * velocity, rotation_matrix(t * spin) @ _rotation(collider), velocity, spin
+        _position(collider) + t * velocity,
+        product(rotation_matrix(t * spin), _rotation(collider)),
+        velocity,
+        spin,
     )
 
 
@@ -37,9 +41,12 @@ def _between_keyframes(collider: Collider, t: float) -> Pose:
     span, share = b.t - a.t, (t - a.t) / (b.t - a.t)
     x0, R0 = _position(collider, a), _rotation(collider, a)
     displacement = _position(collider, b) - x0
-    angle = rotation_vector(_rotation(collider, b) @ R0.T)
+    angle = rotation_vector(product(_rotation(collider, b), R0.T))
     return Pose(
-        x0 + share * displacement, rotation_matrix(share * angle) @ R0, displacement / span, angle / span
+        x0 + share * displacement,
+        product(rotation_matrix(share * angle), R0),
+        displacement / span,
+        angle / span,
     )
 
 
@@ -52,4 +59,4 @@ def _position(collider: Collider, key: Keyframe | None = None) -> Array:
 def _rotation(collider: Collider, key: Keyframe | None = None) -> Array:
     vector = collider.turned if key is None or key.rotation is None else key.rotation
     R = rotation_matrix(np.radians(vector))
-    return R if collider.facing is None else R @ rotation_to_normal(np.array(collider.facing))
+    return R if collider.facing is None else product(R, rotation_to_normal(np.array(collider.facing)))

@@ -8,6 +8,7 @@ import logging
 import math
 import warnings
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.geometry.triangles import Triangles, tidied
+from neve.reproducible import determinant, product
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.files import where
 from neve.scene.schema.file_shapes import Mesh
@@ -142,18 +144,24 @@ def _pieces(loaded: Any) -> Iterator[tuple[Array, NDArray[np.int64]]]:
     if not hasattr(loaded, "graph"):
         yield from _of(loaded, np.eye(4))
         return
+    tree = loaded.graph.transforms
     for node in loaded.graph.nodes_geometry:
-        transform, name = loaded.graph[node]
-        yield from _of(loaded.geometry[name], np.asarray(transform, dtype=np.float64))
+        transform = np.eye(4)
+        for edge in pairwise(tree.shortest_path(loaded.graph.base_frame, node)):
+            if (step := tree.edge_data[edge].get("matrix")) is not None:
+                transform = product(transform, np.asarray(step, dtype=np.float64))
+        yield from _of(loaded.geometry[loaded.graph[node][1]], transform)
 
 
 def _of(geometry: Any, transform: Array) -> Iterator[tuple[Array, NDArray[np.int64]]]:
     faces = getattr(geometry, "faces", None)
     if faces is None or not len(faces):  # lines, or points
         return
-    vertices = np.asarray(geometry.vertices, dtype=np.float64) @ transform[:3, :3].T + transform[:3, 3]
+    vertices = (
+        product(np.asarray(geometry.vertices, dtype=np.float64), transform[:3, :3].T) + transform[:3, 3]
+    )
     rows = np.asarray(faces, dtype=np.int64)
-    yield vertices, rows[:, ::-1] if np.linalg.det(transform[:3, :3]) < 0 else rows
+    yield vertices, rows[:, ::-1] if determinant(transform[:3, :3]) < 0 else rows
 
 
 @contextlib.contextmanager

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from neve.reproducible import product
 
 Array = NDArray[np.float64]
 
@@ -38,12 +41,12 @@ class Pose:
 
 def rotation_matrix(vector: Array) -> Array:
     """Return the matrix (3, 3) that rotates by |vector| [rad] about `vector` (Rodrigues' formula)."""
-    angle = float(np.linalg.norm(vector))
+    angle = math.hypot(*vector)
     if angle == 0.0:
         return np.eye(3)
     x, y, z = np.asarray(vector) / angle
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * k + 2.0 * np.sin(0.5 * angle) ** 2 * (k @ k))
+    return np.asarray(np.eye(3) + math.sin(angle) * k + 2.0 * math.sin(0.5 * angle) ** 2 * product(k, k))
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -55,10 +58,10 @@ def cross(a: Array, b: Array) -> Array:
 def rotation_vector(matrix: Array) -> Array:
     """Return the rotation vector [rad] (3,) of a rotation `matrix` (3, 3), at most half a turn long."""
     q = quaternion_of(matrix)
-    sine = float(np.linalg.norm(q[1:]))
+    sine = math.hypot(*q[1:])
     if sine == 0.0:
         return np.zeros(3)
-    return np.asarray(q[1:] / sine * 2.0 * np.arctan2(sine, q[0]))
+    return np.asarray(q[1:] / sine * 2.0 * math.atan2(sine, q[0]))
 
 
 def quaternion_of(matrix: Array) -> Array:
@@ -77,14 +80,14 @@ def quaternion_of(matrix: Array) -> Array:
         ]
     )
     q = columns[int(np.argmax(np.diag(columns)))]
-    return np.asarray(q / np.linalg.norm(q) * (1.0 if q[0] >= 0 else -1.0))
+    return np.asarray(q / math.hypot(*q) * (1.0 if q[0] >= 0 else -1.0))
 
 
 def rotation_to_normal(normal: Array) -> Array:
     """Return the shortest rotation (3, 3) that takes z to the direction of `normal`."""
-    n = normal / np.linalg.norm(normal)
+    n = normal / math.hypot(*normal)
     axis = np.array([-n[1], n[0], 0.0])
-    sine = float(np.linalg.norm(axis))
+    sine = math.hypot(*axis)
     if sine == 0.0:
         return np.diag([1.0, n[2], n[2]])
-    return rotation_matrix(axis / sine * np.arctan2(sine, n[2]))
+    return rotation_matrix(axis / sine * math.atan2(sine, n[2]))

@@ -18,6 +18,7 @@ from neve import _core
 from neve.geometry import cache
 from neve.geometry.mesh import read_mesh, warn_if_small
 from neve.geometry.triangles import Triangles
+from neve.reproducible import norms
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.schema.file_shapes import Mesh
 
@@ -60,7 +61,7 @@ class SolidMesh:
     @cached_property
     def reach(self) -> float:
         """Distance of the farthest point of the solid from its frame's origin [m]."""
-        return float(np.linalg.norm(self.vertices, axis=1).max()) + 0.5 * self.thickness
+        return float(norms(self.vertices).max()) + 0.5 * self.thickness
 
     @property
     def vertices(self) -> Array:
@@ -201,7 +202,7 @@ def thinnest(surface: Triangles) -> float:
 
     From points on the surface rays go inward; the thickness is their way to the next face.
     """
-    area = np.linalg.norm(surface.area_vectors, axis=1)
+    area = norms(surface.area_vectors)
     rng = np.random.default_rng(0)
     chosen = rng.choice(len(area), RAYS, p=area / area.sum())
     u, v = rng.random((2, RAYS, 1))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
+from neve.reproducible import norms
 
 if TYPE_CHECKING:
     from neve._core import TriangleMesh
@@ -49,7 +50,7 @@ class Triangles:
     @cached_property
     def area(self) -> float:
         """Area of the surface [m2]."""
-        return float(np.linalg.norm(self.area_vectors, axis=1).sum())
+        return float(norms(self.area_vectors).sum())
 
     @cached_property
     def volume(self) -> float:
@@ -59,7 +60,7 @@ class Triangles:
         their orientation. Measured from the middle, which keeps the error of an open surface small.
         """
         middles = self.vertices[self.faces].mean(axis=1) - 0.5 * (self.low + self.high)
-        return float(np.einsum("ij,ij->", middles, self.area_vectors) / 3.0)
+        return float(np.sum(middles * self.area_vectors) / 3.0)
 
     @cached_property
     def open_edges(self) -> int:
@@ -103,7 +104,7 @@ def _has_area(vertices: Array, faces: Indices) -> NDArray[np.bool_]:
     """Return whether each face is more than a line: its height is above rounding of its longest edge."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     longest = np.maximum.reduce([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))])
-    double_area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    double_area = norms(np.cross(b - a, c - a))
     return np.asarray(double_area > 1e-12 * longest)
 
 
@@ -140,7 +141,7 @@ def _agreeing(surface: Triangles) -> Triangles:
     _, label = connected_components(graph, directed=False)
     kept, turned = label[:m], label[m:]
     middle = 0.5 * (surface.low + surface.high)
-    share = np.einsum("ij,ij->i", surface.vertices[surface.faces].mean(axis=1) - middle, surface.area_vectors)
+    share = np.sum((surface.vertices[surface.faces].mean(axis=1) - middle) * surface.area_vectors, axis=1)
     volume = np.bincount(kept, share, label.max() + 1) - np.bincount(turned, share, label.max() + 1)
     disagrees = np.zeros(label.max() + 1, dtype=bool)
     disagrees[label[np.concatenate([f[against], f[against] + m])]] = True

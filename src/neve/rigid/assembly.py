@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from neve.colliders.motion import pose
 from neve.colliders.solid import Solid
 from neve.geometry.pose import rotation_matrix
+from neve.reproducible import product
 from neve.rigid.engine import engine, quaternion, reason
 from neve.rigid.hulls import add_mesh, add_terrain, lift_of
 from neve.rigid.inertia import mass_properties
@@ -74,7 +76,8 @@ class _Frame:
 
     def inside(self, position: Array, rotation: Array) -> tuple[Array, Array]:
         """Return a position and a rotation in the world as seen from this frame."""
-        return self.rotation.T @ (position - self.position), self.rotation.T @ rotation
+        back = self.rotation.T
+        return product(back, position - self.position), product(back, rotation)
 
 
 def assemble(scene: Scene, colliders: Sequence[Solid], bodies: Sequence[Solid]) -> Assembly:
@@ -146,7 +149,7 @@ def _add_geom(
     """Add the shape of `solid`, without mass, to a body of the engine, at `where` in its frame."""
     body.add_geom(
         name=solid.name,
-        pos=where[0] + where[1] @ lift_of(solid),
+        pos=where[0] + product(where[1], lift_of(solid)),
         quat=quaternion(where[1]),
         mass=0.0,
         friction=[friction, 0.005, 0.0001],
@@ -188,7 +191,7 @@ def _add_body(spec: Any, body: Body, solid: Solid, frames: Sequence[_Frame]) -> 
         )
     R = rotation_matrix(np.radians(body.rotation))
     center = np.array(body.origin)
-    frame = _Frame(center + R @ properties.center, R @ axes)
+    frame = _Frame(center + product(R, properties.center), product(R, axes))
     if body.parent is None:
         host, where = spec.worldbody, (frame.position, frame.rotation)
     else:
@@ -214,14 +217,14 @@ def _add_joint(spec: Any, made: Any, body: Body, frame: _Frame, name: str) -> No
         made.add_freejoint(name=name, align=False)
         return
     hinge = body.joint == "hinge"
-    axis = np.array(body.axis) / np.linalg.norm(body.axis)
+    axis = np.array(body.axis) / math.hypot(*body.axis)
     anchor = np.array(body.anchor if body.anchor is not None else body.origin)
     kinds = mujoco.mjtJoint
     joint = made.add_joint(
         name=name,
         type=kinds.mjJNT_HINGE if hinge else kinds.mjJNT_SLIDE,
-        axis=frame.rotation.T @ axis,
-        pos=frame.rotation.T @ (anchor - frame.position),
+        axis=product(frame.rotation.T, axis),
+        pos=product(frame.rotation.T, anchor - frame.position),
     )
     if body.limits is not None:
         joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
@@ -319,8 +322,8 @@ def _speeds(model: Any, bodies: Sequence[Body], solids: Sequence[Solid], frames:
         if body.joint == "free":
             arm = frame.position - np.array(body.origin)
             speeds[first : first + 3] = velocity + np.cross(spin, arm)
-            speeds[first + 3 : first + 6] = frame.rotation.T @ spin
+            speeds[first + 3 : first + 6] = product(frame.rotation.T, spin)
         else:
-            axis = np.array(body.axis) / np.linalg.norm(body.axis)
-            speeds[first] = axis @ (spin if body.joint == "hinge" else velocity)
+            axis = np.array(body.axis) / math.hypot(*body.axis)
+            speeds[first] = np.sum(axis * (spin if body.joint == "hinge" else velocity))
     return speeds

@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from neve.colliders.motion import pose
 from neve.colliders.solid import Solid, solid_of
 from neve.geometry.pose import Pose, cross
+from neve.reproducible import product
 from neve.rigid.assembly import Assembly, assemble
 from neve.rigid.constraint_inertia import constraint_inertia, damping
 from neve.rigid.coupled_bodies import LostBody
 from neve.rigid.engine import engine, quaternion
 from neve.rigid.overlap import require_apart
+from neve.rigid.products import solved, times, times_transposed
 from neve.rigid.robot_solids import robot_solids
 from neve.scene.schema.scene import Scene
 
@@ -67,7 +69,7 @@ class RigidBodies:
 
     def poses(self) -> list[Pose]:
         """Return where the frame of each solid is and how it moves."""
-        rates = (self._jacobian @ self._data.qvel).reshape(-1, 6)
+        rates = times(self._jacobian, self._data.qvel).reshape(-1, 6)
         return [
             Pose(x, R, rate[:3], rate[3:])
             for x, R, rate in zip(self._positions, self._rotations, rates, strict=True)
@@ -83,14 +85,15 @@ class RigidBodies:
         hold now (`constraint_inertia`): a body on the ground yields no more than the ground lets it.
         """
         J = self._jacobian
-        moved = np.zeros_like(J)
         held = constraint_inertia(self._mj, self._model, self._data)
         if self._damping is not None or held is not None:
             inertia = self._damped_inertia() + (0.0 if held is None else held)
-            moved[:] = np.linalg.solve(inertia, J.T).T
-        elif J.size:
-            self._mj.mj_solveM(self._model, self._data, moved, J)
-        A = J @ moved.T
+            moved = solved(inertia, J)
+        else:
+            moved = np.zeros_like(J)
+            if J.size:
+                self._mj.mj_solveM(self._model, self._data, moved, J)
+        A = times_transposed(J, moved)
         return np.asarray(0.5 * (A + A.T))
 
     def free_acceleration(self) -> Array:
@@ -102,12 +105,13 @@ class RigidBodies:
         mj, model, data = self._mj, self._model, self._data
         rates = np.array(data.qacc)
         if self._damping is not None:
-            rates = np.linalg.solve(self._damped_inertia(), data.qfrc_smooth + data.qfrc_constraint)
-        found = self._jacobian @ rates
+            forces = data.qfrc_smooth + data.qfrc_constraint
+            rates = solved(self._damped_inertia(), forces[None])[0]
+        found = times(self._jacobian, rates)
         change = np.zeros((6, model.nv))
         for i, held in enumerate(self._assembly.attachments):
             mj.mj_jacDot(model, data, change[:3], change[3:], self._positions[i], held.body)
-            found[6 * i : 6 * i + 6] += change @ data.qvel
+            found[6 * i : 6 * i + 6] += times(change, data.qvel)
         return np.asarray(found.reshape(-1, 6))
 
     def advance(self, dt: float, exchanged: Array, time: float) -> None:
@@ -188,15 +192,15 @@ class RigidBodies:
     @property
     def kinetic(self) -> float:
         """Kinetic energy of the bodies [J]."""
-        product = np.zeros(self._model.nv)
-        self._mj.mj_mulM(self._model, self._data, product, self._data.qvel)
-        return float(0.5 * product @ self._data.qvel)
+        moved = np.zeros(self._model.nv)
+        self._mj.mj_mulM(self._model, self._data, moved, self._data.qvel)
+        return float(0.5 * np.sum(moved * self._data.qvel))
 
     @property
     def potential(self) -> float:
         """Energy of the bodies in the field of gravity, zero at the origin of the world [J]."""
         mass = self._model.body_mass
-        return float(-(mass @ (self._data.xipos @ self._model.opt.gravity)))
+        return float(-np.sum(mass[:, None] * self._data.xipos * self._model.opt.gravity))
 
     @property
     def mass(self) -> Array:
@@ -210,11 +214,11 @@ class RigidBodies:
         linear, turning = np.zeros((3, model.nv)), np.zeros((3, model.nv))
         for body in range(1, model.nbody):
             self._mj.mj_jacBodyCom(model, data, linear, turning, body)
-            p = model.body_mass[body] * (linear @ data.qvel)
+            p = model.body_mass[body] * times(linear, data.qvel)
             axes = data.ximat[body].reshape(3, 3)
             momentum += p
-            spin = axes.T @ (turning @ data.qvel)
-            angular += np.cross(data.xipos[body], p) + axes @ (model.body_inertia[body] * spin)
+            spin = product(axes.T, times(turning, data.qvel))
+            angular += np.cross(data.xipos[body], p) + product(axes, model.body_inertia[body] * spin)
         return momentum, angular
 
     def _apply(self, wrenches: Array) -> None:
@@ -247,7 +251,7 @@ class RigidBodies:
                 if at := motions.get(int(geom)):
                     surface += sign * (at.velocity + cross(at.omega, contact.pos - at.position))
             rows = slice(contact.efc_address, contact.efc_address + min(contact.dim, 3))
-            along = contact.frame.reshape(3, 3)[: min(contact.dim, 3)] @ surface
+            along = product(contact.frame.reshape(3, 3)[: min(contact.dim, 3)], surface)
             data.efc_aref[rows] -= data.efc_KBIP[rows, 1] * along
 
     def _set_controls(self, time: float) -> None:
@@ -287,12 +291,13 @@ class RigidBodies:
         data.qacc_warmstart[:] = kept
         self._damping = damping(self._mj, model, data)
         attachments = self._assembly.attachments
-        self._positions = np.zeros((len(attachments), 3))
-        self._rotations = np.zeros((len(attachments), 3, 3))
+        carriers = [held.body for held in attachments]
+        R = data.xmat[carriers].reshape(-1, 3, 3)
+        arms = np.array([held.position for held in attachments]).reshape(-1, 3, 1)
+        self._positions = data.xpos[carriers] + product(R, arms)[..., 0]
+        turned = np.array([held.rotation for held in attachments]).reshape(-1, 3, 3)
+        self._rotations = product(R, turned)
         self._jacobian = np.zeros((6 * len(attachments), model.nv))
         for i, held in enumerate(attachments):
-            R = data.xmat[held.body].reshape(3, 3)
-            self._positions[i] = data.xpos[held.body] + R @ held.position
-            self._rotations[i] = R @ held.rotation
             rows = self._jacobian[6 * i : 6 * i + 6]
             self._mj.mj_jac(model, data, rows[:3], rows[3:], self._positions[i], held.body)

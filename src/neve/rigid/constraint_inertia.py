@@ -53,4 +53,6 @@ def constraint_inertia(mj: Any, model: Any, data: Any) -> Array | None:
         mj.mju_sparse2dense(J, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
     else:
         J[:] = data.efc_J.reshape(data.nefc, model.nv)
-    return np.asarray((J[rows].T * data.efc_D[rows]) @ J[rows])
+    found = np.zeros((model.nv, model.nv))
+    mj.mju_sqrMatTD(found, np.ascontiguousarray(J[rows]), np.array(data.efc_D[rows]))
+    return found

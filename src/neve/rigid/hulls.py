@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.colliders.solid import Solid
+from neve.reproducible import norms
 from neve.rigid.engine import engine
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ def corner_normals(vertices: Array, faces: NDArray[np.integer]) -> Array:
     normals = np.zeros_like(vertices)
     for k in range(3):
         np.add.at(normals, faces[:, k], np.cross(b - a, c - a))
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    length = norms(normals)[:, None]
     return np.asarray(normals / np.where(length > 0, length, 1.0))
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from neve.colliders.solid import Solid
 from neve.geometry.inside import windings
 from neve.geometry.triangles import Triangles
+from neve.reproducible import eigen, norms
 from neve.scene.errors import SceneError
 
 Array = NDArray[np.float64]
@@ -39,10 +40,7 @@ class MassProperties:
         off = self.inertia - np.diag(np.diag(self.inertia))
         if np.abs(off).max() <= 1e-12 * np.trace(self.inertia):
             return np.diag(self.inertia).copy(), np.eye(3)
-        moments, axes = np.linalg.eigh(self.inertia)
-        if np.linalg.det(axes) < 0:
-            axes[:, 2] = -axes[:, 2]
-        return moments, axes
+        return eigen(self.inertia)
 
 
 def mass_properties(solid: Solid) -> MassProperties:
@@ -79,11 +77,11 @@ def of_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> MassProperties:
     origin = v.mean(axis=0)  # near the body, so that sums of large numbers do not cancel
     a, b, c = (v[np.asarray(faces)[:, i]] - origin for i in range(3))
     s = a + b + c
-    V = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0
+    V = np.sum(a * np.cross(b, c), axis=1) / 6.0
     volume = float(V.sum())
     sign = math.copysign(1.0, volume)
     center = (V[:, None] * s).sum(axis=0) / (4.0 * volume)
-    second = sum(np.einsum("n,ni,nj->ij", V, p, p) for p in (a, b, c, s)) / 20.0
+    second = sum(_squares(V, p) for p in (a, b, c, s)) / 20.0
     second = sign * (second - volume * np.outer(center, center))
     return MassProperties(abs(volume), origin + center, np.trace(second) * np.eye(3) - second)
 
@@ -99,13 +97,18 @@ def of_sheet(vertices: NDArray[Any], faces: NDArray[Any], thickness: float) -> M
     a, b, c = (v[np.asarray(faces)[:, i]] - origin for i in range(3))
     s = a + b + c
     across = 0.5 * np.cross(b - a, c - a)
-    A = np.linalg.norm(across, axis=1)
+    A = norms(across)
     area = float(A.sum())
     center = (A[:, None] * s).sum(axis=0) / (3.0 * area)
-    second = sum(np.einsum("n,ni,nj->ij", A, p, p) for p in (a, b, c, s)) / 12.0
-    second += np.einsum("ni,nj,n->ij", across, across, 1.0 / A) * thickness**2 / 12.0
+    second = sum(_squares(A, p) for p in (a, b, c, s)) / 12.0
+    second += _squares(1.0 / A, across) * thickness**2 / 12.0
     second = thickness * (second - area * np.outer(center, center))
     return MassProperties(thickness * area, origin + center, np.trace(second) * np.eye(3) - second)
+
+
+def _squares(weights: Array, x: Array) -> Array:
+    """Return sum w x x^T (3, 3) of weights (n,) and vectors (n, 3)."""
+    return np.array([[np.sum(weights * x[:, i] * x[:, j]) for j in range(3)] for i in range(3)])
 
 
 def of_inside(surface: Triangles, name: str) -> MassProperties:
@@ -121,5 +124,5 @@ def of_inside(surface: Triangles, name: str) -> MassProperties:
     if not len(x):
         raise SceneError(f"{name} has no volume to weigh: close its mesh, or set {name}.thickness")
     dV, center = float(np.prod(size / CELLS)), x.mean(axis=0)
-    second = dV * (x - center).T @ (x - center)
+    second = dV * _squares(np.ones(len(x)), x - center)
     return MassProperties(dV * len(x), center, np.trace(second) * np.eye(3) - second)

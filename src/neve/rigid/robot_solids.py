@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -134,9 +135,9 @@ def rounded(radii: Array, half: float) -> tuple[Array, Faces]:
         latitudes = np.insert(latitudes, ROUND // 4, 0.0)
         shifts = np.insert(shifts, ROUND // 4, -half)
     around = 2.0 * np.pi * np.arange(ROUND) / ROUND
-    ring = np.stack([np.cos(around), np.sin(around)], axis=1)
+    ring = np.array([(math.cos(turn), math.sin(turn)) for turn in around])
     rings = [
-        np.column_stack([np.cos(a) * ring * radii[:2], np.full(ROUND, radii[2] * np.sin(a) + s)])
+        np.column_stack([math.cos(a) * ring * radii[:2], np.full(ROUND, radii[2] * math.sin(a) + s)])
         for a, s in zip(latitudes[1:-1], shifts[1:-1], strict=True)
     ]
     poles = np.array([[0.0, 0.0, -radii[2] - half], [0.0, 0.0, radii[2] + half]])

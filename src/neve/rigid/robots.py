@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.geometry.pose import rotation_matrix
+from neve.reproducible import product
 from neve.rigid.engine import engine, quaternion, reason
 from neve.scene.errors import SceneError
 from neve.scene.schema.bodies import Motor, Robot
@@ -271,7 +272,7 @@ def place_joints(model: Any, robots: Sequence[LoadedRobot]) -> Array:
             begin = int(model.joint(f"{loaded.name}.{name}").qposadr[0])
             if len(value) == 7:
                 value = value.copy()
-                value[:3] = np.array(loaded.robot.position) + R @ value[:3]
+                value[:3] = np.array(loaded.robot.position) + product(R, value[:3])
                 turned = np.zeros(4)
                 mujoco.mju_mulQuat(turned, quaternion(R), value[3:].copy())
                 value[3:] = turned

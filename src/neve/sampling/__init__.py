@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.reproducible import product
 from neve.sampling.factors import factors
 from neve.sampling.points import jittered, poisson, regular
 from neve.sampling.regions import region
@@ -77,7 +78,7 @@ def fill(source: Source, numerics: Numerics, index: int) -> Samples:
             f"{name} is too small for a single particle with numerics.dx = {numerics.dx:g}; "
             "use a smaller dx or a larger source"
         )
-    arm = (local + space.middle) @ space.rotation.T
+    arm = product(local + space.middle, space.rotation.T)
     return Samples(
         x=space.center + arm,
         v=np.array(source.velocity) + np.cross(np.array(source.spin), arm),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.reproducible import exp, product
 from neve.sampling.noise import clods, fractal
 from neve.sampling.regions import Region
 from neve.scene.schema.scene import Source
@@ -28,14 +29,14 @@ def factors(source: Source, space: Region, local: Array, seed: int, index: int) 
     if noise and any(amplitudes.values()):
         mixed = int(np.random.SeedSequence([seed, index, noise.seed]).generate_state(1, np.uint64)[0])
         field = _field(noise, space, local, mixed)
-        made |= {name: np.asarray(np.exp(a * field)) for name, a in amplitudes.items() if a}
+        made |= {name: exp(a * field) for name, a in amplitudes.items() if a}
         made["density"] /= made["density"].mean()
     profile = source.profile
     if profile and profile.at:
         if profile.by == "depth":
             coordinate = space.depth(local)
         else:
-            coordinate = space.center[2] + (local + space.middle) @ space.rotation[2] - space.lowest
+            coordinate = space.center[2] + product(local + space.middle, space.rotation[2]) - space.lowest
         for name in made:
             if values := getattr(profile, name):
                 made[name] = made[name] * np.interp(coordinate, profile.at, values)

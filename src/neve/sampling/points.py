@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+
+from neve.reproducible import norms
+from neve.reproducible import product as times
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -52,9 +56,9 @@ def poisson(size: Array, spacing: float, rng: np.random.Generator, seed: int) ->
     unit = spacing * (len(tile) / TILE**3) ** (1.0 / 3.0)
     edge = unit * TILE
     axes, shift = _random_rotation(rng), rng.random(3)
-    middles = (touching_tiles(size, edge, axes, shift) + 0.5 + shift) * edge @ axes.T
+    middles = times((touching_tiles(size, edge, axes, shift) + 0.5 + shift) * edge, axes.T)
     near = np.all(np.abs(middles) <= 0.5 * size + 0.5 * np.sqrt(3.0) * edge, axis=1)
-    base = (tile * unit - 0.5 * edge) @ axes.T
+    base = times(tile * unit - 0.5 * edge, axes.T)
     parts = [p[np.all(np.abs(p) < 0.5 * size, axis=1)] for p in (base + m for m in middles[near])]
     return np.concatenate(parts) if parts else np.zeros((0, 3))
 
@@ -68,7 +72,7 @@ def touching_tiles(size: Array, edge: float, axes: Array, shift: Array) -> Indic
     """
     count = np.maximum(1, np.ceil(size / edge)).astype(np.int64)
     cells = np.stack(np.meshgrid(*(np.arange(n) for n in count), indexing="ij"), axis=-1).reshape(-1, 3)
-    home = np.floor(((cells + 0.5) / count - 0.5) * size @ axes / edge - shift).astype(np.int64)
+    home = np.floor(times(((cells + 0.5) / count - 0.5) * size, axes) / edge - shift).astype(np.int64)
     around = (home[:, None, :] + np.array(list(product((-1, 0, 1), repeat=3)))).reshape(-1, 3)
     around = around[np.lexsort((around[:, 2], around[:, 0], around[:, 1]))]
     is_new = np.any(np.diff(around, axis=0, prepend=around[:1] - 1) != 0, axis=1)
@@ -109,8 +113,8 @@ def poisson_tile(seed: int) -> Array:
 def _neighbours(cells: int) -> Indices:
     """Return the offsets (n, 3) of cells that may hold a point nearer than 1, the nearest first."""
     offsets = np.array(list(product(range(-2, 3), repeat=3)))
-    gap = np.linalg.norm(np.maximum(np.abs(offsets) - 1, 0), axis=1) * (TILE / cells)
-    order = np.argsort(np.linalg.norm(offsets, axis=1), kind="stable")
+    gap = norms(np.maximum(np.abs(offsets) - 1, 0)) * (TILE / cells)
+    order = np.argsort(norms(offsets), kind="stable")
     return np.asarray(offsets[order][gap[order] < 1.0])
 
 
@@ -123,12 +127,12 @@ def _apart(a: Array, b: Array) -> NDArray[np.bool_]:
     """Return whether points are 1 or more apart in the periodic tile; a point at infinity is far from all."""
     d = np.abs(a - b)
     d = np.minimum(d, np.abs(TILE - d))
-    return np.asarray(np.einsum("ij,ij->i", d, d) >= 1.0)
+    return np.asarray(np.sum(d * d, axis=1) >= 1.0)
 
 
 def _random_rotation(rng: np.random.Generator) -> Array:
     """Return a rotation matrix (3, 3), all directions equally likely: from a random unit quaternion."""
-    w, x, y, z = (q := rng.standard_normal(4)) / np.linalg.norm(q)
+    w, x, y, z = (q := rng.standard_normal(4)) / math.hypot(*q)
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

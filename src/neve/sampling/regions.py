@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.geometry.pose import rotation_matrix
+from neve.reproducible import product
 from neve.sampling.filling import MeshSpace, mesh_space
 from neve.sampling.lettering import Letters, letters
 from neve.scene.schema.file_shapes import Mesh, Text
@@ -92,7 +93,7 @@ def _mesh(source: Mesh, space: MeshSpace) -> Region:
         volume=space.volume,
         inside=lambda x: space.distance(x + middle) < 0,
         depth=lambda x: np.maximum(-space.distance(x + middle), 0.0),
-        lowest=float(center[2] + (space.corners @ axes[2]).min()) - space.margin,
+        lowest=float(center[2] + product(space.corners, axes[2]).min()) - space.margin,
         middle=middle,
     )
 

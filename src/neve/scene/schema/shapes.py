@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from neve.reproducible import norms, product
 from neve.scene.values.fields import (
     ZERO,
     Angle3,
@@ -82,7 +83,7 @@ class Shape(Part):
     @staticmethod
     def reach_of(half: Array) -> float:
         """Return the distance of its farthest point from its origin [m]."""
-        return float(np.linalg.norm(half))
+        return math.hypot(*half)
 
     @staticmethod
     def volume_of(half: Array) -> float:
@@ -109,7 +110,7 @@ class Shape(Part):
     @staticmethod
     def lowest_of(half: Array, z: float, up: Array) -> float:
         """Return the height of its lowest point [m]; `z`: of its origin [m], `up`: world's z in its axes."""
-        return float(z - np.abs(up) @ half)
+        return float(z - product(np.abs(up), half))
 
     @staticmethod
     def geom_size(half: Array) -> list[float]:
@@ -212,12 +213,12 @@ class Sphere(Shape):
     @staticmethod
     def covers(half: Array, x: Array) -> NDArray[np.bool_]:
         """Return which points are within a radius of the centre."""
-        return np.asarray(np.einsum("ij,ij->i", x, x) <= float(half[0]) ** 2)
+        return np.asarray(np.sum(x * x, axis=1) <= float(half[0]) ** 2)
 
     @staticmethod
     def depth_of(half: Array, x: Array) -> Array:
         """Return the radius less the distance from the centre [m]."""
-        return np.asarray(float(half[0]) - np.linalg.norm(x, axis=1))
+        return np.asarray(float(half[0]) - norms(x))
 
     @staticmethod
     def lowest_of(half: Array, z: float, up: Array) -> float:
