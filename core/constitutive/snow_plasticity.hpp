@@ -2,6 +2,7 @@
 // hardening with plastic compression.
 //
 //   flow:       sigma <- clamp(sigma, [1 - theta_c, 1 + theta_s]),  J_P <- J_P prod(sigma_trial / sigma)
+//               but no farther than to tau_k = 0, which the paper does not ask for (opposed())
 //   hardening:  mu, lam = (mu0, lam0) exp(xi (1 - J_P))
 //
 // J_P is bounded, which the paper does not do. From below by J_P_min inside the exponent only: J_P = 0.3 would
@@ -140,16 +141,59 @@ struct SnowPlasticity {
     return principal_stress(svd.U, svd.strain, J_P, q);
   }
 
+  // Cut no stretch farther than its stress pulls it back: from the trial towards the clamped state, the flow of an axis
+  // ends where tau_k = 0. The result has the least Psi there is between the two.
+  //
+  // Snow that is pressed along one axis presses on the others too, even where it is stretched beyond theta_s: flowing
+  // there, it would do work and store as much as before, in every step anew.
+  //
+  // Pressed against their flow are axes of one side only, stretched or pressed: the sign is that of the part of tau that
+  // all axes share. Those that end at tau_k = 0 have one strain, `a`; axes whose trial comes before it do not flow.
+  // tau(a) is convex in the direction from the clamp, so that Newton's method does not overshoot; it is exact in
+  // logarithms after one iteration for each axis.
+  template <class R>
+  NEVE_INLINE static Vec3<R> opposed(const Vec3<R>& trial, const Vec3<R>& kept, const Parameters<R>& q) {
+    using T = scalar_t<R>;
+    const R zero = splat<R>(0);
+    const Response<R> clamped = Elasticity::respond(kept, q.mu0, q.lam0);
+    R side = zero;  // the sign of the strains that would flow against their stress
+    for (int k = 0; k < 3; ++k) {
+      const R flow = trial[k] - kept[k];
+      side = select(flow * (clamped.isotropic + clamped.axial[k]) < zero, flow, side);
+    }
+    const auto against = side != zero, stretched = side > zero;
+    if (!any(against)) return kept;
+    const R clamp_at = select(stretched, q.theta_s, R(-q.theta_c));
+    Vec3<R> e = kept;
+    R a = clamp_at, low = clamp_at, high = clamp_at;
+    for (int k = 0; k < 3; ++k) low = min(low, trial[k]), high = max(high, trial[k]);
+    for (int i = 0; i < 8; ++i) {
+      R moving = zero;
+      for (int k = 0; k < 3; ++k) {
+        const R flow = trial[k] - kept[k];
+        const auto flows = select(stretched, flow, R(-flow)) > zero;
+        const auto moves = flows & (select(stretched, R(trial[k] - a), R(a - trial[k])) > zero);
+        e[k] = select(moves, a, select(flows, trial[k], kept[k]));
+        moving = moving + select(moves, splat<R>(1), zero);
+      }
+      const AxisStress<R> on = Elasticity::along(a, e, q.mu0, q.lam0);
+      a = clamp(R(a - on.tau / (on.by_own + moving * on.by_other)), select(stretched, clamp_at, low),
+                select(stretched, high, clamp_at));
+    }
+    return select(against, e, kept);
+  }
+
   template <class R>
   static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
     using T = scalar_t<R>;
     const Svd3<R> svd = svd3<false>(F_trial);
-    const Vec3<R> kept{clamp(svd.strain.x, R(-q.theta_c), q.theta_s),
-                       clamp(svd.strain.y, R(-q.theta_c), q.theta_s),
-                       clamp(svd.strain.z, R(-q.theta_c), q.theta_s)};
-    const Vec3<R> excess = svd.strain - kept;
+    Vec3<R> kept{clamp(svd.strain.x, R(-q.theta_c), q.theta_s), clamp(svd.strain.y, R(-q.theta_c), q.theta_s),
+                 clamp(svd.strain.z, R(-q.theta_c), q.theta_s)};
     Mapped<R> out{F_trial, J_P, {}};
-    if (any((excess.x != T(0)) | (excess.y != T(0)) | (excess.z != T(0)))) {
+    const auto& e = svd.strain;
+    if (any((e.x != kept.x) | (e.y != kept.y) | (e.z != kept.z))) {
+      kept = opposed(svd.strain, kept, q);
+      const Vec3<R> excess = svd.strain - kept;
       out.F_E = without(F_trial, svd, excess);
       for (int k = 0; k < 3; ++k)
         out.J_P = out.J_P * select(excess[k] != T(0), R(svd.sigma[k] / (T(1) + kept[k])), splat<R>(1));

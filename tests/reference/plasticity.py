@@ -5,21 +5,45 @@ import numpy as np
 from reference.polar import column, polar_svd, transpose
 
 
-def clamp(F_trial, J_P, snow):
-    """Stomakhin et al. 2013: stretches into [1 - theta_c, 1 + theta_s]; what is cut off becomes plastic."""
+def clamp(F_trial, J_P, snow, elasticity):
+    """Stomakhin et al. 2013: stretches into [1 - theta_c, 1 + theta_s]; what is cut off becomes plastic.
+
+    No stretch is cut farther than to tau_k = 0: the state of least Psi between the trial and that one.
+    """
     U, sigma, V = polar_svd(F_trial)
     low, high = 1 - snow.strength * snow.theta_c, 1 + snow.strength * snow.theta_s
-    kept = np.clip(sigma, column(low, 1), column(high, 1))
+    clipped = np.clip(sigma, column(low, 1), column(high, 1))
+    kept = cheapest(np.minimum(sigma, clipped), np.maximum(sigma, clipped), snow, elasticity)
     F_E = (U * kept[:, None, :]) @ transpose(V)
     return F_E, np.minimum(J_P * (sigma / kept).prod(-1), snow.J_P_max)
 
 
-def nothing(F_trial, J_P, snow):
+def cheapest(low, high, snow, elasticity):
+    """Find the stretches between low and high (n, 3) that have the least Psi.
+
+    tau_k = p + (a function of s_k alone), and Psi grows with s_k while tau_k > 0: given p each stretch is
+    known, and p itself by bisection.
+    """
+    mu, lam = (np.broadcast_to(a, len(low)) for a in (snow.mu0, snow.lam0))
+
+    def at(p):
+        return np.clip(column(elasticity.stretch(-p, mu), 1), low, high)
+
+    ends = [elasticity.isotropic(s.prod(-1), lam) for s in (low, high)]
+    bottom, top = np.minimum(*ends), np.maximum(*ends)
+    for _ in range(100):
+        p = 0.5 * (bottom + top)
+        above = elasticity.isotropic(at(p).prod(-1), lam) > p
+        bottom, top = np.where(above, p, bottom), np.where(above, top, p)
+    return at(0.5 * (bottom + top))
+
+
+def nothing(F_trial, J_P, snow, elasticity):
     """Elasticity alone."""
     return F_trial.copy(), np.ones(len(F_trial)) * J_P
 
 
-def drucker_prager(F_trial, J_P, snow):
+def drucker_prager(F_trial, J_P, snow, elasticity):
     """q <= M_phi (p + p_t); past the apex tr eps = e_c snow comes apart, which J_P remembers.
 
     e = tr eps + ln J_P is the volume since rest. e >= e_c: the strain of the apex, J_P = exp(e - e_c).
@@ -52,7 +76,7 @@ def cam_clay_yield(p, q, p0, snow):
     return (1 + 2 * snow.beta) * q**2 + snow.M**2 * (p + snow.beta * p0) * (p - p0)
 
 
-def cam_clay(F_trial, J_P, snow):
+def cam_clay(F_trial, J_P, snow, elasticity):
     """Associative flow with p0 of the step's start: strain increments g dy/dp and g dy/dq, g >= 0.
 
     p = p_trial - K g dy/dp and q = q_trial - 3 mu g dy/dq are linear in p and q; g by bisection of y = 0.

@@ -114,7 +114,7 @@ def return_map(F_trial, J_P, snow):
 
     def fill(rows, law, kind, own):
         flow = OWN_PLASTICITY.get(law) or CLAMPED[kind]
-        F_E[rows], J_P_new[rows] = flow(F_trial[rows], J_P[rows], own)
+        F_E[rows], J_P_new[rows] = flow(F_trial[rows], J_P[rows], own, ELASTICITIES[law])
 
     by_law(len(F_trial), snow, fill)
     return F_E, J_P_new
