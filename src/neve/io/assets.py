@@ -107,7 +107,7 @@ def _asset(file: NamedFile) -> Asset:
 def companions(path: Path) -> list[Path]:
     """Return the files that the file `path` names in turn and that are there, absolute, each once."""
     if path.suffix.lower() in ROBOTS:
-        from neve.rigid.robots import files_of  # needs the rigid-body engine
+        from neve.rigid.robot_files.helper import files_of  # needs the rigid-body engine
 
         names: Sequence[str | Path] = files_of(path)
     elif path.suffix.lower() == ".gltf":

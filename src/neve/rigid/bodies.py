@@ -20,6 +20,7 @@ from neve.rigid.engine import engine, quaternion
 from neve.rigid.overlap import require_apart
 from neve.rigid.products import solved, times, times_transposed
 from neve.rigid.robot_solids import robot_solids
+from neve.rigid.soundness import require_few, require_movable
 from neve.scene.schema.scene import Scene
 
 Array = NDArray[np.float64]
@@ -51,6 +52,8 @@ class RigidBodies:
         )
         self._assembly: Assembly = assemble(scene, colliders, bodies)
         self._model = self._assembly.model
+        of_files = sum(len(loaded.geoms) for loaded in self._assembly.robots)
+        require_few(self._model, len(bodies) + of_files)
         of_robots = [
             found
             for loaded in self._assembly.robots
@@ -65,6 +68,7 @@ class RigidBodies:
         self._data.qpos[:] = self._assembly.start
         self._data.qvel[:] = self._assembly.speeds
         self._refresh()
+        require_movable(self._model, self._data)
         require_apart(self._model, self._data)
 
     def poses(self) -> list[Pose]:
@@ -265,7 +269,7 @@ class RigidBodies:
         return inertia if self._damping is None else inertia + self._model.opt.timestep * self._damping
 
     def _require_finite(self, time: float) -> None:
-        state = np.concatenate((self._data.qpos, self._data.qvel))
+        state = np.concatenate((self._data.qpos, self._data.qvel, self._data.act))
         if np.all(np.abs(state) < LARGEST):  # false for NaN
             return
         self._refresh()

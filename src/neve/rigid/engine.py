@@ -39,7 +39,7 @@ def quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 def reason(error: Exception) -> str:
     """Return the engine's message as the end of one sentence."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    text = re.sub(r"^(XML )?Error: ", "", lines[0] if lines else type(error).__name__).rstrip(".")
+    text = re.sub(r"^(XML )?Error: ", "", lines[0] if lines else type(error).__name__).rstrip(".!")
     where = next((match for line in lines[1:] if (match := re.search(r"line \d+", line, re.I))), None)
     where = where or re.search(r"Line number=(\d+)", " ".join(lines[1:]))
     place = f" (line {re.sub(r'[^0-9]', '', where[0])})" if where else ""

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.geometry.pose import rotation_matrix
 from neve.reproducible import product
-from neve.rigid.engine import engine, quaternion, reason
+from neve.rigid.engine import engine, quaternion
+from neve.rigid.robot_files.helper import require_sound
+from neve.rigid.robot_files.reading import compiled, free_name, is_urdf, read
 from neve.scene.errors import SceneError
 from neve.scene.schema.bodies import Motor, Robot
 from neve.spelling import hint, nearest
@@ -55,18 +55,16 @@ def add_robot(spec: Any, robot: Robot, name: str) -> LoadedRobot:
     parts, no such actuator, keyframe or range.
     """
     text = f"{name}.file = {json.dumps(robot.file, ensure_ascii=False)}"
-    child = _read(Path(robot.file), text)
-    is_urdf = _is_urdf(Path(robot.file))
-    if is_urdf:
-        _find_meshes(child, Path(robot.file).parent, text)
-        child.compiler.fusestatic = False
+    path = Path(robot.file)
+    require_sound(path, text)
+    child, geoms = read(path, text)
     if robot.free:
         _set_free(child, name)
-    loaded = LoadedRobot(name, robot, _named_geoms(child, text))
+    loaded = LoadedRobot(name, robot, geoms)
     _name_joints_and_actuators(child)
-    if is_urdf:
+    if is_urdf(path):
         loaded.motors = _motors(child, robot)
-    alone = _compiled(child, text)
+    alone = compiled(child, text)
     _check_controls(loaded, alone)
     _set_start(loaded, alone)
     for key in list(child.keys):
@@ -79,69 +77,6 @@ def add_robot(spec: Any, robot: Robot, name: str) -> LoadedRobot:
     return loaded
 
 
-def files_of(path: Path) -> list[Path]:
-    """Return the files that the robot file `path` names and that are there: meshes, textures, includes."""
-    try:
-        if not _is_urdf(path):
-            return [Path(name) for name in engine().mju_getXMLDependencies(str(path)) if Path(name).is_file()]
-        names = [mesh.get("filename", "") for mesh in ElementTree.parse(path).iter("mesh")]
-    except (ElementTree.ParseError, OSError, ValueError, engine().FatalError):
-        return []
-    found = (_mesh_file(name, path.parent) for name in names)
-    return [file for file in dict.fromkeys(found) if file]
-
-
-def _is_urdf(path: Path) -> bool:
-    """Tell whether the root of an XML file is that of a URDF file."""
-    try:
-        for _, element in ElementTree.iterparse(path, events=("start",)):
-            return bool(element.tag == "robot")
-    except (ElementTree.ParseError, OSError):
-        pass
-    return False
-
-
-def _read(path: Path, text: str) -> Any:
-    try:
-        return engine().MjSpec.from_file(str(path))
-    except (ValueError, OSError, engine().FatalError) as error:
-        raise SceneError(f"{text} cannot be read as a robot: {reason(error)}") from None
-
-
-def _compiled(child: Any, text: str) -> Any:
-    try:
-        model = child.compile()
-    except (ValueError, OSError, engine().FatalError) as error:
-        raise SceneError(f"{text} cannot be used as a robot: {reason(error)}") from None
-    if model.nflex:
-        raise SceneError(f"{text} has flexible parts (flex), which bodies of Neve are not: take them out")
-    return model
-
-
-def _find_meshes(child: Any, folder: Path, text: str) -> None:
-    """Make the names of the meshes of a URDF file, seen from its `folder`, absolute."""
-    for mesh in child.meshes:
-        found = _mesh_file(mesh.file, folder)
-        if found is None:
-            missing = json.dumps(mesh.file, ensure_ascii=False)
-            raise SceneError(f"{text} names a mesh {missing} that is neither beside the file nor above it")
-        mesh.file = str(found)
-
-
-def _mesh_file(name: str, folder: Path) -> Path | None:
-    """Return the file that a URDF file in `folder` calls `name`: a path, or package://PACKAGE/PATH."""
-    scheme, _, rest = name.rpartition(":/")
-    bare = Path(rest.lstrip("/") if scheme else name)
-    if scheme == "file":
-        bare = Path("/") / bare
-    folder = folder.resolve()
-    candidates = [folder / bare]
-    if scheme in ("package", "model"):
-        inside = Path(*bare.parts[1:]) if len(bare.parts) > 1 else bare
-        candidates = [up / end for up in (folder, *folder.parents) for end in (bare, inside)]
-    return next((path for path in candidates if path.is_file()), None)
-
-
 def _set_free(child: Any, name: str) -> None:
     bases = list(child.worldbody.bodies)
     for base in bases:
@@ -152,37 +87,14 @@ def _set_free(child: Any, name: str) -> None:
         base.add_freejoint()
 
 
-def _named_geoms(child: Any, text: str) -> list[str]:
-    """Return the names of all geoms that collide; those without one are named after their body."""
-    taken = {geom.name for geom in child.geoms}
-    names = []
-    for geom in child.geoms:
-        if not (geom.contype or geom.conaffinity):
-            continue
-        if not geom.name:
-            geom.name = _free_name(geom.parent.name or "geom", taken)
-        names.append(geom.name)
-    if not names:
-        raise SceneError(f"{text} has no geometry that collides, so that snow would never meet it")
-    return names
-
-
-def _free_name(wanted: str, taken: set[str]) -> str:
-    """Return `wanted`, with the first free number if it is taken, and add it to `taken`."""
-    numbered = (f"{wanted}{i}" for i in itertools.count(1))
-    name = wanted if wanted not in taken else next(other for other in numbered if other not in taken)
-    taken.add(name)
-    return name
-
-
 def _name_joints_and_actuators(child: Any) -> None:
     joints, actuators = (
         {element.name for element in elements} for elements in (child.joints, child.actuators)
     )
     for joint in child.joints:
-        joint.name = joint.name or _free_name(f"{joint.parent.name}_joint", joints)
+        joint.name = joint.name or free_name(f"{joint.parent.name}_joint", joints)
     for actuator in child.actuators:
-        actuator.name = actuator.name or _free_name(actuator.target or "actuator", actuators)
+        actuator.name = actuator.name or free_name(actuator.target or "actuator", actuators)
 
 
 def _motors(child: Any, robot: Robot) -> list[tuple[str, Motor]]:

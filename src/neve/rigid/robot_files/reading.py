@@ -1,0 +1,147 @@
+"""Read robot files with the engine's parser, and make sure that the engine can move what they hold."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from neve.rigid.engine import engine, reason
+from neve.rigid.robot_files.names import MOST_GEOMS, follow
+from neve.rigid.soundness import MOST_SOLIDS
+from neve.scene.errors import SceneError
+
+
+def read(path: Path, text: str) -> tuple[Any, list[str]]:
+    """Read the robot file `path`; return the engine's model of it, and the names of geoms that collide.
+
+    `text`: the begin of sentences. Meshes of URDF files are found; geoms that collide have names.
+
+    Errors: SceneError, one sentence: unreadable, a mesh that is missing, nothing or too much that collides.
+    """
+    try:
+        child = engine().MjSpec.from_file(str(path))
+    except (ValueError, OSError, MemoryError, engine().FatalError) as error:
+        raise SceneError(f"{text} cannot be read as a robot: {reason(error)}") from None
+    if is_urdf(path):
+        _find_meshes(child, path.parent, text)
+        child.compiler.fusestatic = False
+    return child, _named_geoms(child, text)
+
+
+def compiled(child: Any, text: str) -> Any:
+    """Return the engine's compiled model of a robot.
+
+    Errors: SceneError, one sentence: what the engine says, or flexible parts.
+    """
+    try:
+        model = child.compile()
+    except (ValueError, OSError, MemoryError, engine().FatalError) as error:
+        raise SceneError(f"{text} cannot be used as a robot: {reason(error)}") from None
+    if model.nflex:
+        raise SceneError(f"{text} has flexible parts (flex), which bodies of Neve are not: take them out")
+    return model
+
+
+def examine(path: Path, text: str) -> list[str]:
+    """Read, compile and move a robot once, and return the files that it names and that are there.
+
+    Whatever the engine's parser does to the process: `neve.rigid.robot_files.helper` calls this in another.
+
+    Errors: SceneError, one sentence.
+    """
+    follow(path, text)
+    child, _ = read(path, text)
+    model = compiled(child, text)
+    if model.ngeom > MOST_GEOMS:
+        raise SceneError(f"{text} has {model.ngeom:,} geoms: {MOST_GEOMS:,} are allowed")
+    mujoco = engine()
+    data = mujoco.MjData(model)
+    try:
+        mujoco.mj_step(model, data)
+    except (ValueError, MemoryError, engine().FatalError) as error:
+        raise SceneError(f"{text} cannot be used as a robot: {reason(error)}") from None
+    if not all(np.isfinite(numbers).all() for numbers in (data.qpos, data.qvel, data.act, data.xpos)):
+        raise SceneError(
+            f"{text} cannot be used as a robot: it has no finite place or velocity after its first step"
+        )
+    return [str(file) for file in _files(path)]
+
+
+def _files(path: Path) -> list[Path]:
+    """Return the files that the robot file `path` names and that are there: meshes, textures, includes."""
+    if not is_urdf(path):
+        return [Path(name) for name in engine().mju_getXMLDependencies(str(path)) if Path(name).is_file()]
+    names = [mesh.get("filename", "") for mesh in ElementTree.parse(path).iter("mesh")]
+    found = (_mesh_file(name, path.parent) for name in names)
+    return [file for file in dict.fromkeys(found) if file]
+
+
+def is_urdf(path: Path) -> bool:
+    """Tell whether the root of an XML file is that of a URDF file."""
+    try:
+        for _, element in ElementTree.iterparse(path, events=("start",)):
+            return bool(element.tag == "robot")
+    except (ElementTree.ParseError, OSError, ValueError):
+        pass
+    return False
+
+
+def _find_meshes(child: Any, folder: Path, text: str) -> None:
+    """Make the names of the meshes of a URDF file, seen from its `folder`, absolute."""
+    for mesh in child.meshes:
+        found = _mesh_file(mesh.file, folder)
+        if found is None:
+            missing = json.dumps(mesh.file, ensure_ascii=False)
+            raise SceneError(f"{text} names a mesh {missing} that is neither beside the file nor above it")
+        mesh.file = str(found)
+
+
+def _mesh_file(name: str, folder: Path) -> Path | None:
+    """Return the file that a URDF file in `folder` calls `name`: a path, or package://PACKAGE/PATH."""
+    scheme, _, rest = name.rpartition(":/")
+    bare = Path(rest.lstrip("/") if scheme else name)
+    if scheme == "file":
+        bare = Path("/") / bare
+    folder = folder.resolve()
+    candidates = [folder / bare]
+    if scheme in ("package", "model"):
+        inside = Path(*bare.parts[1:]) if len(bare.parts) > 1 else bare
+        candidates = [up / end for up in (folder, *folder.parents) for end in (bare, inside)]
+    try:
+        return next((path for path in candidates if path.is_file()), None)
+    except (OSError, ValueError):  # a name that no file can have
+        return None
+
+
+def _named_geoms(child: Any, text: str) -> list[str]:
+    """Return the names of all geoms that collide; those without one are named after their body."""
+    taken = {geom.name for geom in child.geoms}
+    names = []
+    for geom in child.geoms:
+        if not (geom.contype or geom.conaffinity):
+            continue
+        if not geom.name:
+            geom.name = free_name(geom.parent.name or "geom", taken)
+        names.append(geom.name)
+    if not names:
+        raise SceneError(f"{text} has no geometry that collides, so that snow would never meet it")
+    if len(names) > MOST_SOLIDS:
+        raise SceneError(
+            f"{text} has {len(names):,} geoms that collide: {MOST_SOLIDS:,} are allowed; let only those "
+            "collide that snow meets (contype and conaffinity)"
+        )
+    return names
+
+
+def free_name(wanted: str, taken: set[str]) -> str:
+    """Return `wanted`, with the first free number if it is taken, and add it to `taken`."""
+    if wanted in taken:
+        numbered = (f"{wanted}{i}" for i in itertools.count(1))
+        wanted = next(other for other in numbered if other not in taken)
+    taken.add(wanted)
+    return wanted

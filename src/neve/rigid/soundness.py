@@ -1,0 +1,81 @@
+"""Whether the engine can move what it was given: finite sizes, and inertia that every joint has."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.rigid.engine import engine
+from neve.scene.errors import SceneError
+
+MOST_SOLIDS = 300
+"""Solids that may move: their joint mobility is a dense matrix of six rows for each."""
+MOST_FREEDOM = 1500
+"""Degrees of freedom of all bodies and robots: their joint inertia is a dense matrix, too."""
+LARGEST = 1e6
+"""Largest distance of a geom's surface from its own centre [m], as for the shapes of a scene."""
+SINGULAR = 1e-13
+"""Least pivot of the inertia of joints, scaled to a diagonal of ones, that equations still bear."""
+
+
+def require_few(model: Any, solids: int) -> None:
+    """Refuse more bodies than the dense matrices of bodies in snow can bear.
+
+    Errors: SceneError, one sentence.
+    """
+    for count, most, what in (
+        (solids, MOST_SOLIDS, "solids that move"),
+        (model.nv, MOST_FREEDOM, "degrees of freedom"),
+    ):
+        if count > most:
+            raise SceneError(
+                f"bodies and robots have {count:,} {what}: {most:,} are allowed, because snow and bodies "
+                "find their velocities together"
+            )
+
+
+def require_movable(model: Any, data: Any) -> None:
+    """Refuse geoms that are too large, and joints that nothing gives inertia.
+
+    Errors: SceneError, one sentence that names the geom or the body.
+    """
+    for geom in range(model.ngeom):
+        reach = float(model.geom_rbound[geom])  # 0 for a plane, which has no end
+        if not reach <= LARGEST:
+            raise SceneError(
+                f"{_geom_name(model, geom)} is {reach:.3g} m large: {LARGEST:g} m are allowed from its centre"
+            )
+    if not model.nv:
+        return
+    inertia = np.zeros((model.nv, model.nv))
+    engine().mj_fullM(model, data, inertia)
+    if (dof := _without_inertia(inertia)) is not None:
+        body = _body_name(model, int(model.dof_bodyid[dof]))
+        raise SceneError(
+            f"{body} cannot be moved: the joints that carry it have no inertia of their own, or one that is "
+            "too small beside that of others: check masses and sizes"
+        )
+
+
+def _geom_name(model: Any, geom: int) -> str:
+    return model.geom(geom).name or f"a geom of {_body_name(model, int(model.geom_bodyid[geom]))}"
+
+
+def _body_name(model: Any, body: int) -> str:
+    """Return the name of a body, or of its first geom that has one, or its number."""
+    first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
+    names = [model.body(body).name, *(model.geom(geom).name for geom in range(first, first + count))]
+    return next(filter(None, names), f"body {body} of the robots")
+
+
+def _without_inertia(inertia: NDArray[np.float64]) -> int | None:
+    """Return a degree of freedom that the others leave no inertia; None if the matrix can be inverted."""
+    diagonal = np.diag(inertia)
+    if not np.isfinite(inertia).all() or not (diagonal > 0.0).all():
+        return int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -np.inf)))
+    scale = 1.0 / np.sqrt(diagonal)
+    factor = inertia * scale[:, None] * scale
+    rank = engine().mju_cholFactor(factor, SINGULAR)
+    return None if rank == len(scale) else int(np.argmin(np.diag(factor)))
