@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -37,11 +36,11 @@ def run(
 
     Errors: RunError for `out`; KeyboardInterrupt, after a summary, for Ctrl-C.
     """
-    numbers = range(count or campaign.count) if only is None else [only]
+    numbers = range(count or campaign.count) if only is None else range(only, only + 1)
     record = None if out is None else Record(Path(out), campaign.name)
     done = {} if record is None else record.done
-    seen = [done[trial] for trial in itertools.product(seeds, numbers) if trial in done]
-    left = (trial for trial in itertools.product(seeds, numbers) if trial not in done)
+    seen = [outcome for (seed, number), outcome in done.items() if seed in seeds and number in numbers]
+    left = ((seed, number) for seed in seeds for number in numbers if (seed, number) not in done)
     total = len(seeds) * len(numbers)
     told = sys.stderr if as_json else sys.stdout
     try:

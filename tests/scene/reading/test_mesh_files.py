@@ -248,7 +248,7 @@ def test_names_of_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
         "file = 3": "colliders.0.file = 3 is not allowed: use text in quotes",
         'file = "a.ply"\nunits = "cm"': "did you mean unit?",
         'file = "a.ply"\nunit = "inch"': '"in"',
-        'file = "a.ply"\nscale = 0': "colliders.0.scale = 0 is not allowed: use a number greater than 0",
+        'file = "a.ply"\nscale = 0': "colliders.0.scale = 0 is not allowed: use a number from 1e-09",
         'file = "a.ply"\nthickness = -1': "colliders.0.thickness = -1 is not allowed",
     }.items():
         path.write_text(f"{text}{line}\n")

@@ -27,6 +27,7 @@ from neve.scene.values.choices import (
     users,
 )
 from neve.scene.values.fields import (
+    LEAST_LENGTH,
     Color,
     Damping,
     Device,
@@ -65,7 +66,7 @@ class Numerics(Part):
     method: Method = entry(METHODS.names()[0], f"How snow is simulated. {METHODS.meaning()}.", "")
     device: Device = entry(DEVICES.names()[0], f"Where the step is computed. {DEVICES.meaning()}.", "")
     dx: Real = entry(
-        0.05, "Grid spacing; half of it means eight times as many particles.", "m", gt=0, le=1000
+        0.05, "Grid spacing; half of it means eight times as many particles.", "m", ge=LEAST_LENGTH, le=1000
     )
     spline: SplineWord = entry(
         DEFAULT_SPLINE,

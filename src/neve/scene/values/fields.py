@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Protocol
 
@@ -37,7 +38,10 @@ Damping = Annotated[float, Strict(), Field(ge=0, le=1e6)]
 Method = Annotated[str, OneOf(METHODS)]
 Device = Annotated[str, OneOf(DEVICES)]
 
-Length = Annotated[float, Strict(), Field(gt=0, le=1e6)]
+LEAST_LENGTH = 1e-9
+"""Smallest length [m]: volumes and moments of what is smaller leave the range of single precision."""
+
+Length = Annotated[float, Strict(), Field(ge=LEAST_LENGTH, le=1e6)]
 Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(ge=-1e4, le=1e4)]
 
@@ -126,16 +130,16 @@ def norm(vector: tuple[float, ...]) -> float:
 
 def rounded_down(value: float) -> str:
     """Write a positive `value` with three digits, none too large; "0" for others."""
-    return _rounded(value, math.floor, 1 + 1e-12)
+    return _rounded(value, ROUND_FLOOR, 1 + 1e-12)
 
 
 def rounded_up(value: float) -> str:
     """Write a positive `value` with three digits, none too small; "0" for others."""
-    return _rounded(value, math.ceil, 1 - 1e-12)
+    return _rounded(value, ROUND_CEILING, 1 - 1e-12)
 
 
-def _rounded(value: float, cut: Callable[[float], int], slack: float) -> str:
+def _rounded(value: float, cut: str, slack: float) -> str:
     if value <= 0:
         return "0"
-    digits = math.floor(math.log10(value)) - 2
-    return f"{cut(value / 10.0**digits * slack) * 10.0**digits:.3g}"
+    exact = Decimal(value) * Decimal(slack)
+    return f"{float(exact.quantize(Decimal(1).scaleb(exact.adjusted() - 2), rounding=cut)):.3g}"
