@@ -64,11 +64,16 @@ def drucker_prager(F_trial, J_P, snow, elasticity):
     return F_E, np.minimum(np.exp(np.maximum(e - e_c, 0)), snow.J_P_max)
 
 
+def cam_clay_exponents(snow):
+    """The least and largest w in p0 = K sinh(w)."""
+    at_rest = np.arcsinh(snow.strength * snow.p0 / snow.K)  # -xi alpha0
+    return tuple(np.clip(at_rest - snow.xi * np.log(J), 1e-6, 80) for J in (snow.J_P_max, snow.J_P_min))
+
+
 def cam_clay_size(J_P, snow):
     """p0 = K sinh(xi max(-alpha, 0)), alpha = alpha0 + ln J_P, never below 1e-6 K [Pa]."""
-    at_rest = np.arcsinh(snow.strength * snow.p0 / snow.K)  # -xi alpha0
-    grown = at_rest - snow.xi * np.log(np.clip(J_P, snow.J_P_min, snow.J_P_max))
-    return snow.K * np.maximum(np.sinh(np.clip(grown, 0, 80)), 1e-6)
+    w = np.arcsinh(snow.strength * snow.p0 / snow.K) - snow.xi * np.log(J_P)
+    return snow.K * np.sinh(np.clip(w, *cam_clay_exponents(snow)))
 
 
 def cam_clay_yield(p, q, p0, snow):
@@ -76,11 +81,33 @@ def cam_clay_yield(p, q, p0, snow):
     return (1 + 2 * snow.beta) * q**2 + snow.M**2 * (p + snow.beta * p0) * (p - p0)
 
 
-def cam_clay(F_trial, J_P, snow, elasticity):
-    """Associative flow with p0 of the step's start: strain increments g dy/dp and g dy/dq, g >= 0.
+def closest_point(p_trial, q_trial, p0, snow):
+    """The point of the ellipse of p0 where associative flow ends: strains g dy/dp and g dy/dq, g >= 0.
 
-    p = p_trial - K g dy/dp and q = q_trial - 3 mu g dy/dq are linear in p and q; g by bisection of y = 0.
+    p = p_trial - K g dy/dp and q = q_trial - 3 mu g dy/dq are linear in p and q; g by bisection of y = 0, up
+    to where both are within 1 / sqrt 2 of the half-axes. A point inside stays where it is.
     """
+    M2, shape = snow.M**2, 1 + 2 * snow.beta
+
+    def at(g):
+        p = (p_trial + snow.K * g * M2 * (1 - snow.beta) * p0) / (1 + 2 * snow.K * g * M2)
+        return p, q_trial / (1 + 6 * snow.mu0 * g * shape)
+
+    a, low = 0.5 * (1 + snow.beta) * p0, np.zeros_like(p_trial)
+    along = (np.sqrt(2) * np.abs(p_trial - 0.5 * (1 - snow.beta) * p0) / a - 1) / (2 * snow.K * M2)
+    across = (np.sqrt(2 * shape) * q_trial / (snow.M * a) - 1) / (6 * snow.mu0 * shape)
+    high = np.maximum(np.maximum(along, across), 0)
+    for _ in range(60):
+        g = 0.5 * (low + high)
+        outside = cam_clay_yield(*at(g), p0, snow) > 0
+        low, high = np.where(outside, g, low), np.where(outside, high, g)
+    p, q = at(0.5 * (low + high))
+    flows = cam_clay_yield(p_trial, q_trial, p0, snow) > 0
+    return np.where(flows, p, p_trial), np.where(flows, q, q_trial)
+
+
+def cam_clay(F_trial, J_P, snow, elasticity):
+    """Associative flow to the ellipse of the p0 at the step's end, that of the J_P there: bisection."""
     U, sigma, V = polar_svd(F_trial)
     eps = np.log(sigma)
     e = eps.sum(-1)
@@ -88,22 +115,18 @@ def cam_clay(F_trial, J_P, snow, elasticity):
     p_trial = -snow.K * e
     q_trial = np.sqrt(6) * snow.mu0 * np.linalg.norm(deviator, axis=-1)
     p0 = cam_clay_size(J_P, snow)
-
-    def at(g):
-        p = (p_trial + snow.K * g * snow.M**2 * (1 - snow.beta) * p0) / (1 + 2 * snow.K * g * snow.M**2)
-        return p, q_trial / (1 + 6 * snow.mu0 * g * (1 + 2 * snow.beta))
-
     flows = cam_clay_yield(p_trial, q_trial, p0, snow) > 0
-    low = np.zeros_like(e)
-    high = np.full_like(e, 1e-6) / snow.K
-    for _ in range(200):
-        outside = cam_clay_yield(*at(high), p0, snow) > 0
-        low, high = np.where(outside, high, low), np.where(outside, 2 * high, high)
-    for _ in range(100):
-        g = 0.5 * (low + high)
-        outside = cam_clay_yield(*at(g), p0, snow) > 0
-        low, high = np.where(outside, g, low), np.where(outside, high, g)
-    p, q = at(0.5 * (low + high))
+    least, most = cam_clay_exponents(snow)
+    low = np.zeros_like(e) + least
+    high = np.minimum(
+        np.arcsinh(p0 / snow.K) + snow.xi * np.maximum(-e, 0), most
+    )  # J_P falls by exp(e) at most
+    for _ in range(50):
+        w = 0.5 * (low + high)
+        p, q = closest_point(p_trial, q_trial, snow.K * np.sinh(w), snow)
+        grows = cam_clay_size(J_P * np.exp(e + p / snow.K), snow) > snow.K * np.sinh(w)
+        low, high = np.where(grows, w, low), np.where(grows, high, w)
+    p, q = closest_point(p_trial, q_trial, snow.K * np.sinh(0.5 * (low + high)), snow)
     kept = np.where(flows, -p / snow.K, e)
     factor = np.where(flows & (q_trial > 0), q / np.where(q_trial > 0, q_trial, 1), 1)
     F_E = (U * np.exp(column(kept, 1) / 3 + deviator * column(factor, 1))[:, None, :]) @ transpose(V)

@@ -30,8 +30,8 @@ def overstress(snow: Snow, p: Array, q: Array, p0: Array | float) -> Array:
     return np.asarray(y / np.asarray(p0) ** 2)
 
 
-def return_map(snow: Snow, count: int = 4000) -> tuple[Array, Array, Mask]:
-    """Return p and q [Pa] after the return map of random trial states, and whether each had to flow.
+def return_map(snow: Snow, count: int = 4000) -> tuple[Array, Array, Array, Mask]:
+    """Return p, q and p0 [Pa] after the return map of random trial states, and whether each had to flow.
 
     The trials are up to three half-axes away from the ellipse, rotated at random.
     """
@@ -46,11 +46,14 @@ def return_map(snow: Snow, count: int = 4000) -> tuple[Array, Array, Mask]:
     turn = np.linalg.qr(rng.standard_normal((count, 3, 3)))[0]
     F = np.einsum("nij,nj,nkj->nik", turn, stretch, turn)
     constants = {name: value for name, value in snow.model_dump().items() if isinstance(value, float)}
-    tau = np.asarray(_core.f64.law("cam_clay", "snow", constants, F, np.ones(count), np.ones(count))[2])
+    mapped = _core.f64.law("cam_clay", "snow", constants, F, np.ones(count), np.ones(count))
+    J_P, tau = np.asarray(mapped[1]), np.asarray(mapped[2])
     p_now = -np.trace(tau, axis1=1, axis2=2) / 3
     s = tau + p_now[:, None, None] * np.eye(3)
     q_now = np.sqrt(1.5 * (s**2).sum((1, 2)))
-    return np.asarray(p_now), np.asarray(q_now), np.asarray(overstress(snow, p, q, snow.p0) > 0)
+    w = np.arcsinh(snow.p0 / K) - snow.xi * np.log(np.clip(J_P, snow.J_P_min, snow.J_P_max))
+    p0 = np.asarray(K * np.maximum(np.sinh(np.maximum(w, 0)), 1e-6))
+    return np.asarray(p_now), np.asarray(q_now), p0, np.asarray(overstress(snow, p, q, snow.p0) > 0)
 
 
 def confined(snow: Snow, s: Array, steps: int = 40000) -> tuple[Array, Array, Array]:
@@ -87,7 +90,8 @@ def case() -> Result:
     runs = {kind: compress(snow={"kind": kind}, last=LEAST - 0.03) for kind in KINDS}
     return Result(
         what="Random trial stresses go through the return map of cohesive snow, and must end on the ellipse "
-        "of Cam-Clay. Then the same snow is compressed in a rigid ring through the whole step, and its "
+        "of Cam-Clay, as large as it is when they get there. Then the same snow is compressed in a rigid "
+        "ring through the whole step, and its "
         "stress is held against the rate equations of plasticity, solved on their own in 40,000 steps.",
         equations=(
             "<i>y</i> = (1 + 2<i>&beta;</i>)<i>q</i><sup>2</sup> + <i>M</i><sup>2</sup>(<i>p</i> + "
@@ -106,8 +110,8 @@ def case() -> Result:
 
 
 def _checks(kind: str, snow: Snow, r: Compression) -> list[Check]:
-    p, q, flowed = return_map(snow)
-    y = overstress(snow, p, q, snow.p0)
+    p, q, p0, flowed = return_map(snow)
+    y = overstress(snow, p, q, p0)
     axial, sideways, _ = confined(snow, r.s)
     checks = [
         at_most(
@@ -135,7 +139,7 @@ def _checks(kind: str, snow: Snow, r: Compression) -> list[Check]:
 
 
 def _ellipse(kind: str, snow: Snow) -> Plot:
-    p, q, flowed = return_map(snow)
+    p, q, p0, flowed = return_map(snow)
     x = np.linspace(-snow.beta, 1, 400)
     y = snow.M * np.sqrt(np.maximum((x + snow.beta) * (1 - x), 0) / (1 + 2 * snow.beta))
     return Plot(
@@ -144,8 +148,8 @@ def _ellipse(kind: str, snow: Snow) -> Plot:
         "q / p0 [1]",
         (
             Curve("ellipse", x, y, "exact"),
-            Curve("inside: elastic", p[~flowed] / snow.p0, q[~flowed] / snow.p0, "dots"),
-            Curve("after the return map", p[flowed][::8] / snow.p0, q[flowed][::8] / snow.p0, "dots"),
+            Curve("inside: elastic", (p / p0)[~flowed], (q / p0)[~flowed], "dots"),
+            Curve("after the return map", (p / p0)[flowed][::8], (q / p0)[flowed][::8], "dots"),
         ),
     )
 
