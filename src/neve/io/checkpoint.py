@@ -35,7 +35,7 @@ class Checkpoint:
 
     frame: int  # number of the last frame that is complete on disk
     scene: str  # the scene as TOML, as the state was computed with it
-    neve: str  # version of Neve that wrote the file
+    neve: str  # version and build of Neve that wrote the file
     arrays: dict[str, Any]  # what Simulation.restore takes: arrays, and scalars as Python numbers
 
 

@@ -18,7 +18,7 @@ from neve.io.atomic import write_text
 from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
-from neve.io.version import version
+from neve.io.version import build, version
 from neve.run.interrupt import Interrupt
 from neve.run.outputs.context import Begins, FrameContext, Output, RunContext
 from neve.run.outputs.registry import BUILT_IN, entries, kinds, own_schedule, schedule_of, usual_files
@@ -125,7 +125,7 @@ def _run(
             folder=folder,
             scene=scene,
             toml=toml,
-            neve=version(),
+            neve=build(),
             solids=[solid for solid, _ in sim.solids()],
             done=done,
             redraw=checkpoint is not None and not is_drawn_alike(checkpoint.scene, toml),
@@ -178,13 +178,13 @@ def _begin(
 
 
 def _warn_of_version(folder: Path, before: str) -> None:
-    if before != version():
+    if before != build():
         logging.getLogger("neve").warning(
             "%s: the run was started with Neve %s and continues with %s, so its bits may differ from those of"
             " a run in one go",
             folder,
             before,
-            version(),
+            build(),
         )
 
 

@@ -12,10 +12,11 @@ import fake_neve
 import numpy as np
 import pytest
 
+from neve import _core
 from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError
 from neve.io.log import columns
-from neve.io.version import version
+from neve.io.version import build, version
 from neve.run import loop, run, run_scene
 from neve.run.outputs.picture import telling_frame
 from neve.run.painter import Painter
@@ -256,16 +257,17 @@ def test_resume_with_another_scene_is_refused(fake, scene, scene_file, tmp_path)
 
 
 def test_resume_under_another_version_is_told(fake, scene, tmp_path, monkeypatch, capsys):
-    """One sentence says that the bits may differ; under the same version nothing does."""
+    """One sentence says that the bits may differ; under the same version and build nothing does."""
     out = tmp_path / "ball"
     run(fake.Simulation(scene), out, frames=1)
     run_scene(scene, out, frames=2, resume=True)
     assert "bits may differ" not in capsys.readouterr().err
-    monkeypatch.setattr(loop, "version", lambda: "99.0")
+    monkeypatch.setattr(loop, "build", lambda: "99.0 (x86-64-v3)")
     run_scene(scene, out, frames=3, resume=True)
     told = [line for line in capsys.readouterr().err.splitlines() if "bits may differ" in line]
     assert len(told) == 1
-    assert f"started with Neve {version()} and continues with 99.0" in told[0]
+    assert f"started with Neve {build()} and continues with 99.0 (x86-64-v3)" in told[0]
+    assert build().startswith(f"{version()} ({_core.build_info()['isa']}, ")
 
 
 def test_further_outputs_follow_their_schedule(fake, scene, tmp_path):

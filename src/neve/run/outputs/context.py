@@ -54,7 +54,7 @@ class RunContext:
     Attributes:
         folder: the run folder, ready to be written
         scene: what is simulated. toml: the same as it stands in the folder
-        neve: version of Neve
+        neve: version and build of Neve
         solids: colliders and bodies of the scene
         done: the last frame of a run that is resumed; None if it begins
         redraw: whether camera or light have changed since the frames up to `done` were drawn
