@@ -109,9 +109,7 @@ class _Trial:
         mass = _mass_by_id(sim)
 
         def enough() -> bool:
-            moment = meter.step()
-            if self.is_judged:
-                self.budget.record(moment)
+            self.budget.record(meter.step())
             return sim.steps > MOST_STEPS or (self.is_judged and bool(self.budget.fault()))
 
         with _LongStepWarning(self):
