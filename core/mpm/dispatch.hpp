@@ -30,4 +30,14 @@ int more_modes(const Model<T>& model) {
   return with_transfer(model, [](auto x) { return decltype(x)::modes - 4; });
 }
 
+// How stiff the stress of a particle alone makes the nodes around it: w^2 <= stiffness 3 K V0 / (m dx^2) [1].
+template <class T>
+double stencil_stiffness(const Model<T>& model) {
+  return with_spline(model.spline, [&](auto spline) {
+    return with_transfer(model, [](auto x) {
+      return decltype(x)::ScatterWeights::template stiffness<decltype(spline)>;
+    });
+  });
+}
+
 }  // namespace neve

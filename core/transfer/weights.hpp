@@ -7,9 +7,12 @@
 
 namespace neve {
 
-// w, dw/dx_p [1/cell]: the classic gradient.
+// w, dw/dx_p [1/cell]: the classic gradient. `stiffness` bounds sum_i |g_i . a|^2 / w_i over unit vectors a, with g_i what
+// turns the velocity of node i into a velocity gradient [cells^-2]: see neve.mpm.time_step.
 struct GradientWeights {
   static constexpr int count = 2;
+  template <class S>
+  static constexpr double stiffness = S::sharpness;
   template <class S, class R>
   NEVE_INLINE static void axis(R f, R (*w)[4]) {
     S::weights(f, w[0], w[1]);
@@ -19,6 +22,8 @@ struct GradientWeights {
 // w, w z with z = x_i - x_p [cells]: affine velocities and the MLS force.
 struct AffineWeights {
   static constexpr int count = 2;
+  template <class S>
+  static constexpr double stiffness = S::inverse_inertia;  // exactly, wherever the particle is
   template <class S, class R>
   NEVE_INLINE static void axis(R f, R (*w)[4]) {
     R dw[4];
@@ -56,6 +61,8 @@ NEVE_INLINE R square_norm(R f) {
 // w, w z, w phi_2: what a mode brings to the nodes.
 struct QuadraticWeights {
   static constexpr int count = 3;
+  template <class S>
+  static constexpr double stiffness = AffineWeights::stiffness<S>;
   template <class S, class R>
   NEVE_INLINE static void axis(R f, R (*w)[4]) {
     AffineWeights::axis<S>(f, w);

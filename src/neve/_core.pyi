@@ -255,6 +255,8 @@ class Model(Protocol):
     """Velocity modes that a particle has beyond v and C."""
     keeps_C: bool
     """Whether particles carry an affine velocity."""
+    stencil_stiffness: float
+    """Largest sum over nodes of |g . a|^2 / w, with g what makes velocity gradients [1/cells^2]."""
 
     def max_compression(self, strongest: float) -> float:
         """Return how far one step may compress any of the snows, -dt tr grad v [1]; see `Law`."""

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class Model:
     """Hold the material table, the solids, gravity and dx of one run, in the core's precision.
 
-    `core` is the set of compiled stages (float32 or float64), `native` the core's own model.
+    `core` is the set of compiled stages (float32 or float64), `native` the core's own model; `courant` the
+    largest stable c dt / dx.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class Model:
             numerics.polypic_modes,
             None if numerics.flip_damping == "off" else float(numerics.flip_damping),
         )
+        self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in self.snows))
         for snow in self.snows:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
         for solid in self.solids:
@@ -102,6 +104,16 @@ class Model:
     def solids_move(self) -> bool:
         """Whether any solid changes its place in time."""
         return any(solid.motion != "static" for solid in self.solids)
+
+
+def stable_courant(stiffness: float, nu: float) -> float:
+    """Return how many cells a P wave may cross in a stable step, c dt / dx [1].
+
+    (w dt)^2 <= 2 with the bound w^2 <= stiffness (1 + nu) / (1 - nu) c^2 / dx^2 on every frequency; derived
+    in docs/theory.md. stiffness: of the transfer's weights (`neve._core.Model.stencil_stiffness`); nu:
+    Poisson's ratio.
+    """
+    return math.sqrt(2.0 / stiffness * (1.0 - nu) / (1.0 + nu))
 
 
 def _fastest(solid: Solid, now: Pose) -> float:

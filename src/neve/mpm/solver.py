@@ -18,7 +18,7 @@ from neve.mpm.rebuild import with_scene, with_source
 from neve.mpm.state import FIELDS, density, from_arrays, to_arrays
 from neve.mpm.step import STAGES, Stages
 from neve.mpm.step_control import try_step
-from neve.mpm.time_step import fitted, largest
+from neve.mpm.time_step import Choice, fitted, largest
 from neve.rigid.coupled_bodies import LostBody
 from neve.scene.schema.scene import Scene, Source
 from neve.solver import Arrays, Blowup, Solver, StepSummary
@@ -90,7 +90,7 @@ class MpmSolver(Solver):
                 model.place_solids(time)
         choice = largest(model, self._report)
         require_progress(model, self._report, choice.dt, remaining, steps)
-        self._warn_of_long_step(choice.dt, self._report, steps)
+        self._warn_of_long_step(choice, self._report, steps)
         dt = fitted(choice.dt, remaining)
         self._report, dt, rejected = try_step(self._stages, dt, self._report, steps, time)
         return StepSummary(dt, "retry" if rejected else choice.bound, rejected)
@@ -108,18 +108,18 @@ class MpmSolver(Solver):
                 raise Blowup(str(lost)) from None
         return exchanged
 
-    def _warn_of_long_step(self, dt: float, report: Report, steps: int) -> None:
-        """Log, once, that the scene's fixed dt [s] has become longer than waves and speeds allow."""
+    def _warn_of_long_step(self, choice: Choice, report: Report, steps: int) -> None:
+        """Log, once, that the scene's fixed dt [s] is longer than what is stable, and shortened."""
         numerics = self.scene.numerics
-        if self._warned or numerics.dt == "auto" or dt * report.fastest <= numerics.dx:
+        if self._warned or numerics.dt == "auto" or choice.bound == "fixed":
             return
         self._warned = True
         logging.getLogger("neve").warning(
-            "from step %d on numerics.dt = %.3g s is beyond the limit of %.3g s (waves of %.3g m/s): "
-            'use at most %.3g s, or "auto"',
+            "from step %d on numerics.dt = %.3g s is beyond the limit of %.3g s (waves of %.3g m/s) and is "
+            'shortened to it: use at most %.3g s, or "auto"',
             steps + 1,
-            dt,
-            numerics.dx / report.fastest,
+            float(numerics.dt),
+            choice.dt,
             report.wave,
             numerics.cfl * numerics.dx / report.fastest,
         )

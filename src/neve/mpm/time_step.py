@@ -1,4 +1,4 @@
-"""Choose the time step: fixed, or the largest that the snow's own speeds allow."""
+"""Choose the time step: fixed, or the largest that the snow's own speeds allow; never an unstable one."""
 
 from __future__ import annotations
 
@@ -20,17 +20,29 @@ class Choice(NamedTuple):
 
 
 def largest(model: Model, report: Report) -> Choice:
-    """Return the step that the scene allows: the longest stable one, or the user's own ("fixed")."""
-    if model.numerics.dt != "auto":
-        return Choice(float(model.numerics.dt), "fixed")
-    return longest_stable(model, report)
+    """Return the step that the scene allows: the longest good one, or the user's own ("fixed").
+
+    A step of the user's that would be unstable is shortened to stable_step().
+    """
+    if model.numerics.dt == "auto":
+        return longest_stable(model, report)
+    dt, stable = float(model.numerics.dt), stable_step(model, report)
+    return Choice(dt, "fixed") if dt <= stable else Choice(stable, "wave")
+
+
+def stable_step(model: Model, report: Report) -> float:
+    """Return the longest step in which no vibration of the snow grows [s], courant dx / max_p c_p.
+
+    See `neve.mpm.model.stable_courant`.
+    """
+    return model.courant * model.numerics.dx / report.wave if report.wave > 0 else math.inf
 
 
 def longest_stable(model: Model, report: Report) -> Choice:
-    """Return the longest stable step, the least of
+    """Return the automatic step, the least of
 
-        cfl dx / max_p(c_p + |v_p|),  cfl dx / max |v_solid|,  strain_max / max_p |grad v|_p,
-        L / (2 max_p -tr grad v_p),  dt_max
+        cfl dx / max_p(c_p + |v_p|),  courant dx / max_p c_p,  cfl dx / max |v_solid|,
+        strain_max / max_p |grad v|_p,  L / (2 max_p -tr grad v_p),  dt_max
 
     c = sqrt(modulus V0 / m) with the largest acoustic modulus of the law in the present, hardened state, per
     particle (Sun, Shinar and Schroeder 2020 give the idea; each law's header the formula); grad v is that of
@@ -43,6 +55,8 @@ def longest_stable(model: Model, report: Report) -> Choice:
     if report.fastest * best.dt > numerics.cfl * numerics.dx:
         bound: Bound = "wave" if report.wave >= report.speed else "speed"
         best = Choice(numerics.cfl * numerics.dx / report.fastest, bound)
+    if stable_step(model, report) < best.dt:
+        best = Choice(stable_step(model, report), "wave")
     if model.solid_speed * best.dt > numerics.cfl * numerics.dx:
         best = Choice(numerics.cfl * numerics.dx / model.solid_speed, "solid")
     if report.strain_rate * best.dt > numerics.strain_max:

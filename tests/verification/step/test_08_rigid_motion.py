@@ -8,10 +8,10 @@ from verification.scenes import ELASTIC, ball, march, scene, simulate, wide
 def test_translation(spline, transfer, precision, eps):
     """A constant velocity has no gradient, so F_E = I: weights' gradients sum to 20 eps / dx and |v| = 3 m/s.
 
-    The velocity itself moves by 7 eps |v| a step, as in free fall; over n = 50 steps of dt = 1e-3 s the
+    The velocity itself moves by 7 eps |v| a step, as in free fall; over n = 50 steps of dt = 4e-4 s the
     strain is at most n dt (20 + 7 n) eps |v| / dx.
     """
-    n, dt = 50, 1e-3
+    n, dt = 50, 4e-4
     description = scene(
         [ball(velocity=(2.0, -2.0, 1.0))], dt=dt, spline=spline, transfer=transfer, precision=precision
     )

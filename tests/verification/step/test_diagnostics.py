@@ -53,7 +53,7 @@ def test_free_flight_keeps_energy(spline):
     E(n) - E(0) with v = g n dt and z = g dt^2 n (n + 1) / 2: m g^2 dt^2 (n^2 - n (n + 1)) / 2 = -m g^2 dt^2
     n / 2.
     """
-    n, dt, g = 100, 1e-3, 9.81
+    n, dt, g = 100, 4e-4, 9.81
     sim = simulate(scene([ball(velocity=(1, 2, 3))], gravity=(0, 0, -g), dt=dt, spline=spline))
     a = sim.diagnostics()
     b = march(sim, n).diagnostics()

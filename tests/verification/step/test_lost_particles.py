@@ -75,7 +75,7 @@ def test_a_step_too_long_is_shortened():
     )
     sim.advance(5e-3)
     now = sim.diagnostics()
-    assert sim.stats.rejected > 0
+    assert sim.stats.dt_mean < 1e-3
     assert now.kinetic + now.elastic < 450.0 * now.mass
 
 

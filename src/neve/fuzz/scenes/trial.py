@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import re
 from collections.abc import Sequence
 
@@ -34,8 +33,8 @@ def endure(seed: int, number: int) -> Outcome:
     """Run scene `number` of the campaign `seed`.
 
     Facts of the outcome: particles; steps; rejected: steps that were rejected and tried again; gain, surge
-    and swing of `neve.fuzz.scenes.energy.Budget`; judged: whether they count. They do not where the transfer
-    does not bound energy, and once the run has told that its fixed step is beyond the limit.
+    and swing of `neve.fuzz.scenes.energy.Budget`; judged: whether they count, as where the transfer bounds
+    energy.
     """
     where = f"fuzz scene {seed}/{number}"
     try:
@@ -112,35 +111,15 @@ class _Trial:
             self.budget.record(meter.step())
             return sim.steps > MOST_STEPS or (self.is_judged and bool(self.budget.fault()))
 
-        with _LongStepWarning(self):
-            for _ in range(PARTS):
-                sim.advance(self.scene.run.duration / PARTS, enough)
-                self.rejected += sim.stats.rejected
-                fault = _fault(sim, mass) or (self.budget.fault() if self.is_judged else "")
-                if fault:
-                    return f"{fault}, after {sim.steps} steps"
-                if sim.steps > MOST_STEPS:
-                    return f"stuck: more than {MOST_STEPS:,} steps"
+        for _ in range(PARTS):
+            sim.advance(self.scene.run.duration / PARTS, enough)
+            self.rejected += sim.stats.rejected
+            fault = _fault(sim, mass) or (self.budget.fault() if self.is_judged else "")
+            if fault:
+                return f"{fault}, after {sim.steps} steps"
+            if sim.steps > MOST_STEPS:
+                return f"stuck: more than {MOST_STEPS:,} steps"
         return ""
-
-
-class _LongStepWarning(logging.Handler):
-    """Let the energy of a trial count no more once its run tells that its fixed step is beyond the limit."""
-
-    def __init__(self, trial: _Trial) -> None:
-        super().__init__(logging.WARNING)
-        self._trial = trial
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Hear a warning."""
-        if "is beyond the limit of" in record.getMessage():
-            self._trial.is_judged = False
-
-    def __enter__(self) -> None:
-        logging.getLogger("neve").addHandler(self)
-
-    def __exit__(self, *_: object) -> None:
-        logging.getLogger("neve").removeHandler(self)
 
 
 def _stack(sim: Simulation) -> None:

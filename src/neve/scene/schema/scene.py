@@ -101,7 +101,9 @@ class Numerics(Part):
         "exp(-flip_damping dt), so that the damping does not depend on the time step.",
         "1/s",
     )
-    dt: Literal["auto"] | Step = entry("auto", 'Time step, or "auto" for the largest stable one.', "s")
+    dt: Literal["auto"] | Step = entry(
+        "auto", 'Time step, or "auto" for the largest good one; shortened where it would be unstable.', "s"
+    )
     cfl: Real = entry(
         0.4,
         "Fraction of a cell that a wave or a particle may cross in one automatic step; above 0.6 snow can "
