@@ -54,8 +54,9 @@ void bind_model(nb::module_& m) {
           "How far one step may compress any of the snows, -dt tr grad v [1], before hardening stores more "
           "than "
           "the work of the step; strongest: the largest factor on the thresholds of any particle [1].")
-      .def_prop_ro("stencil_stiffness", &stencil_stiffness<T>,
-                   "The largest sum over nodes of |g . a|^2 / w, g what makes velocity gradients [1/cells^2].")
+      .def_prop_ro(
+          "stencil_stiffness", &stencil_stiffness<T>,
+          "The largest sum over nodes of |g . a|^2 / w, g what makes velocity gradients [1/cells^2].")
       .def_prop_ro("more_modes", &more_modes<T>, "How many velocity modes a particle has beyond v and C.")
       .def(
           "add_snow",

@@ -29,7 +29,8 @@ struct Response {
   R modulus;
 };
 
-// tau of an axis of strain a, and its derivatives by a and by the strain of another axis that equals a.
+// tau of an axis of strain a, or a positive multiple of it, and its derivatives by a and by the strain of another axis that
+// equals a.
 template <class R>
 struct AxisStress {
   R tau, by_own, by_other;

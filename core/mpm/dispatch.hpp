@@ -34,9 +34,8 @@ int more_modes(const Model<T>& model) {
 template <class T>
 double stencil_stiffness(const Model<T>& model) {
   return with_spline(model.spline, [&](auto spline) {
-    return with_transfer(model, [](auto x) {
-      return decltype(x)::ScatterWeights::template stiffness<decltype(spline)>;
-    });
+    return with_transfer(
+        model, [](auto x) { return decltype(x)::ScatterWeights::template stiffness<decltype(spline)>; });
   });
 }
 

@@ -116,7 +116,7 @@ def vibrate(transfer, spline, courant, steps):
 def test_a_lone_particle_keeps_its_vibration(transfer, spline):
     """e_n+1 = (2 - h^2) e_n - e_n-1, h^2 = 2 at the longest stable step: 1, -1, -1, 1, 1, ... for ever.
 
-    The first step starts at rest: e_1 = (1 - h^2) e_0. Strains of 1e-6 leave an error of 1e-5 in thirty steps.
+    The first step starts at rest: e_1 = (1 - h^2) e_0. Strains of 1e-6 leave 1e-5 in thirty steps.
     """
     e = vibrate(transfer, spline, stable_courant(stiffness(spline, transfer), NU), 30)
     expected = [1.0, -1.0]
