@@ -52,6 +52,9 @@ A scene is a TOML file. Units are SI (metres, seconds, kilograms; angles in degr
 second), and z points up. Every key may be left out, except `shape` and the `kind` of an output, and a scene
 needs at least one source.
 An unknown key, a value outside its range or a misspelled word is an error that says what is allowed.
+Every number has finite limits, and none may be nearer to 0 than 1e-30 without being 0. A source may take
+2.7e8 particles (points of the box around it); about 260 bytes for each must be free, in the container if
+there is one.
 
 The same words lead to a value everywhere: in a file, `[numerics]` and `dx = 0.02`; on the command line,
 `--set numerics.dx=0.02`; in Python, `scene.numerics.dx`. Entries of lists are numbered from 0:

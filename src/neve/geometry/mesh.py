@@ -121,7 +121,7 @@ def _read(path: Path, key: str) -> tuple[Array, NDArray[np.int64]]:
             loaded = trimesh.load(str(path), process=False, skip_materials=True)
             pieces = list(_pieces(loaded))
     except MemoryError:
-        raise
+        raise SceneError(f"{key} cannot be read: it takes too much memory, or is damaged") from None
     except OSError as error:
         reason = (error.strerror or str(error)).rstrip(".")
         raise SceneError(f"{key} cannot be read: {reason[:1].lower()}{reason[1:]}") from None

@@ -21,6 +21,7 @@ from neve.geometry.triangles import Triangles
 from neve.reproducible import norms
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.schema.file_shapes import Mesh
+from neve.system.memory import lacking
 
 if TYPE_CHECKING:
     from neve._core import SdfGrid
@@ -79,14 +80,18 @@ class SolidMesh:
         return self.thickness or 2.0 * self.surface.tree.volume / self.surface.area
 
 
-def solid_mesh(described: Mesh, dx: float, name: str) -> SolidMesh:
+def solid_mesh(
+    described: Mesh, dx: float, name: str, check: Callable[[Triangles], None] = lambda surface: None
+) -> SolidMesh:
     """Return the solid in the file of `described`, as fine as a snow grid of spacing `dx` [m] asks for.
 
-    `name`: used in messages. Warns with SceneWarning of small holes, of a solid smaller than two
-    cells, and of a grid that had to be coarser than is usual.
+    `name`: used in messages. `check` may refuse the triangles before the distances to them are computed,
+    which takes longest. Warns with SceneWarning of small holes, of a solid smaller than two cells, and of a
+    grid that had to be coarser than is usual.
     Errors: SceneError, one sentence; see `read_mesh`.
     """
     surface = read_mesh(described, name)
+    check(surface)
     warn_if_small(surface, described, dx, name)
     spacing = _spacing(surface, described, dx, name)
     return of_triangles(surface, spacing, _band(spacing, dx), described.thickness)
@@ -167,6 +172,7 @@ def _spacing(surface: Triangles, described: Mesh, dx: float, name: str) -> float
                 f"{name}.detail = {described.detail:g} would take {needed(described.detail) / 2**30:.2g} GB: "
                 f"use at least {least:.2g}"
             )
+        _require_memory(needed(described.detail), f"{name}.detail = {described.detail:g}")
         return described.detail
     preferred = _preferred_spacing(described.thickness or thinnest(surface), dx)
     spacing = _affordable(preferred, needed, DEFAULT_BYTES)
@@ -177,7 +183,13 @@ def _spacing(surface: Triangles, described: Mesh, dx: float, name: str) -> float
             SceneWarning,
             stacklevel=2,
         )
+    _require_memory(needed(spacing), f"{name}.file")
     return spacing
+
+
+def _require_memory(size: float, what: str) -> None:
+    if found := lacking(size):
+        raise SceneError(f"{what} {found}: set a larger detail, or scale the mesh down")
 
 
 def _band(spacing: float, dx: float) -> float:

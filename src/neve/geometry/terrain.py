@@ -16,6 +16,7 @@ from neve import _core
 from neve.scene.errors import SceneError
 from neve.scene.reading.files import where
 from neve.scene.schema.file_shapes import Terrain
+from neve.system.memory import lacking
 
 if TYPE_CHECKING:
     from neve._core import HeightField
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 MAX_SAMPLES = 2**27
 """Samples that a map may have."""
+SAMPLE_BYTES = 40
+"""Memory for each sample while a map is read [bytes]: the file's own, real numbers, and those scaled."""
 BITS, PIXEL_SCALE, GEO_KEYS, NO_DATA = 258, 33550, 34735, 42113
 """Tags of a GeoTIFF (TIFF 6.0; OGC 19-008r4, section 7; GDAL's own for missing values)."""
 MODEL_TYPE, GEOGRAPHIC = 1024, 2
@@ -52,10 +55,6 @@ def height_field(terrain: Terrain, name: str) -> HeightField:
     if len(shape) != 2 or min(shape) < 2:
         axes = f"{len(shape)} axes" if len(shape) != 2 else f"{shape[0]} x {shape[1]} numbers"
         raise SceneError(f"{key} has {axes}: a height map has two axes, x and y, each of 2 numbers or more")
-    if found.values.size > MAX_SAMPLES:
-        raise SceneError(
-            f"{key} has {found.values.size:.3g} heights, more than {MAX_SAMPLES:.3g}: use a smaller map"
-        )
     if lost := np.count_nonzero(~np.isfinite(found.values)):
         raise SceneError(f"{key} has gaps, {lost} in all, where the height is no finite number: fill them")
     pixel = found.pixel or (0.0, 0.0)
@@ -71,13 +70,14 @@ def height_field(terrain: Terrain, name: str) -> HeightField:
 def _array(path: Path, key: str) -> _Map:
     """Read the array heights[x, y] of a NumPy file."""
     try:
-        values = np.load(path, allow_pickle=False)
-    except MemoryError:
-        raise
+        with warnings.catch_warnings():  # a header may promise more than there is: mapped, it is noticed
+            warnings.simplefilter("ignore")
+            values = np.load(path, mmap_mode="r", allow_pickle=False)
     except Exception as error:  # whatever a damaged file makes its reader stumble over
         raise _unreadable(key, error) from None
     if not isinstance(values, np.ndarray) or values.dtype.kind not in "iuf":
         raise SceneError(f"{key} holds no numbers: a height map is an array of whole or real numbers")
+    _require_size(values.size, "heights", key)
     bits = 8 * values.dtype.itemsize if values.dtype.kind in "iu" else 32
     return _Map(values.astype(np.float64), _full(bits))
 
@@ -92,13 +92,12 @@ def _picture(path: Path, key: str) -> _Map:
             with Image.open(path) as image:
                 tags = dict(getattr(image, "tag_v2", {}))
                 mode, pixels = image.mode, image.width * image.height
-                rows = np.asarray(image) if pixels <= MAX_SAMPLES else np.zeros((0, 0))
-    except MemoryError:
+                _require_size(pixels, "pixels", key)
+                rows = np.asarray(image)
+    except SceneError:
         raise
     except Exception as error:  # whatever a damaged file makes its reader stumble over
         raise _unreadable(key, error) from None
-    if pixels > MAX_SAMPLES:
-        raise SceneError(f"{key} has {pixels:.3g} pixels, more than {MAX_SAMPLES:.3g}: use a smaller map")
     if mode not in ("L", "I", "F") and not mode.startswith("I;16"):
         raise SceneError(
             f"{key} is a picture in colours: a height map has one channel, of 8 or 16 bits or of reals"
@@ -112,6 +111,13 @@ def _picture(path: Path, key: str) -> _Map:
     scale = tags.get(PIXEL_SCALE)
     pixel = (float(scale[0]), float(scale[1])) if scale and not _in_degrees(tags) else None
     return _Map(values[::-1].T, _full(bits), pixel)
+
+
+def _require_size(count: int, what: str, key: str) -> None:
+    if count > MAX_SAMPLES:
+        raise SceneError(f"{key} has {count:.3g} {what}, more than {MAX_SAMPLES:.3g}: use a smaller map")
+    if found := lacking(SAMPLE_BYTES * count):
+        raise SceneError(f"{key} {found}: use a smaller map")
 
 
 def _full(bits: int) -> float | None:

@@ -11,15 +11,13 @@ from neve.reproducible import product
 from neve.sampling.factors import factors
 from neve.sampling.points import jittered, poisson, regular
 from neve.sampling.regions import region
+from neve.sampling.room import require_room
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Numerics, Source
 
-__all__ = ["MOST", "Samples", "fill"]
+__all__ = ["Samples", "fill"]
 
 Array = NDArray[np.float64]
-
-MOST = 2**28
-"""Particles that one source may ask for: a mistyped dx must not fill the memory."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +58,7 @@ def fill(source: Source, numerics: Numerics, index: int) -> Samples:
     name = f"sources.{index}"
     spacing = numerics.spacing
     space = region(source, numerics, name)
-    if np.prod(np.maximum(space.size / spacing, 1.0)) > MOST:
-        raise SceneError(
-            f"{name} would take {space.volume / spacing**3:.2g} particles with numerics.dx = "
-            f"{numerics.dx:g}, more than {MOST:.2g}; use a larger dx or a smaller source"
-        )
+    require_room(space.size, space.volume, numerics, name)
     rng = np.random.default_rng([numerics.seed, index])
     if numerics.sampling == "poisson":
         local = poisson(space.size, spacing, rng, numerics.seed)

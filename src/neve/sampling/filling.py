@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from neve.geometry.inside import windings
 from neve.geometry.sdf import SolidMesh, solid_mesh
+from neve.geometry.triangles import Triangles
+from neve.sampling.room import require_room
 from neve.scene.errors import SceneError
 from neve.scene.schema.file_shapes import Mesh
 from neve.scene.schema.scene import Numerics
@@ -56,8 +58,14 @@ def mesh_space(source: Mesh, numerics: Numerics, name: str) -> MeshSpace:
 
     Errors: SceneError for a mesh that cannot be used; see `neve.geometry.mesh.read_mesh`.
     """
-    mesh = solid_mesh(source, numerics.dx, name)
     margin = 0.5 * source.thickness
+
+    def check(surface: Triangles) -> None:
+        size = surface.high - surface.low + 2.0 * margin
+        sheet = surface.area * source.thickness
+        require_room(size, sheet or abs(surface.volume), numerics, name)
+
+    mesh = solid_mesh(source, numerics.dx, name, check)
     low, high = mesh.surface.low - margin, mesh.surface.high + margin
     volume = _volume(mesh, low, high)
     if volume <= 0:

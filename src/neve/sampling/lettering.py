@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -86,6 +87,15 @@ def letters(source: Text, spacing: float, name: str) -> Letters:
 
     `name`: used in messages.
     """
+    try:
+        return _drawn(source, spacing, name)
+    except SceneError:
+        raise
+    except Exception:  # whatever a damaged font makes its reader stumble over
+        raise _unusable(source, name, "draws the text") from None
+
+
+def _drawn(source: Text, spacing: float, name: str) -> Letters:
     from PIL import Image, ImageDraw
 
     font = _open(source, 256.0, name)
@@ -111,10 +121,15 @@ def _open(source: Text, size: float, name: str) -> FreeTypeFont:
 
     try:
         return ImageFont.truetype(source.font or FONT, size, layout_engine=ImageFont.Layout.BASIC)
-    except OSError:
-        raise SceneError(
-            f'{name}.font = "{source.font}" is not a font that can be read; name a .ttf or .otf file'
-        ) from None
+    except Exception:  # whatever a damaged font makes its reader stumble over
+        raise _unusable(source, name, "can be read") from None
+
+
+def _unusable(source: Text, name: str, can: str) -> SceneError:
+    stated = f"{name}.font = {json.dumps(source.font, ensure_ascii=False)}"
+    return SceneError(
+        f"{stated} is not a font that {can}: it is damaged, or no font; name a .ttf or .otf file"
+    )
 
 
 def _check_glyphs(source: Text, font: FreeTypeFont, name: str) -> None:

@@ -25,7 +25,7 @@ BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
     (BOX + "[numercs]\ndx = 1", ("numercs is not a known key", "did you mean numerics?")),
     ("dx = 0.1\n" + BOX, ("dx is not a known key", "did you mean numerics.dx?")),
     ("g = 9.81\n" + BOX, ("g is not a known key", "did you mean world.gravity?")),
-    (BOX + "[numerics]\ndt = 0", ("numerics.dt = 0", '"auto" or a number greater than 0 and at most 1 [s]')),
+    (BOX + "[numerics]\ndt = 0", ("numerics.dt = 0", '"auto" or a number from 1e-09 to 1 [s]')),
     (BOX + '[numerics]\ndt = "atuo"', ('numerics.dt = "atuo"', 'did you mean "auto"?')),
     (BOX + '[numerics]\nspline = "quadric"', ("numerics.spline", 'did you mean "quadratic"?', '"cubic"')),
     (
@@ -39,7 +39,7 @@ BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
     (BOX + "[numerics]\nseed = -1", ("numerics.seed = -1", "at least 0")),
     (BOX + "[numerics]\nseed = 1.5", ("numerics.seed = 1.5", "a whole number")),
     (BOX + "[numerics]\nparticles_per_cell = 0", ("numerics.particles_per_cell = 0", "from 1 to 512")),
-    (BOX + "[numerics]\ncfl = 1.5", ("numerics.cfl = 1.5", "at most 0.6")),
+    (BOX + "[numerics]\ncfl = 1.5", ("numerics.cfl = 1.5", "to 0.6")),
     (BOX + "[snow]\nnu = 0.5", ("snow.nu = 0.5", "at least 0 and less than 0.5")),
     (BOX + "[snow]\ntheta_c = 1", ("snow.theta_c = 1", "less than 1")),
     (BOX + "[snow]\ntheta_c = nan", ("snow.theta_c = nan", "a number")),
@@ -137,7 +137,7 @@ BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
     ),
     (
         BOX + "profile = { at = [0, 1], stiffness = [1, 0] }",
-        ("sources.0.profile.stiffness = [1, 0]", "a list of numbers greater than 0 and at most 100"),
+        ("sources.0.profile.stiffness = [1, 0]", "a list of numbers from 1e-06 to 100"),
     ),
     (
         BOX + "profile = { at = [0, 1], strength = [3, 1] }",

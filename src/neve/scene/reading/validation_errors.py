@@ -64,7 +64,8 @@ class Problem:
 def problems(error: ValidationError, data: dict[str, Any]) -> list[Problem]:
     """Return the problems in `error`, found in `data`, at most one for each key."""
     found: dict[tuple[str, ...], Problem] = {}
-    for detail in error.errors(include_url=False):
+    details = error.errors(include_url=False)
+    for detail in sorted(details, key=lambda detail: detail["type"] != "trace"):
         problem = _problem(dict(detail), data)
         found.setdefault(problem.path, problem)
     return list(found.values())
@@ -96,6 +97,10 @@ def _problem(detail: dict[str, Any], data: dict[str, Any]) -> Problem:
         value = _value(path, data)
         stated = "" if value is None or isinstance(value, dict) else f" = {shown(value)} is not allowed: it"
         return Problem(path, f"{'.'.join(path)}{stated} {message}")
+    if kind == "trace":
+        least = f"{detail['ctx']['least']:g}"
+        stated = f"{'.'.join(path)} = {shown(_value(path, data))}"
+        return Problem(path, f"{stated} is not allowed: a number is 0, or not nearer to it than {least}")
     tag, models = entry_models(field.annotation) if field else ("", {})
     known = list(models)
     if kind == "union_tag_not_found":

@@ -37,7 +37,7 @@ DENSITY = 1000.0
 class Target(Part):
     """Set the target of a motor at one moment."""
 
-    t: Real = entry(0.0, "Time.", "s", ge=0)
+    t: Real = entry(0.0, "Time.", "s", ge=0, le=1e6)
     value: Coordinate = entry(0.0, "The target then, in the unit of `target`.", "1")
 
 
@@ -179,7 +179,7 @@ AnyBody = Annotated[Body, OneOfItsShapes()]
 class Control(Part):
     """Set the control of a robot's actuator at one moment."""
 
-    t: Real = entry(0.0, "Time.", "s", ge=0)
+    t: Real = entry(0.0, "Time.", "s", ge=0, le=1e6)
     actuator: str = entry("", "Name of the actuator; in a URDF file, which has none, that of a joint.", "")
     value: Coordinate = entry(
         0.0,

@@ -13,7 +13,7 @@ from neve.scene.values.fields import ZERO, Angle3, Part, Point3, Rate3, Real, ch
 class Keyframe(Part):
     """Say where a collider is at one moment."""
 
-    t: Real = entry(0.0, "Time.", "s", ge=0)
+    t: Real = entry(0.0, "Time.", "s", ge=0, le=1e6)
     position: Point3 | None = entry(
         None, "Centre (of a plane: its point) at `t`; left out, the collider's own.", "m"
     )

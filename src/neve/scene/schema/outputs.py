@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self, Union
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, TypeAdapter, model_validator
 
-from neve.scene.values.fields import Part, Real, Whole, entry, rounded_up, wrong
+from neve.scene.values.fields import SHORTEST, Part, Real, Whole, entry, rounded_up, wrong
 
 RESERVED = ("run.json", "scene.toml", "assets")
 """What lies in a run folder and is no output."""
@@ -50,7 +50,7 @@ class Scheduled(OutputOptions):
         "Simulated time from one to the next: the first frame at or after each multiple of it, beginning "
         "with frame 0.",
         "s",
-        gt=0,
+        ge=SHORTEST,
         le=86400,
     )
 

@@ -27,7 +27,7 @@ from neve.scene.values.choices import (
     users,
 )
 from neve.scene.values.fields import (
-    LEAST_LENGTH,
+    SHORTEST,
     Color,
     Damping,
     Device,
@@ -66,7 +66,7 @@ class Numerics(Part):
     method: Method = entry(METHODS.names()[0], f"How snow is simulated. {METHODS.meaning()}.", "")
     device: Device = entry(DEVICES.names()[0], f"Where the step is computed. {DEVICES.meaning()}.", "")
     dx: Real = entry(
-        0.05, "Grid spacing; half of it means eight times as many particles.", "m", ge=LEAST_LENGTH, le=1000
+        0.05, "Grid spacing; half of it means eight times as many particles.", "m", ge=SHORTEST, le=1000
     )
     spline: SplineWord = entry(
         DEFAULT_SPLINE,
@@ -109,17 +109,17 @@ class Numerics(Part):
         "Fraction of a cell that a wave or a particle may cross in one automatic step; above 0.6 snow can "
         "gain energy.",
         "1",
-        gt=0,
+        ge=1e-3,
         le=0.6,
     )
     strain_max: Real = entry(
         0.25,
         "Largest change of deformation, dt |grad v|, in one automatic step.",
         "1",
-        gt=0,
+        ge=1e-3,
         le=1,
     )
-    dt_max: Real = entry(1e-2, "Largest automatic time step.", "s", gt=0, le=1)
+    dt_max: Real = entry(1e-2, "Largest automatic time step.", "s", ge=SHORTEST, le=1)
     precision: Literal["float32", "float64"] = entry(
         "float32", "Floating-point format of particles and grid.", ""
     )
@@ -193,7 +193,7 @@ class Light(Part):
 class Run(Part):
     """Say how long to simulate and what to keep."""
 
-    duration: Real = entry(3.0, "Simulated time.", "s", gt=0, le=86400)
+    duration: Real = entry(3.0, "Simulated time.", "s", ge=SHORTEST, le=86400)
     fps: Whole = entry(30, "Frames per simulated second.", "1/s", ge=1, le=10000)
     film: Switch = entry(True, "Whether to make a film.", "")
     fragments: Switch = entry(

@@ -8,21 +8,36 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Protocol
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict
 from pydantic_core import PydanticCustomError
 
 from neve.registry import DEVICES, METHODS
 from neve.scene.values.allowed import words
 from neve.scene.values.kinds import OneOf
 
-Real = Annotated[float, Strict()]
+LEAST = 1e-30
+"""Numbers nearer to 0 are refused: squares and products of them are no longer numbers of full precision."""
+SHORTEST = 1e-9
+"""Least length [m] and least duration [s] of anything."""
+
+
+def _no_trace(value: float) -> float:
+    """Refuse a number so near to 0 that it can only be a mistake."""
+    if 0.0 < abs(value) < LEAST:
+        raise PydanticCustomError("trace", "nearer to 0 than {least}", {"least": LEAST})
+    return value
+
+
+NoTrace = AfterValidator(_no_trace)
+
+Real = Annotated[float, Strict(), NoTrace]
 Whole = Annotated[int, Strict()]
 Switch = Annotated[bool, Strict()]
-Fraction = Annotated[float, Strict(), Field(ge=0, le=1)]
-Step = Annotated[float, Strict(), Field(gt=0, le=1)]
+Fraction = Annotated[float, Strict(), Field(ge=0, le=1), NoTrace]
+Step = Annotated[float, Strict(), Field(ge=SHORTEST, le=1)]
 
-Factor = Annotated[float, Strict(), Field(gt=0, le=100)]
-Distance = Annotated[float, Strict(), Field(ge=0, le=1e6)]
+Factor = Annotated[float, Strict(), Field(ge=1e-6, le=100)]
+Distance = Annotated[float, Strict(), Field(ge=0, le=1e6), NoTrace]
 
 
 def _no_switch(value: object) -> object:
@@ -33,17 +48,14 @@ def _no_switch(value: object) -> object:
 
 
 Modes = Annotated[Literal[1, 4, 8, 27], BeforeValidator(_no_switch)]
-Damping = Annotated[float, Strict(), Field(ge=0, le=1e6)]
+Damping = Annotated[float, Strict(), Field(ge=0, le=1e6), NoTrace]
 
 Method = Annotated[str, OneOf(METHODS)]
 Device = Annotated[str, OneOf(DEVICES)]
 
-LEAST_LENGTH = 1e-9
-"""Smallest length [m]: volumes and moments of what is smaller leave the range of single precision."""
-
-Length = Annotated[float, Strict(), Field(ge=LEAST_LENGTH, le=1e6)]
-Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6)]
-Rate = Annotated[float, Strict(), Field(ge=-1e4, le=1e4)]
+Length = Annotated[float, Strict(), Field(ge=SHORTEST, le=1e6)]
+Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6), NoTrace]
+Rate = Annotated[float, Strict(), Field(ge=-1e4, le=1e4), NoTrace]
 
 Point2 = tuple[Coordinate, Coordinate]
 Point3 = tuple[Coordinate, Coordinate, Coordinate]
