@@ -109,7 +109,7 @@ struct LawInfo : ChoiceInfo {
 
 struct TransferInfo : ChoiceInfo {
   Words options;
-  bool keeps_C, has_change, damps, has_bounded_energy;
+  bool keeps_C, has_change, has_affine_change, damps, has_bounded_energy;
 
   template <class Transfer>
   explicit TransferInfo(Transfer)
@@ -117,6 +117,7 @@ struct TransferInfo : ChoiceInfo {
         options(split(Transfer::options)),
         keeps_C(Transfer::keeps_C),
         has_change(Transfer::has_change),
+        has_affine_change(Transfer::has_affine_change),
         damps(Transfer::damps),
         has_bounded_energy(Transfer::has_bounded_energy) {}
 };
@@ -192,6 +193,7 @@ inline void bind_choices(nb::module_& m) {
       .def_ro("options", &TransferInfo::options, "Keys of [numerics] that it reads.")
       .def_ro("keeps_C", &TransferInfo::keeps_C, "The affine velocity travels with the particle.")
       .def_ro("has_change", &TransferInfo::has_change, "Force and momentum stay apart on the grid.")
+      .def_ro("has_affine_change", &TransferInfo::has_affine_change, "C changes by what changed on the grid.")
       .def_ro("damps", &TransferInfo::damps, "All motions but translations fade.")
       .def_ro("has_bounded_energy", &TransferInfo::has_bounded_energy);
   m.def(

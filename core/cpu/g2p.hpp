@@ -54,6 +54,7 @@ class HomeGather {
 
     const Vec3<R>& x() const { return at; }
     Vec3<R> v() const { return load_vector<R>(state.v, p, count); }
+    Mat3<R> C() const { return load_matrix<R>(state.C, p, count); }
     Mat3<R> F_E() const { return load_matrix<R>(state.F_E, p, count); }
     R J_P() const { return load<R>(state.J_P.column(0) + p, count); }
     R m() const { return load<R>(state.m.column(0) + p, count); }
@@ -84,7 +85,12 @@ class HomeGather {
         for (int k = 0; k < 4; ++k) store_quad<T>(sums_[k] + 4 * l, s, k);
       }
     }
-    if constexpr (Transfer::has_change) {
+    if constexpr (Transfer::has_affine_change) {
+      for (int l = 0; l < count; ++l) {
+        const Row<T> s = from_change_.sums(stencils_, l);
+        for (int k = 0; k < 4; ++k) store_quad<T>(sums_[Transfer::modes + k] + 4 * l, s, k);
+      }
+    } else if constexpr (Transfer::has_change) {
       for (int l = 0; l < count; ++l)
         store_quad<T>(sums_[Transfer::modes] + 4 * l, from_change_.sum(stencils_, l), 0);
     }
@@ -98,7 +104,10 @@ class HomeGather {
   }
   Gathered<R> gathered() const {
     Gathered<R> g{vector_sum(0), {vector_sum(1), vector_sum(2), vector_sum(3)}};
-    if constexpr (Transfer::has_change) g.change = vector_sum(Transfer::modes);
+    constexpr int n = Transfer::modes;
+    if constexpr (Transfer::has_change) g.change = vector_sum(n);
+    if constexpr (Transfer::has_affine_change)
+      g.G_change = {vector_sum(n + 1), vector_sum(n + 2), vector_sum(n + 3)};
     return g;
   }
 
@@ -109,7 +118,7 @@ class HomeGather {
     store_matrix(state_.F_E, p, now.material.F_E, count);
     store(state_.J_P.column(0) + p, now.material.J_P, count);
     store_symmetric(state_.tau, p, now.material.stress.tau, count);
-    if constexpr (Transfer::keeps_C) store_matrix(state_.C, p, now.grad_v, count);
+    if constexpr (Transfer::keeps_C) store_matrix(state_.C, p, now.C, count);
     if constexpr (Transfer::modes > 4) keep_modes(p, count, now.x - now.displacement, now.x);
   }
 
@@ -160,7 +169,8 @@ class HomeGather {
   Extremes<R> extremes_;
   bool drifted_ = false;
   std::uint32_t offending_id_ = Report::nobody;
-  alignas(64) T sums_[Transfer::modes + Transfer::has_change][4 * L];  // of each mode; then of the change
+  alignas(64) T sums_[Transfer::modes + Transfer::has_change + 3 * Transfer::has_affine_change]
+                     [4 * L];  // of each mode; then of the change
 };
 
 }  // namespace detail

@@ -29,25 +29,27 @@ NEVE_INLINE Contribution<R> contribution(const Vec3<R>& v, R m, const Mat3<R>& C
 }
 
 // What the nodes give back: sum_i w_ip v_i; G = sum_i w_ip v_i (x_i - x_p)^T / dx, or with gradients of weights; and the
-// change of velocity sum_i w_ip (v_i - v_i^n) of transfers that keep it.
+// change of velocity sum_i w_ip (v_i - v_i^n) of transfers that keep it, and that of G.
 template <class R>
 struct Gathered {
   Vec3<R> v;  // [m/s]
   Mat3<R> G;  // [m/s]
   Vec3<R> change{};
+  Mat3<R> G_change{};
 };
 
 template <class R>
 struct Advanced {
   Vec3<R> x, v;          // [m], [m/s]
-  Mat3<R> grad_v;        // [1/s]; the affine velocity C of transfers that keep one
+  Mat3<R> grad_v;        // [1/s]
+  Mat3<R> C;             // the affine velocity of transfers that keep one [1/s]
   Mapped<R> material;    // F_E, J_P and the stress
   Vec3<R> displacement;  // x - x^n [m]
 };
 
 // Move a particle by one step.
 //
-// `particle` gives x, v, F_E, J_P and m when called for them; return_map(F_trial, J_P) is the particle's law; `exchanged`
+// `particle` gives x, v, C, F_E, J_P and m when called for them; return_map(F_trial, J_P) is the particle's law; `exchanged`
 // is called as by move_past for each solid that it meets.
 template <class Transfer, class R, class Particle, class Solids, class Law, class F>
 NEVE_INLINE Advanced<R> advance(const Particle& particle, const Gathered<R>& grid,
@@ -64,6 +66,12 @@ NEVE_INLINE Advanced<R> advance(const Particle& particle, const Gathered<R>& gri
 
   // 8. Velocity.
   out.v = Transfer::velocity(particle.v(), grid.v, grid.change, step.blend);
+  if constexpr (Transfer::has_affine_change) {
+    const Mat3<R> change = Transfer::velocity_gradient(grid.G_change, step.cells);
+    out.C = Transfer::affine_velocity(particle.C(), out.grad_v, change, step.blend);
+  } else {
+    out.C = out.grad_v;
+  }
 
   // 9. Collisions with solids.
   const Vec3<R> x = particle.x();

@@ -17,6 +17,7 @@ struct Apic {
   static constexpr bool has_bounded_energy = true;  // no step gives the particles more than the grid had
   static constexpr bool has_change = false;         // force and momentum apart on the grid
   static constexpr bool has_matrix = true;          // the momentum carries a matrix beside v
+  static constexpr bool has_affine_change = false;  // C changes by what changed on the grid
   static constexpr bool separate_position_velocity =
       false;                       // particles move with a velocity other than their own
   static constexpr int modes = 4;  // v, and the columns of a matrix

@@ -23,6 +23,7 @@ struct Asflip {
   static constexpr bool has_bounded_energy = false;  // no step gives the particles more than the grid had
   static constexpr bool has_change = true;
   static constexpr bool has_matrix = true;
+  static constexpr bool has_affine_change = false;  // C changes by what changed on the grid
   static constexpr bool separate_position_velocity = true;
   static constexpr int modes = 4;
   using ScatterWeights = AffineWeights;

@@ -19,6 +19,7 @@ struct Flip {
   static constexpr bool has_bounded_energy = true;  // no step gives the particles more than the grid had
   static constexpr bool has_change = true;
   static constexpr bool has_matrix = false;
+  static constexpr bool has_affine_change = false;  // C changes by what changed on the grid
   static constexpr bool separate_position_velocity = false;
   static constexpr int modes = 4;
   using ScatterWeights = GradientWeights;

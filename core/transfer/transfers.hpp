@@ -1,6 +1,7 @@
 // The transfers that a scene can choose. All that names them follows from this list.
 #pragma once
 
+#include "transfer/aflip.hpp"
 #include "transfer/apic.hpp"
 #include "transfer/asflip.hpp"
 #include "transfer/flip.hpp"
@@ -9,7 +10,7 @@
 
 namespace neve {
 
-using Transfers = List<Apic, Flip, Pic, PolypicOfModes, Asflip>;
+using Transfers = List<Apic, Flip, Pic, PolypicOfModes, Asflip, Aflip>;
 
 // f(Transfer{}) for the transfer at that place of the list, with so many velocity modes if it comes with several.
 template <class F>

@@ -556,6 +556,8 @@ class Transfer(Choice):
     """The affine velocity travels with the particle."""
     has_change: bool
     """Force and momentum stay apart on the grid."""
+    has_affine_change: bool
+    """C changes by what changed on the grid, too."""
     damps: bool
     """All motions but translations fade."""
     has_bounded_energy: bool

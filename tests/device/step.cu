@@ -130,7 +130,10 @@ __noinline__ void gather(const Step<T>& s, std::size_t p) {
     grid.v = grid.v + v * w;
     grid.G = grid.G + Mat3<T>{v * (st.w[0][1][i] * wy * wz), v * (wx * st.w[1][1][j] * wz),
                               v * (wx * wy * st.w[2][1][k])};
-    grid.change = grid.change + Vec3<T>{s.change(0, node), s.change(1, node), s.change(2, node)} * w;
+    const Vec3<T> dv{s.change(0, node), s.change(1, node), s.change(2, node)};
+    grid.change = grid.change + dv * w;
+    grid.G_change = grid.G_change + Mat3<T>{dv * (st.w[0][1][i] * wy * wz), dv * (wx * st.w[1][1][j] * wz),
+                                            dv * (wx * wy * st.w[2][1][k])};
   });
   const Advanced<T> now = advance<Transfer>(
       particle, grid, step, s.solids,
@@ -157,7 +160,7 @@ __noinline__ void gather(const Step<T>& s, std::size_t p) {
   for (int k = 0; k < 3; ++k) s.x(k, p) = now.x[k], s.v(k, p) = now.v[k];
   for (int k = 0; k < 9; ++k) {
     s.F_E(k, p) = now.material.F_E(k % 3, k / 3);
-    if constexpr (Transfer::keeps_C) s.C(k, p) = now.grad_v(k % 3, k / 3);
+    if constexpr (Transfer::keeps_C) s.C(k, p) = now.C(k % 3, k / 3);
   }
   for (int k = 0; k < 6; ++k) s.tau(k, p) = stress[k];
   s.J_P(0, p) = now.material.J_P;

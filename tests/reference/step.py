@@ -1,10 +1,11 @@
 """One explicit step in the ten stages of Stomakhin et al. 2013, section 4.1.
 
 The dense grid covers the particles' bounding box: `Nodes.mass[i, j, k]` belongs to the node at
-(low + (i, j, k)) dx. Five transfers. Force from the gradients of the weights: "flip" is the paper's (PIC/FLIP
+(low + (i, j, k)) dx. Six transfers. Force from the gradients of the weights: "flip" is the paper's (PIC/FLIP
 blend), "pic" its end alpha = 0. Force in the MLS form, Q = -dt V0 D^-1 tau: "apic" carries the affine
-velocity C = B D^-1, "polypic" more modes of the velocity (with 1 mode it is "pic"), and "asflip" is the blend
-with C, whose positions follow the particle's own velocity only where snow separates.
+velocity C = B D^-1, "polypic" more modes of the velocity (with 1 mode it is "pic"), "asflip" is the blend
+with C, whose positions follow the particle's own velocity only where snow separates, and "aflip" the blend of
+both velocity and C.
 """
 
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ class Particles:
 
     x: np.ndarray  # position [m] (n, 3)
     v: np.ndarray  # velocity [m/s] (n, 3)
-    C: np.ndarray  # affine velocity [1/s] (n, 3, 3), used by "apic", "asflip" and "polypic"
+    C: np.ndarray  # affine velocity [1/s] (n, 3, 3), used by "apic", "polypic", "asflip" and "aflip"
     F_E: np.ndarray  # elastic deformation gradient [1] (n, 3, 3)
     J_P: np.ndarray  # determinant of the plastic part [1] (n,)
     m: np.ndarray  # mass [kg] (n,)
@@ -70,7 +71,7 @@ class Method:
     @property
     def count(self):
         """Velocity modes that a particle carries."""
-        return {"pic": 1, "flip": 1, "apic": 4, "asflip": 4, "polypic": self.modes}[self.transfer]
+        return {"pic": 1, "flip": 1, "apic": 4, "asflip": 4, "aflip": 4, "polypic": self.modes}[self.transfer]
 
     @property
     def affine(self):
@@ -96,7 +97,7 @@ def step(p, method, dt, bodies=(), first=False):
     collide_nodes(nodes, bodies, method.dx)  # 5
     # 6: explicit, v^{n+1} = v*
     separates = ~contact.touches(p.x, bodies, method.dx)
-    grad_v, J_trial = update_deformation(p, method, nodes, at, ijk, w, grad_w, dt)  # 7
+    grad_v, J_trial = update_deformation(p, method, nodes, at, w, grad_w, dt)  # 7
     separates &= J_trial >= np.exp(-0.001)
     path = update_velocities(p, method, nodes, at, w, s, grad_v, dt, separates)  # 8
     p.v, path = contact.follow(p.v, path, p.x, bodies, dt, method.dx)  # 9
@@ -170,36 +171,40 @@ def collide_nodes(nodes, bodies, dx):
     nodes.v_new = after.reshape(nodes.v_new.shape)
 
 
-def update_deformation(p, method, nodes, at, ijk, w, grad_w, dt):
+def update_deformation(p, method, nodes, at, w, grad_w, dt):
     """Stage 7. F_E trial = (I + dt grad v) F_E, then the return map.
 
     Return grad v (the new C, if there is one) and the determinant of the trial.
     """
     v_i = nodes.v_new[at]
-    if method.affine:
-        D = splines.MOMENT[method.spline] * method.dx**2
-        B = np.einsum("pk,pka,pkb->pab", w, v_i, method.dx * ijk - p.x[:, None, :])
-        grad_v = B / D
-    else:
-        grad_v = np.einsum("pka,pkb->pab", v_i, grad_w)
+    classic = np.einsum("pka,pkb->pab", v_i, grad_w)
+    grad_v = affine(p, method, nodes, at, w, v_i) if method.affine else classic
     trial = (np.eye(3) + dt * grad_v) @ p.F_E
     p.F_E, p.J_P = snow.return_map(trial, p.J_P, p.law)
     return grad_v, np.linalg.det(trial)
 
 
+def affine(p, method, nodes, at, w, v_i):
+    """C = B D^-1 with B = sum w v_i (x_i - x_p)^T [1/s]."""
+    B = np.einsum("pk,pka,pkb->pab", w, v_i, nodes.x[at] - p.x[:, None, :])
+    return B / (splines.MOMENT[method.spline] * method.dx**2)
+
+
 def update_velocities(p, method, nodes, at, w, s, grad_v, dt, separates):
     """Stage 8. PIC, or PIC + alpha (v_p - sum w v_i^n), the FLIP blend; C and further modes beside it.
 
+    In "aflip" the blend of C is the same: its PIC is grad v, and sum w v_i^n (x_i - x_p)^T D^-1 what it had.
     Return the velocity that positions follow: for "asflip" that of PIC where snow does not separate.
     """
     pic = np.einsum("pk,pka->pa", w, nodes.v_new[at])
     own = np.zeros_like(pic)
-    if method.transfer in ("flip", "asflip"):
+    if method.transfer in ("flip", "asflip", "aflip"):
         own = method.flip_share(dt) * (p.v - np.einsum("pk,pka->pa", w, nodes.v[at]))
     if method.transfer == "polypic":
         p.more = modes.coefficients(w, s, nodes.v_new[at])[:, 4:]
     if method.affine:
-        p.C = grad_v
+        share = method.flip_share(dt) if method.transfer == "aflip" else 0.0
+        p.C = grad_v + share * (p.C - affine(p, method, nodes, at, w, nodes.v[at]))
     p.v = pic + own
     return pic + own * separates[:, None] if method.transfer == "asflip" else p.v
 

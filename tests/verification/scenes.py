@@ -81,9 +81,23 @@ def oracle(sim):
     p = step.Particles(c["x"], c["v"], c["C"], c["F_E"], c["J_P"], c["m"], c["V0"], law, c["modes"])
     method = step.Method(
         numerics.dx, numerics.spline, numerics.transfer, numerics.flip_alpha, tuple(sim.scene.world.gravity),
-        None if numerics.flip_damping == "off" else numerics.flip_damping, numerics.polypic_modes,
+        damping(sim), numerics.polypic_modes,
     )  # fmt: skip
     return p, method
+
+
+def wave(snow):
+    """Return the speed of pressure waves in snow that is not hardened, sqrt((lam + 2 mu) / rho0) [m/s]."""
+    M_c = snow.E0 * (1 - snow.nu) / ((1 + snow.nu) * (1 - 2 * snow.nu))
+    return np.sqrt(M_c / snow.rho0)
+
+
+def damping(sim):
+    """Return the decay rate of what the grid cannot resolve [1/s], or None if it is a share of a step."""
+    numerics = sim.scene.numerics
+    if numerics.transfer == "aflip":
+        return numerics.aflip_damping * max(wave(snow) for snow in materials(sim)) / numerics.dx
+    return None if numerics.flip_damping == "off" else numerics.flip_damping
 
 
 def materials(sim):

@@ -138,9 +138,10 @@ def resident() -> int | None:
 
 def matrix() -> Iterator[Speed]:
     """Measure every spline and precision on the block of 200,000 particles, with the first transfer of each
-    layout of the grid: force and momentum in one array, or apart.
+    way through the grid: force and momentum in one array, or apart, or apart and gathered for C too.
     """
-    transfers = {transfer.has_change: name for name, transfer in reversed([*TRANSFERS.items()])}
+    ways = ((name, (t.has_change, t.has_affine_change)) for name, t in TRANSFERS.items())
+    transfers = {way: name for name, way in reversed([*ways])}
     for precision in ("float32", "float64"):
         for spline in SPLINES:
             for _, transfer in sorted(transfers.items()):

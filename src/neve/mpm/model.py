@@ -15,6 +15,8 @@ from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
 from neve.rigid.coupled_bodies import CoupledBodies
 from neve.scene.schema.scene import Collider, Numerics, Snow, World
+from neve.scene.values.choices import TRANSFERS
+from neve.scene.values.elastic import p_wave_modulus
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
@@ -50,7 +52,7 @@ class Model:
             numerics.flip_alpha,
             np.array(world.gravity, dtype=np.float64),
             numerics.polypic_modes,
-            None if numerics.flip_damping == "off" else float(numerics.flip_damping),
+            _damping(numerics, self.snows),
         )
         self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in self.snows))
         for snow in self.snows:
@@ -137,3 +139,15 @@ def _add(native: CoreModel, solid: Solid) -> None:
 def _constants(snow: Snow) -> dict[str, float]:
     """Return every number of `snow` by its name."""
     return {name: value for name, value in snow.model_dump().items() if isinstance(value, float)}
+
+
+def _damping(numerics: Numerics, snows: Sequence[Snow]) -> float | None:
+    """Return the rate at which what the grid cannot resolve decays [1/s], or None if `flip_alpha` says it.
+
+    Where the transfer reads `aflip_damping`, r = aflip_damping c / dx with the fastest pressure wave of the
+    snows before they harden, c = max sqrt((lam + 2 mu) / rho0).
+    """
+    if "aflip_damping" in TRANSFERS[numerics.transfer].options:
+        c = max((math.sqrt(p_wave_modulus(snow.E0, snow.nu) / snow.rho0) for snow in snows), default=0.0)
+        return numerics.aflip_damping * c / numerics.dx
+    return None if numerics.flip_damping == "off" else float(numerics.flip_damping)

@@ -9,7 +9,7 @@ from neve.validate.elastic import bar, discs, refinement, settlement
 from neve.validate.grains import collapse, cut, repose, slide
 from neve.validate.result import Result
 from neve.validate.rigid import crater, wheel
-from neve.validate.snow import cam_clay, oedometer, real_snow
+from neve.validate.snow import cam_clay, oedometer, real_snow, time_step
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,7 @@ CASES = {
         Case("repose", "Slope of a heap", "23", repose.case),
         Case("cut", "A vertical cut", "24", cut.case),
         Case("cam_clay", "Yield and crushing of cohesive snow", "25", cam_clay.case),
+        Case("time_step", "Refining the time step", "own", time_step.case),
         Case("crater", "A ball falls on snow", "own", crater.case),
         Case("wheel", "A wheel drives over snow", "own", wheel.case),
         Case("real_snow", "Against real snow", "own", real_snow.case),

@@ -56,7 +56,7 @@ def elastic(**constants: Any) -> dict[str, Any]:
 
 def transfers() -> dict[str, dict[str, Any]]:
     """Return the numerics of every transfer that Neve has, none of which adds damping of its own."""
-    undamped = {"flip_alpha": 1.0}
+    undamped = {"flip_alpha": 1.0, "aflip_damping": 0.0}
     return {
         name: {"transfer": name, **{key: undamped[key] for key in TRANSFERS[name].options if key in undamped}}
         for name in sorted(TRANSFERS)

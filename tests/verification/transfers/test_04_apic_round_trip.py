@@ -23,10 +23,13 @@ AFFINE = [
     {"transfer": "polypic", "polypic_modes": 8},
     {"transfer": "polypic", "polypic_modes": 27},
     {"transfer": "asflip", "flip_alpha": 0.0},
+    {"transfer": "aflip", "aflip_damping": 0.5},
+    {"transfer": "aflip", "aflip_damping": 0.0},
 ]
+IDS = ["apic", "polypic8", "polypic27", "asflip", "aflip", "aflip0"]
 
 
-@pytest.mark.parametrize("numerics", AFFINE, ids=["apic", "polypic8", "polypic27", "asflip"])
+@pytest.mark.parametrize("numerics", AFFINE, ids=IDS)
 def test_momentum_stays(precision, spline, eps, numerics):
     """Two tumbling lumps collide and flow: sum m v and L = sum x cross m v + axial(m C D) stay.
 

@@ -38,7 +38,7 @@ def test_pic_loss(spline, numerics):
     assert loss == pytest.approx(predicted, rel=0.1)
 
 
-@pytest.mark.parametrize("transfer", ["apic", "polypic", "asflip"])
+@pytest.mark.parametrize("transfer", ["apic", "polypic", "asflip", "aflip"])
 def test_affine_transfers_keep_it(spline, transfer):
     """The same step with an affine velocity: m C D holds what PIC lost, to 1e-12."""
     L, sim = spun(spline, transfer=transfer)

@@ -151,7 +151,7 @@ def test_energy_never_grows(core, precision, eps, spline, transfer, count):
     assert all(b <= a * (1 + 100 * eps) for a, b in pairwise(energies))
 
 
-@pytest.mark.parametrize(("transfer", "count"), [*METHODS, ("flip", 1), ("asflip", 4)])
+@pytest.mark.parametrize(("transfer", "count"), [*METHODS, ("flip", 1), ("asflip", 4), ("aflip", 4)])
 def test_affine_energy(core, precision, eps, spline, transfer, count):
     """The core's sums are 1/2 sum m |v|^2 and 1/2 sum m sum_r <s_r, s_r> |c_r|^2 of Gram-Schmidt's modes.
 

@@ -115,6 +115,8 @@ def _numerics(rng: Random, dx: float) -> dict[str, Any]:
         table["seed"] %= TILES
     if "polypic_modes" in transfer.options:
         table["polypic_modes"] = int(rng.choice([1, 4, 8, 27]))
+    if "aflip_damping" in transfer.options:
+        table["aflip_damping"] = float(rng.choice([0.0, 0.5, _log(rng, 1e-2, 1e3)]))
     if "flip_alpha" in transfer.options:
         table["flip_alpha"] = float(rng.choice([0.0, 0.5, 0.95, 0.99, 1.0]))
         if rng.random() < 0.3:

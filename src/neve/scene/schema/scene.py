@@ -101,6 +101,15 @@ class Numerics(Part):
         "exp(-flip_damping dt), so that the damping does not depend on the time step.",
         "1/s",
     )
+    aflip_damping: Real = entry(
+        0.5,
+        "Decay rate of motion that the grid cannot resolve, times the time in which the fastest elastic wave "
+        "of the snows before they harden crosses a cell: alpha = exp(-aflip_damping c dt / dx); used by "
+        f"{listed(users('aflip_damping'))}.",
+        "1",
+        ge=0,
+        le=1000,
+    )
     dt: Literal["auto"] | Step = entry(
         "auto", 'Time step, or "auto" for the largest good one; shortened where it would be unstable.', "s"
     )
