@@ -41,6 +41,16 @@ CAMPAIGNS = {
             limit=600.0,
             summary="neve.fuzz.scenes.trial:summary",
         ),
+        Campaign(
+            name="files",
+            about="Scenes, meshes, height maps, fonts, robots, checkpoints and frames with damaged bytes,"
+            " numbers and words: each is read, or refused in one sentence; no traceback, no crash, no hang.",
+            things="files",
+            trial="neve.fuzz.files.trial:read_damaged",
+            count=1000,
+            limit=90.0,
+            summary="neve.fuzz.files.trial:summary",
+        ),
     )
 }
 """Campaigns by their names; `neve fuzz` alone is the first."""

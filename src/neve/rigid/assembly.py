@@ -15,7 +15,7 @@ from neve.colliders.motion import pose
 from neve.colliders.solid import Solid
 from neve.geometry.pose import rotation_matrix
 from neve.reproducible import product
-from neve.rigid.engine import engine, quaternion, reason
+from neve.rigid.engine import engine, heard, quaternion, reason
 from neve.rigid.hulls import add_mesh, add_terrain, lift_of
 from neve.rigid.inertia import mass_properties
 from neve.rigid.robot_solids import Attachment
@@ -126,7 +126,8 @@ def _new_spec(gravity: tuple[float, float, float]) -> Any:
 
 def _compiled(spec: Any) -> Any:
     try:
-        return spec.compile()
+        with heard():
+            return spec.compile()
     except (ValueError, engine().FatalError) as error:
         element = re.search(r"Element name '([^']+)'", str(error))
         raise SceneError(f"{element[1] if element else 'a body'} cannot be moved: {reason(error)}") from None

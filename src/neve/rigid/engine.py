@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import re
+import warnings
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -27,6 +30,16 @@ def engine() -> Any:
 
 def _tell(text: str) -> None:
     logging.getLogger("neve").warning("rigid bodies: %s", text.strip().splitlines()[0])
+
+
+@contextlib.contextmanager
+def heard() -> Iterator[None]:
+    """Turn the warnings of the engine's compiler, which are Python's, to the log of Neve as well."""
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        yield
+    for said in dict.fromkeys(str(warning.message) for warning in found):
+        _tell(said)
 
 
 def quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

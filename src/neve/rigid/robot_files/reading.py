@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from neve.rigid.engine import engine, reason
+from neve.rigid.engine import engine, heard, reason
 from neve.rigid.robot_files.names import MOST_GEOMS, follow
 from neve.rigid.soundness import MOST_SOLIDS
 from neve.scene.errors import SceneError
@@ -24,7 +24,8 @@ def read(path: Path, text: str) -> tuple[Any, list[str]]:
     Errors: SceneError, one sentence: unreadable, a mesh that is missing, nothing or too much that collides.
     """
     try:
-        child = engine().MjSpec.from_file(str(path))
+        with heard():
+            child = engine().MjSpec.from_file(str(path))
     except (ValueError, OSError, MemoryError, engine().FatalError) as error:
         raise SceneError(f"{text} cannot be read as a robot: {reason(error)}") from None
     if is_urdf(path):
@@ -39,7 +40,8 @@ def compiled(child: Any, text: str) -> Any:
     Errors: SceneError, one sentence: what the engine says, or flexible parts.
     """
     try:
-        model = child.compile()
+        with heard():
+            model = child.compile()
     except (ValueError, OSError, MemoryError, engine().FatalError) as error:
         raise SceneError(f"{text} cannot be used as a robot: {reason(error)}") from None
     if model.nflex:
@@ -65,7 +67,8 @@ def examine(path: Path, text: str) -> list[str]:
         mujoco.mj_step(model, data)
     except (ValueError, MemoryError, engine().FatalError) as error:
         raise SceneError(f"{text} cannot be used as a robot: {reason(error)}") from None
-    if not all(np.isfinite(numbers).all() for numbers in (data.qpos, data.qvel, data.act, data.xpos)):
+    placed = (data.qpos, data.qvel, data.act, data.xpos, data.xmat, data.geom_xpos, data.geom_xmat)
+    if not all(np.isfinite(numbers).all() for numbers in (*placed, model.geom_size, model.geom_rgba)):
         raise SceneError(
             f"{text} cannot be used as a robot: it has no finite place or velocity after its first step"
         )

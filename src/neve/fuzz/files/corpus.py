@@ -1,0 +1,172 @@
+"""Small whole files of every kind that Neve reads, made by code; what is damaged."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+SCENE = """about = "A ball, a box of other snow, a floor and a wheel."
+[world]
+gravity = [0, 0, -9.81]
+[numerics]
+dx = 0.1
+transfer = "flip"
+flip_alpha = 0.9
+[snow]
+kind = "wet"
+[[sources]]
+shape = "sphere"
+center = [0, 0, 1.5]
+radius = 0.3
+velocity = [1.0, 0.0, -2.0]
+variation = { stiffness = 0.3, feature_size = 0.2 }
+[[sources]]
+shape = "box"
+size = [0.4, 0.4, 0.4]
+snow = { law = "cam_clay", beta = 0.3 }
+profile = { at = [0, 0.2], density = [1, 1.2] }
+[[colliders]]
+shape = "plane"
+mu_c = 0.4
+[[colliders]]
+shape = "cylinder"
+radius = 0.2
+keyframes = [{ t = 0, position = [0, 0, 2] }, { t = 1, position = [0, 1, 2] }]
+[[bodies]]
+shape = "box"
+size = [0.2, 0.2, 0.2]
+joint = "hinge"
+axis = [0, 1, 0]
+motor = { kind = "velocity", target = 3 }
+[[outputs]]
+kind = "frames"
+every_frames = 2
+[run]
+duration = 0.5
+film = false
+"""
+MJCF = """<mujoco model="car">
+  <compiler angle="degree"/><option timestep="0.01"/>
+  <default><default class="wheel"><geom type="cylinder" size=".1 .03" friction="1.2"/></default></default>
+  <asset><mesh name="tip" vertex="0 0 0 .1 0 0 0 .1 0 0 0 .1"/><material name="m" rgba=".1 .2 .3 1"/></asset>
+  <worldbody><body name="chassis" pos="0 0 0.15"><freejoint/>
+    <geom name="hull" type="box" size=".3 .12 .04" density="300" material="m"/>
+    <geom type="mesh" mesh="tip"/>
+    <body name="left" pos=".1 .2 -.05" quat="1 1 0 0"><joint name="axle" axis="0 0 -1" range="-90 90"/>
+      <geom class="wheel"/></body>
+    <replicate count="3" offset="0 0 .3"><body><joint type="ball"/><geom type="capsule" size=".04 .1"/></body>
+    </replicate></body></worldbody>
+  <actuator><velocity name="drive" joint="axle" kv="2" ctrlrange="-20 20"/></actuator>
+  <keyframe><key name="k" time="0"/></keyframe>
+</mujoco>
+"""
+URDF = """<robot name="arm">
+<link name="base"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><origin xyz="0 0 0" rpy="0 0 1"/><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
+<link name="hand"><inertial><mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><geometry><cylinder radius="0.05" length="0.4"/></geometry></collision></link>
+<joint name="wrist" type="revolute"><parent link="base"/><child link="hand"/><origin xyz="0 0 0.1"/>
+  <axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="40" velocity="1"/></joint>
+</robot>
+"""  # noqa: E501
+
+Files = dict[str, tuple[bytes, ...]]
+
+
+@lru_cache
+def corpus() -> Files:
+    """Return the whole files by kind, each kind named after the ending of its files."""
+    small = ball()
+    found: Files = {
+        "toml": (SCENE.encode(),),
+        "xml": (MJCF.encode(),),
+        "urdf": (URDF.encode(),),
+        "ttf": ((Path(__file__).parents[2] / "assets" / "FredokaOne-Regular.ttf").read_bytes(),),
+        "obj": (_exported(small, "obj"),),
+        "ply": (_exported(small, "ply"), _exported(small, "ply", encoding="ascii")),
+        "stl": (_exported(small, "stl"), _exported(small, "stl_ascii")),
+        "glb": (_exported(small, "glb"),),
+        "gltf": (_embedded(small),),
+        "png": (_picture("png", np.uint8), _picture("png", np.uint16)),
+        "tif": (
+            _picture("tiff", np.uint8),
+            _picture("tiff", np.uint16, compression="tiff_lzw"),
+            _picture("tiff", np.float32, compression="tiff_adobe_deflate"),
+        ),
+        "npy": (_array(np.float64), _array(np.int16)),
+    }
+    return found | _of_a_run()
+
+
+def ball() -> Any:
+    """Return a ball of 80 triangles."""
+    import trimesh
+
+    return trimesh.creation.icosphere(subdivisions=1, radius=0.5)
+
+
+def heights() -> np.ndarray[Any, Any]:
+    """Return 12 x 16 heights of a hill [m]."""
+    x, y = np.meshgrid(np.linspace(-1, 1, 12), np.linspace(-1, 1, 16), indexing="ij")
+    return np.asarray(100.0 / (1.0 + x * x + 2.0 * y * y))
+
+
+def _exported(mesh: Any, kind: str, **options: Any) -> bytes:
+    content = mesh.export(file_type=kind, **options)
+    return content.encode() if isinstance(content, str) else bytes(content)
+
+
+def _embedded(mesh: Any) -> bytes:
+    """Return a glTF file whose buffers are in it."""
+    import base64
+    import json
+
+    files = mesh.export(file_type="gltf")
+    tree = json.loads(files["model.gltf"])
+    for buffer in tree["buffers"]:
+        content = base64.b64encode(files[buffer["uri"]]).decode()
+        buffer["uri"] = f"data:application/octet-stream;base64,{content}"
+    return json.dumps(tree).encode()
+
+
+def _picture(kind: str, number: Any, **options: Any) -> bytes:
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.fromarray(heights().astype(number)).save(file, format=kind, **options)
+    return file.getvalue()
+
+
+def _array(number: Any) -> bytes:
+    file = io.BytesIO()
+    np.save(file, heights().astype(number))
+    return file.getvalue()
+
+
+def _of_a_run() -> Files:
+    """Return a checkpoint and a frame of `tiny`."""
+    from neve.io.checkpoint import write_checkpoint
+    from neve.io.frames import frame_of, frame_path, write_frame
+    from neve.simulation import Simulation
+
+    sim = Simulation(tiny(), threads=1)
+    solids = [(pose.position, pose.rotation) for _, pose in sim.solids()]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_checkpoint(folder / "c.npz", 0, "", "", sim.arrays())
+        write_frame(folder, 0, frame_of(sim.columns(), solids, 0.0))
+        checkpoint, frame = (folder / "c.npz").read_bytes(), frame_path(folder, 0).read_bytes()
+    return {"checkpoint.npz": (checkpoint,), "frame.npz": (frame,)}
+
+
+def tiny() -> Any:
+    """Return a scene of a few particles on a plane."""
+    from neve.scene.reading.load import scene_from
+
+    source = {"shape": "box", "size": [0.3, 0.3, 0.3], "center": [0.0, 0.0, 0.2]}
+    return scene_from({"sources": [source], "numerics": {"dx": 0.1}, "colliders": [{"shape": "plane"}]})
