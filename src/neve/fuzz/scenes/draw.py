@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from neve.fuzz.scenes.situations import SITUATIONS
+from neve.fuzz.scenes.situations import CELLS, SITUATIONS
 from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Scene
 from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
@@ -49,13 +49,14 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
     rng = np.random.default_rng([seed, number])
     names = sorted(SITUATIONS)
     name = names[number % len(names)]
-    dx = _log(rng, 1e-4, 100.0)
+    dx = _log(rng, *CELLS.get(name, (1e-4, 100.0)))
     snow = _snow(rng)
     c = _wave_speed(snow)
     fast = min(_log(rng, 0.01, 5.0) * c, 5e3)  # [m/s]
     numerics = _numerics(rng, dx)
     spacing = dx * numerics["particles_per_cell"] ** (-1 / 3)
-    sources, colliders = SITUATIONS[name](rng, dx, fast, spacing)
+    lists = SITUATIONS[name](rng, dx, fast, spacing)
+    sources = lists["sources"]
     if rng.random() < 0.3:  # a second snow beside the first, of any law
         sources[-1]["snow"] = other = _snow(rng)
         c = max(c, _wave_speed(other))
@@ -89,8 +90,7 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
         "world": {"gravity": [float(np.clip(a, -1e4, 1e4)) for a in pull]},
         "numerics": numerics,
         "snow": snow,
-        "sources": sources,
-        "colliders": colliders,
+        **lists,
         "run": {"duration": float(np.clip(duration, 1e-9, 86400)), "film": False},
     }
     return scene_from(tables, where=f"fuzz scene {seed}/{number}"), name

@@ -122,12 +122,12 @@ class Meter:
         state = self._solver.state
         order = np.argsort(state.id)
         columns = {name: np.asarray(getattr(state, name))[order] for name in ("x", "m", "v", "C", "modes")}
-        return Balance.of(self._solver.diagnostics(self._exchanged)), columns
+        return Balance.of(self._solver.diagnostics(self._sim.exchanged + self._exchanged)), columns
 
     def step(self) -> Moment:
         """Return what the last step says about the state before it."""
         self._steps += 1
-        self._exchanged += self._solver.take_exchanged()
+        self._exchanged += self._solver.take_exchanged()  # with bodies, Simulation has taken it
         (before, old), (after, new) = self._before, self._seen()
         self._before = after, new
         shared = 0.25 * (self._kinetic(old, new, 1.0) - self._kinetic(old, new, -1.0))

@@ -1,7 +1,7 @@
-"""Situations that hurt: lumps that collide, hit a floor, are pressed and stirred, thin layers and specks.
+"""Situations that hurt: lumps collide, hit a floor, are pressed, stirred, hit by bodies; thin layers; specks.
 
 Each is a function of a random generator, the cell dx [m], a speed [m/s] and the distance between particles
-[m]; it returns the tables of sources and colliders. Every source holds a particle outside the colliders.
+[m]; it returns the lists of a scene. Every source holds a particle outside the colliders.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 Random = np.random.Generator
-Tables = list[dict[str, Any]]
+Tables = dict[str, list[dict[str, Any]]]
 
-Situation = Callable[[Random, float, float, float], tuple[Tables, Tables]]
+Situation = Callable[[Random, float, float, float], Tables]
 
 
 def _lump(
@@ -44,22 +44,23 @@ def _floor(rng: Random) -> dict[str, Any]:
     }
 
 
-def _impact(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables, Tables]:
-    return [_lump(rng, dx, (0, 0, 3.2), (0.3 * fast, 0.0, -fast))], [_floor(rng)]
+def _impact(rng: Random, dx: float, fast: float, spacing: float) -> Tables:
+    return {"sources": [_lump(rng, dx, (0, 0, 3.2), (0.3 * fast, 0.0, -fast))], "colliders": [_floor(rng)]}
 
 
-def _collision(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables, Tables]:
+def _collision(rng: Random, dx: float, fast: float, spacing: float) -> Tables:
     left = _lump(rng, dx, (-3.0, 0, 0), (0.5 * fast, 0.0, 0.0))
-    return [left, _lump(rng, dx, (3.0, 0.8, 0.3), (-0.5 * fast, 0.0, 0.1 * fast))], []
+    return {"sources": [left, _lump(rng, dx, (3.0, 0.8, 0.3), (-0.5 * fast, 0.0, 0.1 * fast))]}
 
 
-def _thin_layer(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables, Tables]:
+def _thin_layer(rng: Random, dx: float, fast: float, spacing: float) -> Tables:
     thin = {"shape": "layer", "size": [6 * dx, 6 * dx], "depth": 0.1 * dx, "base": 0.05 * dx}
     ball = _lump(rng, dx, (0, 0, 4.0), (0.0, 0.0, -fast))
-    return [thin, ball], [_floor(rng) | {"normal": [0.0, 0.0, 1.0]}]  # tilted, it could hold the whole layer
+    flat = _floor(rng) | {"normal": [0.0, 0.0, 1.0]}  # tilted, it could hold the whole layer
+    return {"sources": [thin, ball], "colliders": [flat]}
 
 
-def _loners(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables, Tables]:
+def _loners(rng: Random, dx: float, fast: float, spacing: float) -> Tables:
     """Specks of a few particles, of one at least, that fly at a floor, at each other and alone."""
     floor = _floor(rng)
     up = np.array(floor["normal"]) / np.linalg.norm(floor["normal"])
@@ -77,16 +78,17 @@ def _loners(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables
                 "velocity": [float(a) for a in to],
             }
         )
-    return specks, [floor]
+    return {"sources": specks, "colliders": [floor]}
 
 
-def _coincident(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables, Tables]:
+def _coincident(rng: Random, dx: float, fast: float, spacing: float) -> Tables:
     """Two lumps in the same place, with particles on top of each other, that fly apart and into a floor."""
     lump = _lump(rng, dx, (0, 0, 3.0), (0.2 * fast, 0.0, -0.5 * fast))
-    return [lump, lump | {"velocity": [-0.2 * fast, 0.0, -0.5 * fast]}], [_floor(rng)]
+    other = lump | {"velocity": [-0.2 * fast, 0.0, -0.5 * fast]}
+    return {"sources": [lump, other], "colliders": [_floor(rng)]}
 
 
-def _press(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables, Tables]:
+def _press(rng: Random, dx: float, fast: float, spacing: float) -> Tables:
     """Two plates that close on a lump until less than a cell is left between them."""
     gap, way = 4.0, 3.4
     time = way * dx / fast
@@ -103,10 +105,10 @@ def _press(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables,
         }
         for side in (-1, 1)
     ]
-    return [_lump(rng, dx, (0, 0, 0), (0.0, 0.0, 0.0))], plates
+    return {"sources": [_lump(rng, dx, (0, 0, 0), (0.0, 0.0, 0.0))], "colliders": plates}
 
 
-def _stir(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables, Tables]:
+def _stir(rng: Random, dx: float, fast: float, spacing: float) -> Tables:
     """A paddle that turns in a heap of snow, its tips at the speed `fast`."""
     half = 3.0
     paddle = {
@@ -117,8 +119,46 @@ def _stir(rng: Random, dx: float, fast: float, spacing: float) -> tuple[Tables, 
         "mode": str(rng.choice(["separate", "slip", "sticky"])),
     }
     heap = {"shape": "box", "size": [7 * dx, 7 * dx, 2.5 * dx], "center": [0.0, 0.0, 1.3 * dx]}
-    return [heap], [_floor(rng) | {"normal": [0.0, 0.0, 1.0]}, paddle]
+    return {"sources": [heap], "colliders": [_floor(rng) | {"normal": [0.0, 0.0, 1.0]}, paddle]}
 
+
+def _bodies(rng: Random, dx: float, fast: float, spacing: float) -> Tables:
+    """One to three bodies, light or heavy, that fall into a heap, fly past it or turn on a hinge."""
+    bodies = []
+    for place in range(int(rng.integers(1, 4))):
+        half = float(rng.uniform(0.5, 1.2) * dx)
+        body: dict[str, Any] = {"shape": "box", "size": [2 * half, 2 * half, 2 * half]}
+        if rng.random() < 0.5:
+            body = {"shape": "sphere", "radius": half}
+        body |= {
+            "center": [float((place - 1) * 2.7 * dx), 0.0, float(4.5 * dx)],
+            "density": _log(rng, 1.0, 1e4),
+            "mode": str(rng.choice(["separate", "slip", "sticky"])),
+            "mu_c": float(rng.uniform(0, 2)),
+        }
+        turn = float(min(fast / dx, 9e3))
+        if rng.random() < 0.3:
+            anchor = [body["center"][0], 2 * dx, 4.5 * dx]
+            body |= {
+                "joint": "hinge",
+                "axis": [1.0, 0.0, 0.0],
+                "anchor": anchor,
+                "spin": [0.3 * turn, 0.0, 0.0],
+            }
+        else:
+            body |= {"velocity": [0.0, 0.0, -fast], "spin": [0.0, 0.3 * turn, 0.0]}
+        bodies.append(body)
+    heap = {"shape": "box", "size": [7 * dx, 4 * dx, 2.5 * dx], "center": [0.0, 0.0, 1.3 * dx]}
+    return {"sources": [heap], "colliders": [_floor(rng) | {"normal": [0.0, 0.0, 1.0]}], "bodies": bodies}
+
+
+def _log(rng: Random, low: float, high: float) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+CELLS = {"bodies": (1e-2, 1.0)}
+"""Range of cells [m] of situations that cannot have any: the engine of rigid bodies takes no less inertia,
+and its own steps are many in the long steps of large cells."""
 
 SITUATIONS: dict[str, Situation] = {
     "impact": _impact,
@@ -126,6 +166,7 @@ SITUATIONS: dict[str, Situation] = {
     "thin_layer": _thin_layer,
     "loners": _loners,
     "coincident": _coincident,
+    "bodies": _bodies,
     "press": _press,
     "stir": _stir,
 }
