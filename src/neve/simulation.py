@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -193,6 +194,8 @@ class Simulation:
         self._use_threads()
         self._start(METHODS.get(scene.numerics.method)(scene, arrays))
         self.exchanged = np.array(arrays["exchanged"], dtype=np.float64)
+        if self.exchanged.shape != (len(self.solver.solids), 7) or not 0.0 <= self.time < math.inf:
+            raise ValueError(f"exchanged {self.exchanged.shape} at {self.time} s")
         return self
 
     def run(

@@ -9,7 +9,9 @@ from typing import Any
 
 from neve.io.atomic import replacing
 from neve.io.errors import RunError, cannot_read
+from neve.io.ledger import Ledger
 from neve.io.npz import read_npz, write_npz
+from neve.system import disk
 
 FORMAT = 2
 """Version of the checkpoint's layout; a resume needs the same one."""
@@ -37,16 +39,27 @@ class Checkpoint:
     scene: str  # the scene as TOML, as the state was computed with it
     neve: str  # version and build of Neve that wrote the file
     arrays: dict[str, Any]  # what Simulation.restore takes: arrays, and scalars as Python numbers
+    ledger: Ledger | None = None  # what the run has written by then; None: the file does not say
 
 
-def write_checkpoint(path: Path, frame: int, scene: str, neve: str, arrays: Mapping[str, Any]) -> None:
-    """Write the state as of the end of `frame`; the file is replaced as a whole.
+def write_checkpoint(
+    path: Path,
+    frame: int,
+    scene: str,
+    neve: str,
+    arrays: Mapping[str, Any],
+    ledger: Ledger | None = None,
+) -> None:
+    """Write the state as of the end of `frame`, and the `ledger` of the run; the file is replaced as a whole.
 
     Errors: RunError if the disk refuses.
     """
-    head = {"checkpoint_format": FORMAT, "frame": frame, "scene": scene, "neve": neve}
+    head: dict[str, Any] = {"checkpoint_format": FORMAT, "frame": frame, "scene": scene, "neve": neve}
+    if ledger is not None:
+        head |= ledger.arrays()
     with replacing(path) as file:
         write_npz(file, head | {_PREFIX + name: value for name, value in arrays.items()})
+    disk.sync_folder(path.parent)
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
@@ -62,7 +75,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
         raise RunError(f"{path} does not exist, so there is nothing to resume; {_ANEW}.") from error
     except OSError as error:
         raise cannot_read(path, error) from error
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, OverflowError) as error:
         raise RunError(f"{path} is damaged (cut short or altered) and cannot be resumed; {_ANEW}.") from error
     if version != FORMAT:
         older = "an older" if version < FORMAT else "a newer"
@@ -72,15 +85,19 @@ def read_checkpoint(path: Path) -> Checkpoint:
         )
     try:
         arrays = {name.removeprefix(_PREFIX): raw[name] for name in raw if name.startswith(_PREFIX)}
+        frame = int(raw["frame"])
+        if frame < 0:
+            raise ValueError(frame)
         return Checkpoint(
-            frame=int(raw["frame"]),
+            frame=frame,
             scene=str(raw["scene"]),
             neve=str(raw["neve"]),
+            ledger=Ledger.of_arrays(raw),
             arrays=Arrays(
                 path, {name: value.item() if value.ndim == 0 else value for name, value in arrays.items()}
             ),
         )
-    except (KeyError, ValueError, TypeError) as error:
+    except (KeyError, ValueError, TypeError, OverflowError) as error:
         raise _lacks(path, str(error.args[0]) if isinstance(error, KeyError) else "a number") from error
 
 

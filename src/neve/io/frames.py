@@ -92,13 +92,13 @@ def frame_of(
     return make_frame(x, columns["v"](), J_P, id, material, solids, time)
 
 
-def write_frame(folder: Path, frame: int, content: Frame) -> None:
-    """Write one frame as a file that `np.load` opens.
+def write_frame(folder: Path, frame: int, content: Frame) -> int:
+    """Write one frame as a file that `np.load` opens; return its mark (see `neve.io.npz.mark_of`).
 
     Errors: RunError if the disk refuses.
     """
     with replacing(frame_path(folder, frame)) as file:
-        write_npz(file, {k: a for k, a in content._asdict().items() if a is not None})
+        return write_npz(file, {k: a for k, a in content._asdict().items() if a is not None})
 
 
 def read_frame(folder: Path, frame: int) -> Frame:
@@ -111,10 +111,28 @@ def read_frame(folder: Path, frame: int) -> Frame:
         arrays = read_npz(path)
         if "body_position" in arrays:
             raise RunError(f"{path} was written by an older Neve; run its scene.toml again to read it.")
-        for name in _OPTIONAL:
-            arrays.setdefault(name, None)  # type: ignore[arg-type]
-        return Frame(**{name: arrays[name] for name in Frame._fields[:-1]}, time=float(arrays["time"]))
+        return _frame(arrays)
     except OSError as error:
         raise cannot_read(path, error) from error
     except (ValueError, KeyError, TypeError) as error:
         raise RunError(f"{path} is damaged or is no frame of a Neve run.") from error
+
+
+def _frame(arrays: Mapping[str, NDArray[Any]]) -> Frame:
+    """Return the frame of these arrays. Errors: ValueError, KeyError or TypeError if they are none."""
+    n, s = len(arrays["x"]), len(arrays["solid_position"])
+    shapes: dict[str, tuple[int, ...]] = {"x": (n, 3), "v": (n, 3), "J_P": (n,), "id": (n,), "material": (n,)}
+    shapes |= {"solid_position": (s, 3), "solid_rotation": (s, 3, 3), "time": ()}
+    for name, shape in shapes.items():
+        if name in _OPTIONAL and name not in arrays:
+            continue
+        kinds = "iu" if name in ("id", "material") else "f"
+        if arrays[name].shape != shape or arrays[name].dtype.kind not in kinds:
+            raise ValueError(f"{name} is no such array")
+        if kinds == "f" and not np.isfinite(arrays[name]).all():
+            raise ValueError(f"{name} is not finite")
+    x, v, position, rotation = (
+        arrays[name].astype(np.float32, copy=False) for name in ("x", "v", "solid_position", "solid_rotation")
+    )
+    J_P = arrays["J_P"].astype(np.float32, copy=False) if "J_P" in arrays else None
+    return Frame(x, v, J_P, arrays["id"], arrays.get("material"), position, rotation, float(arrays["time"]))

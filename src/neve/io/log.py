@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from neve.io.table import Table, read_table
+from neve.io.table import read_table
 from neve.registry import METHODS
 
 CLOCK = (
@@ -32,21 +32,10 @@ def columns(method: str) -> tuple[str, ...]:
     return (*CLOCK, *METHODS.get(method).log_columns, *(f"seconds_{stage}" for stage in stages(method)))
 
 
-class Log(Table):
-    """Append rows to a log.
-
-    Errors: RunError if the disk refuses, or if the file has other columns (an older or newer Neve wrote it).
-    """
-
-    def __init__(self, path: Path, method: str, keep_through: int | None = None) -> None:
-        """Start a new log, or keep the rows up to frame `keep_through` of the one that lies there."""
-        super().__init__(path, columns(method), keep_through)
-
-
 def read_log(path: Path, method: str) -> list[dict[str, str]]:
     """Return the whole rows of the log of a run with `numerics.method` as text, by column.
 
-    A last line cut short by a crash is left out. Errors: RunError if the file cannot be read or has other
-    columns.
+    A last line cut short by a crash is left out. Errors: RunError if the file cannot be read, has other
+    columns, or is damaged.
     """
     return read_table(path, columns(method))

@@ -20,10 +20,11 @@ from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import build, version
 from neve.run.interrupt import Interrupt
-from neve.run.outputs.context import Begins, FrameContext, Output, RunContext
+from neve.run.outputs.context import Begins, FrameContext, Output, Resumes, RunContext
 from neve.run.outputs.registry import BUILT_IN, entries, kinds, own_schedule, schedule_of, usual_files
 from neve.run.progress import Progress, Warnings, follow, warnings_to
 from neve.run.resume import check_same, is_drawn_alike
+from neve.scene.errors import SceneError
 from neve.scene.schema.outputs import RESERVED
 from neve.stage_timer import StageTimer
 
@@ -111,8 +112,8 @@ def _run(
     with folder.lock():
         checkpoint = read_checkpoint(folder.checkpoint) if resume and folder.has_begun() else None
         if checkpoint is not None:
-            check_same(folder.path, checkpoint.scene, toml)
-        sim = start(checkpoint)
+            check_same(folder.checkpoint, checkpoint.scene, toml)
+        sim = _started(start, checkpoint, folder.checkpoint)
         done = None if checkpoint is None else checkpoint.frame
         made = _made(scene, asked, outputs)  # before the folder loses the run that is replaced
         folder.open(version(), resume, force, {*usual_files(), *(given.file() for given in asked)} - {""})
@@ -132,11 +133,12 @@ def _run(
             threads=sim.threads,
             radius=sim.radius,
             reserved={*RESERVED, *usual_files(BUILT_IN)},
+            ledger=None if checkpoint is None else checkpoint.ledger,
         )
         with contextlib.ExitStack() as stack:
-            scheduled = _begin(context, made, stack)
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
             stack.enter_context(warnings_to(Warnings() if quiet else progress))
+            scheduled = _begin(context, made, stack)
             if checkpoint is not None:
                 _warn_of_version(folder.path, checkpoint.neve)
             interrupt = stack.enter_context(Interrupt(quiet))
@@ -146,6 +148,27 @@ def _run(
                     f"stopped after frame {reached} of {last}; continue with: neve run {folder.path} --resume"
                 )
             progress.say(f"{folder.path}: frames 0 to {last} are done")
+    return sim
+
+
+def _started(
+    start: Callable[[Checkpoint | None], Simulation], checkpoint: Checkpoint | None, path: Path
+) -> Simulation:
+    """Start or restore the simulation. Errors: RunError for a checkpoint that is not of this scene."""
+    if checkpoint is None:
+        return start(None)
+    try:
+        sim = start(checkpoint)
+        if not abs(sim.time * sim.scene.run.fps - checkpoint.frame) < 0.5:
+            raise ValueError(f"frame {checkpoint.frame} at {sim.time} s")
+    except SceneError:
+        raise
+    except (ValueError, TypeError, IndexError, ArithmeticError) as error:
+        why = " ".join(str(error).split())
+        raise RunError(
+            f"{path} does not fit its scene ({why}), so it is damaged or of another run:"
+            " start over with --force."
+        ) from error
     return sim
 
 
@@ -206,6 +229,10 @@ def _loop(
     if run.done is None:
         _write(context, outputs)
         run.folder.begin()
+    else:
+        for _, output in outputs:
+            if isinstance(output, Resumes):
+                output.resume(context)
     progress.update(frame, sim.count, sim.steps)
     while frame < last and not interrupt.requested:
         sim.advance(1.0 / sim.scene.run.fps)

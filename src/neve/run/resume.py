@@ -13,18 +13,22 @@ FREE = ("about", "camera", "light", "run.duration", "run.film", "run.fragments")
 """Keys whose values may differ between the scene of a run and the scene that it is resumed with."""
 
 
-def check_same(folder: Path, before: str, now: str) -> None:
-    """Refuse to resume the run in `folder` with another scene: its frames would belong to neither.
+def check_same(path: Path, before: str, now: str) -> None:
+    """Refuse to go on from the checkpoint `path` with another scene: the frames would belong to neither.
 
-    before, now: the scenes as TOML. Errors: RunError.
+    before: the scene of the checkpoint as TOML. now: that of the run. Errors: RunError.
     """
-    old, new = (dict(_flatten(tomllib.loads(text))) for text in (before, now))
+    new = dict(_flatten(tomllib.loads(now)))
+    try:
+        old = dict(_flatten(tomllib.loads(before)))
+    except (ValueError, RecursionError) as error:
+        raise RunError(f"{path} is damaged (it holds no scene); start over with --force.") from error
     for key in sorted(old.keys() | new.keys()):
         free = any(key == name or key.startswith(f"{name}.") for name in FREE)
         if not free and old.get(key) != new.get(key) and not same_content(old.get(key), new.get(key)):
             was, new_value = (repr(table[key]) if key in table else "absent" for table in (old, new))
             raise RunError(
-                f"{folder} was made with another scene ({key} is {was} there and {new_value} now):"
+                f"{path} was made with another scene ({key} is {was} there and {new_value} now):"
                 " resume it unchanged, start over with --force, or choose another --out."
             )
 

@@ -49,6 +49,19 @@ def ready() -> Iterator[None]:
         _ready = before
 
 
+@contextlib.contextmanager
+def as_usual() -> Iterator[None]:
+    """In the block leave Ctrl-C to Python, whose event loop handles it only then in its own way."""
+    ours = signal.getsignal(signal.SIGINT) is hear
+    if ours:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        if ours:
+            signal.signal(signal.SIGINT, hear)
+
+
 def hear(number: int, frame: FrameType | None) -> None:
     """Handle a SIGINT."""
     interrupt(frame, "")

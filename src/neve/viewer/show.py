@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from neve.serving import address, is_local, port_error, ports
+from neve.system import stopping
 
 if TYPE_CHECKING:
     from neve.viewer.server import Server
@@ -45,7 +46,8 @@ def view(
             "write into its folder; without --host only this machine can."
         )
     server.eager = True
-    asyncio.run(_serve(server, host, port, browse, tell))
+    with stopping.as_usual():
+        asyncio.run(_serve(server, host, port, browse, tell))
 
 
 def write_replay(run: str, path: str) -> None:

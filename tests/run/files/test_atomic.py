@@ -15,7 +15,8 @@ from neve.io import atomic
 from neve.io.atomic import replacing, write_bytes, write_text
 from neve.io.errors import RunError
 from neve.io.frames import make_frame, read_frame, write_frame
-from neve.io.log import Log, columns, read_log
+from neve.io.log import columns, read_log
+from neve.io.table import Table
 from neve.system import disk
 from neve.system.disk import sweep
 
@@ -108,7 +109,7 @@ def test_missing_folder_is_one_sentence(tmp_path):
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
 def test_full_device_of_the_system(tmp_path):
     """The system's own full disk, met by the log: one sentence."""
-    log = Log(tmp_path / "log.csv", "mpm")
+    log = Table(tmp_path / "log.csv", columns("mpm"))
     log.path = Path("/dev/full")
     with pytest.raises(RunError, match="the disk is full"):
         log.append(row(0))
@@ -130,7 +131,7 @@ def test_limit_of_the_system_on_file_size(tmp_path):
 
 def test_full_disk_leaves_no_half_row_in_the_log(tmp_path):
     """A row that fits only in part is taken back, so that the file stays a table."""
-    log = Log(tmp_path / "log.csv", "mpm")
+    log = Table(tmp_path / "log.csv", columns("mpm"))
     log.append(row(0))
     whole = log.path.read_bytes()
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -201,7 +202,7 @@ def test_damaged_and_missing_frames_are_one_sentence(tmp_path):
 
 def test_log_reads_back_numbers_exactly(tmp_path):
     """Numbers keep all their digits; None and NaN are empty cells; a line cut short does not count."""
-    log = Log(tmp_path / "log.csv", "mpm")
+    log = Table(tmp_path / "log.csv", columns("mpm"))
     log.append(row(0) | {"mass": 1 / 3, "kinetic": float("nan")})
     with open(log.path, "a") as file:
         file.write("1,0.1,0.")
@@ -214,7 +215,7 @@ def test_log_of_another_version_is_one_sentence(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("frame,time\n0,0\n")
     with pytest.raises(RunError, match=r"no log of this version of Neve, .* starts without them"):
-        Log(path, "mpm", keep_through=3)
+        Table(path, columns("mpm"), keep_through=3)
     assert path.read_text() == "frame,time\n0,0\n"
 
 

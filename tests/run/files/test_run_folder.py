@@ -185,19 +185,19 @@ def test_scene_edited_in_the_folder_is_noticed(finished, fake, scene_file):
 
 def test_full_disk_in_the_middle_of_a_run(fake, scene, tmp_path, monkeypatch):
     """A run that meets a full disk stops with one sentence and goes on from its checkpoint afterwards."""
-    from neve.run.outputs import frames
+    from neve.run.outputs import context
 
     straight, out = tmp_path / "straight", tmp_path / "full"
     run(fake.Simulation(scene), straight, quiet=True)
-    real = frames.write_frame
+    real = context.write_frame
 
     def write(folder, frame, frame_content):
         if frame == 3:
             raise RunError(f"{folder} could not be written: the disk is full.")
-        real(folder, frame, frame_content)
+        return real(folder, frame, frame_content)
 
     with monkeypatch.context() as patch:
-        patch.setattr(frames, "write_frame", write)
+        patch.setattr(context, "write_frame", write)
         assert "the disk is full" in refusal(run_scene, scene, out, quiet=True)
     run_scene(scene, out, resume=True, quiet=True)
     paths = [(out / "frames" / f"{k:06d}.npz", straight / "frames" / f"{k:06d}.npz") for k in range(9)]

@@ -10,6 +10,7 @@ from neve.run.outputs.registry import register_output
 from neve.scene.schema.outputs import Scheduled
 from neve.scene.values.fields import entry
 from neve.schedule import EveryWallSeconds, Schedule
+from neve.system import disk
 
 
 class CheckpointOptions(Scheduled):
@@ -43,7 +44,10 @@ class CheckpointOutput:
         """Write the state as of this frame."""
         run = context.run
         with context.timer.stage("write"):
-            write_checkpoint(run.folder.checkpoint, context.frame, run.toml, run.neve, context.sim.arrays())
+            disk.sync_folder(run.folder.frames)
+            write_checkpoint(
+                run.folder.checkpoint, context.frame, run.toml, run.neve, context.sim.arrays(), run.now()
+            )
         self._written = context.frame
 
     def close(self, context: FrameContext) -> None:

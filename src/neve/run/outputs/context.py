@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from neve.io.errors import RunError
-from neve.io.frames import Frame, frame_of
+from neve.io.frames import Frame, frame_of, frame_path, write_frame
+from neve.io.ledger import Ledger
+from neve.io.npz import mark_of
 from neve.io.table import Table
+from neve.schedule import Regular
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -47,6 +50,15 @@ class Begins(Protocol):
         ...
 
 
+@runtime_checkable
+class Resumes(Protocol):
+    """An output that mends its files when a run is resumed, from the state at its last frame."""
+
+    def resume(self, context: FrameContext) -> None:
+        """Write anew what was lost of this frame, which is done already, and of those before it."""
+        ...
+
+
 @dataclass
 class RunContext:
     """The run that an output belongs to.
@@ -61,6 +73,8 @@ class RunContext:
         threads: threads to draw with; None: all
         radius: of a particle [m], as the solver has it; None: as the scene says
         reserved: names of files that no table of one's own may have
+        ledger: what the run had written when its checkpoint was, if that is known; kept up to date by
+            `write_frame` and `table`
     """
 
     folder: RunFolder
@@ -73,24 +87,63 @@ class RunContext:
     threads: int | None = None
     radius: float | None = None
     reserved: Collection[str] = ()
+    ledger: Ledger | None = None
+    _frames: dict[int, int] = field(default_factory=dict)
     _tables: dict[str, Table] = field(default_factory=dict)
 
     def frames_done(self, schedule: Schedule) -> list[int]:
         """Return the frames up to `done` at which `schedule` was due, in order."""
-        return [] if self.done is None else [k for k in range(self.done + 1) if schedule.due(k)]
+        if self.done is None or not isinstance(schedule, Regular):
+            return []
+        return [k for k in range(self.done + 1) if schedule.due(k)]
+
+    def now(self) -> Ledger:
+        """Return the ledger of what is written now."""
+        before = self.ledger or Ledger()
+        tables = {name: table.mark for name, table in self._tables.items()}
+        return Ledger(before.frames | self._frames, before.tables | tables)
+
+    def is_as_written(self, frame: int) -> bool:
+        """Return whether the file of a frame is there, with the arrays that it had, as far as it is known."""
+        wanted = None if self.ledger is None else self.ledger.frames.get(frame)
+        try:
+            mark = mark_of(frame_path(self.folder.frames, frame))
+        except OSError:
+            return False
+        if mark is None or wanted not in (None, mark):
+            return False
+        self._frames[frame] = mark
+        return True
+
+    def write_frame(self, frame: int, content: Frame) -> None:
+        """Write a frame file of the run. Errors: RunError."""
+        self._frames[frame] = write_frame(self.folder.frames, frame, content)
 
     def seen_from(self, camera: Camera | None) -> Scene:
         """Return the scene with another camera, or with its own."""
         return self.scene if camera is None else self.scene.model_copy(update={"camera": camera})
 
-    def table(self, name: str, columns: tuple[str, ...]) -> Table:
-        """Return the table `name` of the run folder, without rows after `done`. Errors: RunError."""
+    def table(
+        self,
+        name: str,
+        columns: tuple[str, ...],
+        due: Iterable[int] = (),
+        numbers: Collection[str] | None = None,
+    ) -> Table:
+        """Return the table `name` of the run folder, without rows after `done`.
+
+        due: frames up to `done` that have rows, as far as it is known. numbers: see `Table`.
+
+        Errors: RunError.
+        """
         if name in self._tables and self._tables[name].columns != columns:
             had = ", ".join(self._tables[name].columns)
             raise RunError(f"{name} has the columns {had}: a row cannot have others ({', '.join(columns)}).")
         if name not in self._tables:
             self.folder.own(name)
-            self._tables[name] = Table(self.folder.path / name, columns, keep_through=self.done)
+            mark = None if self.ledger is None else self.ledger.tables.get(name)
+            path = self.folder.path / name
+            self._tables[name] = Table(path, columns, self.done, mark, list(due), numbers)
         return self._tables[name]
 
 
@@ -137,4 +190,4 @@ class FrameContext:
             raise RunError(
                 f'"{name}" cannot be a table of a run: choose another, of letters, digits and . _ -'
             )
-        self.run.table(name, tuple(row)).append(row)
+        self.run.table(name, tuple(row), numbers=("frame", "time")).append(row)

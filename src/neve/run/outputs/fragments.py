@@ -13,9 +13,9 @@ from neve.fragments import COLUMNS, LEAST, LINK, TORN, Fragments, Limits, find, 
 from neve.io.atomic import write_text
 from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError
-from neve.io.frames import Frame, frame_numbers, frame_path, read_frame
+from neve.io.frames import Frame, frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
-from neve.io.table import Table, read_table, table_text
+from neve.io.table import read_table, table_text
 from neve.registry import METHODS
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import entries, register_output, schedule_of
@@ -58,27 +58,24 @@ class FragmentOutput:
     def begin(self, run: RunContext, schedule: Schedule) -> None:
         """Start the table, or continue it after the rows of frame `done`."""
         _require_columns(run.scene)
-        path = run.folder.path / self.name
-        due = run.frames_done(schedule)
-        kept = _kept(path, due)
-        self._folder = run.folder
         self._spacing = run.scene.numerics.spacing
-        self._lost = due[kept:]
-        self._table = Table(path, COLUMNS, keep_through=due[kept - 1] if kept else None)
+        due = run.frames_done(schedule)
+        is_known = run.ledger is not None and self.name in run.ledger.tables
+        self._table = run.table(self.name, COLUMNS, due if is_known else ())
+        self._have = {int(row["frame"]) for row in read_table(self._table.path, COLUMNS)} if due else set()
+        self._lost = [frame for frame in due if not self._table.is_as_written or frame not in self._have]
 
-    def write(self, context: FrameContext) -> None:
-        """Add the rows of this frame."""
-        with context.timer.stage("write"):
-            self._add_lost(context)
-            self._add(context, context.frame, context.content)
-
-    def close(self, context: FrameContext) -> None:
-        """Count what is still missing: a resumed run may be at its end already."""
-        self._add_lost(context)
-
-    def _add_lost(self, context: FrameContext) -> None:
-        frames = self._folder.frames
-        gone = [frame for frame in self._lost if not frame_path(frames, frame).exists()]
+    def resume(self, context: FrameContext) -> None:
+        """Count frames that have no rows, or not those that were written, from their files."""
+        gone, counted = [], []
+        for frame in self._lost:
+            content = self._content(context, frame)
+            if content is not None:
+                counted += self._rows(context, frame, content)
+            elif frame not in self._have:
+                gone.append(frame)
+        if counted:
+            self._table.replace(counted)
         if gone:
             logging.getLogger("neve").warning(
                 "%s lacks frame %d and %d more, which the run keeps no files of",
@@ -86,15 +83,29 @@ class FragmentOutput:
                 gone[0],
                 len(gone) - 1,
             )
-        for frame in self._lost:
-            if frame not in gone:
-                self._add(context, frame, read_frame(frames, frame))
-        self._lost = []
+        elif counted and not self._table.is_as_written:
+            logging.getLogger("neve").warning("%s is counted again from the frames", self._table.path)
 
-    def _add(self, context: FrameContext, frame: int, content: Frame) -> None:
+    def write(self, context: FrameContext) -> None:
+        """Add the rows of this frame."""
+        with context.timer.stage("write"):
+            self._table.append(*self._rows(context, context.frame, context.content))
+
+    def close(self, context: FrameContext) -> None:
+        """Do nothing: each row is complete."""
+
+    def _content(self, context: FrameContext, frame: int) -> Frame | None:
+        if frame == context.frame:
+            return context.content
+        try:
+            return read_frame(context.run.folder.frames, frame)
+        except RunError:
+            return None
+
+    def _rows(self, context: FrameContext, frame: int, content: Frame) -> list[dict[str, object]]:
         id, m, V0 = (context.sim.columns()[name]() for name in NEEDED)
         found = of_frame(content, id, m, V0, self._spacing, self._limits)
-        self._table.append(*rows(found, frame, content.time))
+        return list(rows(found, frame, content.time))
 
 
 def count_run(path: Path | str, limits: Limits | None = None, out: Path | None = None) -> Fragments:
@@ -157,12 +168,14 @@ def of_frame(
 ) -> Fragments:
     """Find the fragments of a frame, with the masses `m` [kg] and volumes `V0` [m3] of the particles `id`.
 
-    Errors: RunError for a frame without J_P.
+    Errors: RunError for a frame without J_P, or of other particles.
     """
     if content.J_P is None:
         raise RunError("this frame has no J_P, which tells torn snow from whole: it has no fragments.")
     order = np.argsort(id)
-    mine = order[np.searchsorted(id, content.id, sorter=order)]
+    mine = order[np.searchsorted(id, content.id, sorter=order).clip(max=len(order) - 1)]
+    if not np.array_equal(id[mine], content.id):
+        raise RunError("a frame and the checkpoint have other particles: they are of different runs.")
     return find(content.x, content.v, content.J_P, m[mine], V0[mine], spacing, limits)
 
 
@@ -179,11 +192,3 @@ def _writer(scene: Scene, name: str) -> FragmentOptions | None:
     return next(
         (given for given in entries(scene) if isinstance(given, FragmentOptions) and given.name == name), None
     )
-
-
-def _kept(path: Path, due: list[int]) -> int:
-    """Return how many of the frames `due`, from the first on, have rows in the table at `path`."""
-    if not due or not path.exists():
-        return 0
-    have = {int(row["frame"]) for row in read_table(path, COLUMNS)}
-    return next((k for k, frame in enumerate(due) if frame not in have), len(due))

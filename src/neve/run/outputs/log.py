@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal
 
 from neve.diagnostics import Balance
-from neve.io.log import Log, stages
+from neve.io.log import columns, stages
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.scene.schema.outputs import Scheduled
@@ -71,7 +71,7 @@ class LogOutput:
         """Start the log, or continue it after the row of frame `done`."""
         method = run.scene.numerics.method
         self._stages = stages(method)
-        self._log = Log(run.folder.log, method, keep_through=run.done)
+        self._log = run.table(run.folder.log.name, columns(method), run.frames_done(schedule))
         watched = "excess" in self._log.columns
         self._watch = EnergyWatch(self._log.last) if watched else None
 

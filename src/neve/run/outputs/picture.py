@@ -57,7 +57,8 @@ class PictureOutput:
         kept = frame_numbers(folder.frames)
         if not context.finished or not kept:
             return
-        wanted = telling_frame(read_log(folder.log, context.run.scene.numerics.method))
+        rows = read_log(folder.log, context.run.scene.numerics.method)
+        wanted = telling_frame(rows) if rows else context.frame // 2
         frame = min(kept, key=lambda number: abs(number - wanted))
         write_png(folder.path / self.name, self._painter.draw(read_frame(folder.frames, frame)))
 

@@ -50,7 +50,7 @@ class SolidOutput:
 
     def begin(self, run: RunContext, schedule: Schedule) -> None:
         """Start the table, or continue it after the rows of frame `done`."""
-        self._table = run.table(FILE, COLUMNS)
+        self._table = run.table(FILE, COLUMNS, run.frames_done(schedule))
 
     def write(self, context: FrameContext) -> None:
         """Add the rows of this frame."""
