@@ -9,7 +9,7 @@ from typing import Any
 
 from neve.io.atomic import replacing
 from neve.io.errors import RunError, cannot_read
-from neve.io.ledger import Ledger
+from neve.io.inventory import Inventory
 from neve.io.npz import read_npz, write_npz
 from neve.system import disk
 
@@ -39,7 +39,7 @@ class Checkpoint:
     scene: str  # the scene as TOML, as the state was computed with it
     neve: str  # version and build of Neve that wrote the file
     arrays: dict[str, Any]  # what Simulation.restore takes: arrays, and scalars as Python numbers
-    ledger: Ledger | None = None  # what the run has written by then; None: the file does not say
+    inventory: Inventory | None = None  # what the run has written by then; None: the file does not say
 
 
 def write_checkpoint(
@@ -48,15 +48,15 @@ def write_checkpoint(
     scene: str,
     neve: str,
     arrays: Mapping[str, Any],
-    ledger: Ledger | None = None,
+    inventory: Inventory | None = None,
 ) -> None:
-    """Write the state as of the end of `frame`, and the `ledger` of the run; the file is replaced as a whole.
+    """Write the state as of the end of `frame`, and the `inventory` of the run; the file is replaced as a whole.
 
     Errors: RunError if the disk refuses.
     """
     head: dict[str, Any] = {"checkpoint_format": FORMAT, "frame": frame, "scene": scene, "neve": neve}
-    if ledger is not None:
-        head |= ledger.arrays()
+    if inventory is not None:
+        head |= inventory.arrays()
     with replacing(path) as file:
         write_npz(file, head | {_PREFIX + name: value for name, value in arrays.items()})
     disk.sync_folder(path.parent)
@@ -92,7 +92,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
             frame=frame,
             scene=str(raw["scene"]),
             neve=str(raw["neve"]),
-            ledger=Ledger.of_arrays(raw),
+            inventory=Inventory.of_arrays(raw),
             arrays=Arrays(
                 path, {name: value.item() if value.ndim == 0 else value for name, value in arrays.items()}
             ),

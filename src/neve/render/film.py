@@ -149,9 +149,13 @@ class Film:
         command += ["-movflags", "+faststart", "-f", "mp4"]
         with disk.temporary_of(self.path) as temporary:
             child = _Child([*command, str(temporary)])
-            for part in parts:
-                child.write(disk.read_bytes(part))
-            child.close()
+            try:
+                for part in parts:
+                    child.write(disk.read_bytes(part))
+                child.close()
+            except BaseException:
+                child.kill()
+                raise
 
 
 class _Encoder:
@@ -212,6 +216,11 @@ class _Child:
         except BrokenPipeError:
             self.close()  # says why ffmpeg has gone
             raise FilmError("ffmpeg stopped before the end of the film.") from None
+
+    def kill(self) -> None:
+        """End ffmpeg, whatever it is at."""
+        self._process.kill()
+        self._process.communicate()
 
     def close(self) -> None:
         """Wait until ffmpeg has written all; raise what it complains about."""

@@ -133,7 +133,7 @@ def _run(
             threads=sim.threads,
             radius=sim.radius,
             reserved={*RESERVED, *usual_files(BUILT_IN)},
-            ledger=None if checkpoint is None else checkpoint.ledger,
+            inventory=None if checkpoint is None else checkpoint.inventory,
         )
         with contextlib.ExitStack() as stack:
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))

@@ -104,7 +104,8 @@ def append(path: Path, data: bytes) -> None:
         try:
             rest = memoryview(data)
             while rest:
-                rest = rest[os.write(handle, rest) :]
+                with contextlib.suppress(InterruptedError):  # then nothing was written
+                    rest = rest[os.write(handle, rest) :]
             os.fsync(handle)
         except BaseException:
             with contextlib.suppress(OSError):

@@ -213,7 +213,7 @@ def checkpoint_with(path, **changes):
     head = {"frame": saved.frame, "scene": saved.scene, "neve": saved.neve}
     for name in [name for name in changes if name in head]:
         head[name] = changes.pop(name)
-    write_checkpoint(path, **head, arrays={**saved.arrays, **changes}, ledger=saved.ledger)
+    write_checkpoint(path, **head, arrays={**saved.arrays, **changes}, inventory=saved.inventory)
 
 
 @pytest.mark.parametrize(
@@ -342,7 +342,7 @@ def test_fragments_of_frames_of_another_run(half, snow):
         count_run(half)
 
 
-def test_a_checkpoint_without_a_ledger(half, whole, snow):
+def test_a_checkpoint_without_a_inventory(half, whole, snow):
     """A checkpoint that does not say what was written is resumed as well."""
     saved = read_checkpoint(half / "checkpoint")
     write_checkpoint(half / "checkpoint", saved.frame, saved.scene, saved.neve, saved.arrays)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_of, frame_path, write_frame
-from neve.io.ledger import Ledger
+from neve.io.inventory import Inventory
 from neve.io.npz import mark_of
 from neve.io.table import Table
 from neve.schedule import Regular
@@ -73,7 +73,7 @@ class RunContext:
         threads: threads to draw with; None: all
         radius: of a particle [m], as the solver has it; None: as the scene says
         reserved: names of files that no table of one's own may have
-        ledger: what the run had written when its checkpoint was, if that is known; kept up to date by
+        inventory: what the run had written when its checkpoint was, if that is known; kept up to date by
             `write_frame` and `table`
     """
 
@@ -87,7 +87,7 @@ class RunContext:
     threads: int | None = None
     radius: float | None = None
     reserved: Collection[str] = ()
-    ledger: Ledger | None = None
+    inventory: Inventory | None = None
     _frames: dict[int, int] = field(default_factory=dict)
     _tables: dict[str, Table] = field(default_factory=dict)
 
@@ -97,15 +97,15 @@ class RunContext:
             return []
         return [k for k in range(self.done + 1) if schedule.due(k)]
 
-    def now(self) -> Ledger:
-        """Return the ledger of what is written now."""
-        before = self.ledger or Ledger()
+    def now(self) -> Inventory:
+        """Return the inventory of what is written now."""
+        before = self.inventory or Inventory()
         tables = {name: table.mark for name, table in self._tables.items()}
-        return Ledger(before.frames | self._frames, before.tables | tables)
+        return Inventory(before.frames | self._frames, before.tables | tables)
 
     def is_as_written(self, frame: int) -> bool:
         """Return whether the file of a frame is there, with the arrays that it had, as far as it is known."""
-        wanted = None if self.ledger is None else self.ledger.frames.get(frame)
+        wanted = None if self.inventory is None else self.inventory.frames.get(frame)
         try:
             mark = mark_of(frame_path(self.folder.frames, frame))
         except OSError:
@@ -141,7 +141,7 @@ class RunContext:
             raise RunError(f"{name} has the columns {had}: a row cannot have others ({', '.join(columns)}).")
         if name not in self._tables:
             self.folder.own(name)
-            mark = None if self.ledger is None else self.ledger.tables.get(name)
+            mark = None if self.inventory is None else self.inventory.tables.get(name)
             path = self.folder.path / name
             self._tables[name] = Table(path, columns, self.done, mark, list(due), numbers)
         return self._tables[name]

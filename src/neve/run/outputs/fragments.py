@@ -60,7 +60,7 @@ class FragmentOutput:
         _require_columns(run.scene)
         self._spacing = run.scene.numerics.spacing
         due = run.frames_done(schedule)
-        is_known = run.ledger is not None and self.name in run.ledger.tables
+        is_known = run.inventory is not None and self.name in run.inventory.tables
         self._table = run.table(self.name, COLUMNS, due if is_known else ())
         self._have = {int(row["frame"]) for row in read_table(self._table.path, COLUMNS)} if due else set()
         self._lost = [frame for frame in due if not self._table.is_as_written or frame not in self._have]

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_FRAMES, _NAMES, _TABLES = "ledger.frames", "ledger.table_names", "ledger.tables"
+_FRAMES, _NAMES, _TABLES = "inventory.frames", "inventory.table_names", "inventory.tables"
 
 
 @dataclass
-class Ledger:
+class Inventory:
     """Hold marks of files.
 
     Attributes:
@@ -29,7 +29,7 @@ class Ledger:
     tables: dict[str, tuple[int, int]] = field(default_factory=dict)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the ledger as arrays."""
+        """Return the inventory as arrays."""
         return {
             _FRAMES: np.array(sorted(self.frames.items()), np.int64).reshape(-1, 2),
             _NAMES: np.array(sorted(self.tables), np.str_),
@@ -37,13 +37,13 @@ class Ledger:
         }
 
     @classmethod
-    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Ledger | None:
-        """Return the ledger among `arrays`, or None if there is none. Errors: ValueError if it is damaged."""
+    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Inventory | None:
+        """Return the inventory among `arrays`, or None if there is none. Errors: ValueError if it is damaged."""
         if _FRAMES not in arrays:
             return None
         frames, names, tables = arrays[_FRAMES], arrays[_NAMES], arrays[_TABLES]
         if frames.dtype != np.int64 or tables.dtype != np.int64 or names.shape != (len(tables),):
-            raise ValueError("its ledger")
+            raise ValueError("its inventory")
         return cls(
             {int(number): int(mark) for number, mark in frames},
             {str(name): (int(size), int(crc)) for name, (size, crc) in zip(names, tables, strict=True)},
