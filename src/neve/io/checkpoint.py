@@ -50,7 +50,7 @@ def write_checkpoint(
     arrays: Mapping[str, Any],
     inventory: Inventory | None = None,
 ) -> None:
-    """Write the state as of the end of `frame`, and the `inventory` of the run; the file is replaced as a whole.
+    """Write the state as of the end of `frame` and the `inventory`; the file is replaced as a whole.
 
     Errors: RunError if the disk refuses.
     """

@@ -38,7 +38,7 @@ class Inventory:
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Inventory | None:
-        """Return the inventory among `arrays`, or None if there is none. Errors: ValueError if it is damaged."""
+        """Return the inventory among `arrays`, None if there is none. Errors: ValueError."""
         if _FRAMES not in arrays:
             return None
         frames, names, tables = arrays[_FRAMES], arrays[_NAMES], arrays[_TABLES]
