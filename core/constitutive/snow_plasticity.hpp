@@ -2,7 +2,7 @@
 // hardening with plastic compression.
 //
 //   flow:       sigma <- clamp(sigma, [1 - theta_c, 1 + theta_s]),  J_P <- J_P prod(sigma_trial / sigma)
-//               but no farther than to tau_k = 0, which the paper does not ask for (opposed())
+//               unless that would raise Psi, which the paper does not look at (without_work())
 //   hardening:  mu, lam = (mu0, lam0) exp(xi (1 - J_P))
 //
 // J_P is bounded, which the paper does not do. From below by J_P_min inside the exponent only: J_P = 0.3 would
@@ -141,46 +141,78 @@ struct SnowPlasticity {
     return principal_stress(svd.U, svd.strain, J_P, q);
   }
 
-  // Cut no stretch farther than its stress pulls it back: from the trial towards the clamped state, the flow of an axis
-  // ends where tau_k = 0. The result has the least Psi there is between the two.
+  // The strains between the limits and the trial that have the least Psi: an axis whose stress presses it against its
+  // flow ends where tau_k = 0, and one whose trial comes before that does not flow.
   //
-  // Snow that is pressed along one axis presses on the others too, even where it is stretched beyond theta_s: flowing
-  // there, it would do work and store as much as before, in every step anew.
-  //
-  // Pressed against their flow are axes of one side only, stretched or pressed: the sign is that of the part of tau that
-  // all axes share. Those that end at tau_k = 0 have one strain, `a`; axes whose trial comes before it do not flow.
-  // tau(a) is convex in the direction from the clamp, so that Newton's method does not overshoot; it is exact in
-  // logarithms after one iteration for each axis.
-  template <class R>
-  NEVE_INLINE static Vec3<R> opposed(const Vec3<R>& trial, const Vec3<R>& kept, const Parameters<R>& q) {
-    using T = scalar_t<R>;
-    const R zero = splat<R>(0);
-    const Response<R> clamped = Elasticity::respond(kept, q.mu0, q.lam0);
-    R side = zero;  // the sign of the strains that would flow against their stress
-    for (int k = 0; k < 3; ++k) {
-      const R flow = trial[k] - kept[k];
-      side = select(flow * (clamped.isotropic + clamped.axial[k]) < zero, flow, side);
-    }
-    const auto against = side != zero, stretched = side > zero;
-    if (!any(against)) return kept;
-    const R clamp_at = select(stretched, q.theta_s, R(-q.theta_c));
-    Vec3<R> e = kept;
-    R a = clamp_at, low = clamp_at, high = clamp_at;
+  // Such axes are of one side only, stretched or pressed: the sign is that of the part of tau that all axes share.
+  // Those that end at tau_k = 0 have one strain, `a`. tau(a) is convex in the direction from the limit, so that
+  // Newton's method does not overshoot; it is exact in logarithms after one iteration for each axis.
+  template <class R, class M>
+  NEVE_INLINE static Vec3<R> cheapest(const Vec3<R>& trial, const Vec3<R>& clamped, R limit,
+                                      const M& stretched, const Parameters<R>& q) {
+    Vec3<R> e = clamped;
+    R a = limit, low = limit, high = limit;
     for (int k = 0; k < 3; ++k) low = min(low, trial[k]), high = max(high, trial[k]);
     for (int i = 0; i < 8; ++i) {
-      R moving = zero;
+      R moving = splat<R>(0);
       for (int k = 0; k < 3; ++k) {
-        const R flow = trial[k] - kept[k];
-        const auto flows = select(stretched, flow, R(-flow)) > zero;
-        const auto moves = flows & (select(stretched, R(trial[k] - a), R(a - trial[k])) > zero);
-        e[k] = select(moves, a, select(flows, trial[k], kept[k]));
-        moving = moving + select(moves, splat<R>(1), zero);
+        const R flow = trial[k] - clamped[k];
+        const auto flows = select(stretched, flow, R(-flow)) > splat<R>(0);
+        const auto moves = flows & (select(stretched, R(trial[k] - a), R(a - trial[k])) > splat<R>(0));
+        e[k] = select(moves, a, select(flows, trial[k], clamped[k]));
+        moving = moving + select(moves, splat<R>(1), splat<R>(0));
       }
       const AxisStress<R> on = Elasticity::along(a, e, q.mu0, q.lam0);
-      a = clamp(R(a - on.tau / (on.by_own + moving * on.by_other)), select(stretched, clamp_at, low),
-                select(stretched, high, clamp_at));
+      a = clamp(R(a - on.tau / (on.by_own + moving * on.by_other)), select(stretched, limit, low),
+                select(stretched, high, limit));
     }
-    return select(against, e, kept);
+    return e;
+  }
+
+  // Flow of constant volume, until no axis is beyond the limit: what those give goes to the axis that is farthest on the
+  // other side, and from where it meets the second one on, to both.
+  template <class R, class M>
+  NEVE_INLINE static Vec3<R> at_constant_volume(Vec3<R> e, R limit, const M& stretched) {
+    using T = scalar_t<R>;
+    const R one = splat<R>(1);
+    Vec3<R> over;
+    for (int k = 0; k < 3; ++k) {
+      const R cut = select(stretched, min(e[k], limit), max(e[k], limit));
+      over[k] = (e[k] - cut) / (one + cut);
+      e[k] = cut;
+    }
+    const R given = volume_change(over);
+    const R smallest = min(e.x, min(e.y, e.z)), largest = max(e.x, max(e.y, e.z));
+    const R first = select(stretched, smallest, largest);
+    const R second = max(min(e.x, e.y), min(max(e.x, e.y), e.z));
+    const R alone = first + (one + first) * given;
+    const R area = volume_change(Vec3<R>{first, second, given});
+    const R shared = area / (one + sqrt(max(one + area, splat<R>(0))));  // sqrt(1 + area) - 1
+    const R level = select(stretched, min(alone, shared), max(alone, shared));
+    for (int k = 0; k < 3; ++k) e[k] = select(stretched, max(e[k], level), min(e[k], level));
+    return e;
+  }
+
+  // The clamped strains, unless they store more than the trial. Snow that is pressed along one axis presses on the
+  // others too, even where it is stretched beyond theta_s: flowing there, it works against that pressure, in every step
+  // anew. Then flow is the cheapest one, and the rest of the way to the limits keeps the volume, so the pressure.
+  template <class R>
+  NEVE_INLINE static Vec3<R> without_work(const Vec3<R>& trial, const Vec3<R>& clamped,
+                                          const Parameters<R>& q) {
+    const R zero = splat<R>(0);
+    const Response<R> at = Elasticity::respond(clamped, q.mu0, q.lam0);
+    R side = zero;  // the sign of the strains that would flow against their stress
+    for (int k = 0; k < 3; ++k) {
+      const R flow = trial[k] - clamped[k];
+      side = select(flow * (at.isotropic + at.axial[k]) < zero, flow, side);
+    }
+    if (!any(side != zero)) return clamped;
+    const auto gains = Elasticity::energy(clamped, q.mu0, q.lam0) > Elasticity::energy(trial, q.mu0, q.lam0);
+    const auto against = (side != zero) & gains, stretched = side > zero;
+    if (!any(against)) return clamped;
+    const R limit = select(stretched, q.theta_s, R(-q.theta_c));
+    const Vec3<R> cheap = cheapest(trial, clamped, limit, stretched, q);
+    return select(against, at_constant_volume(cheap, limit, stretched), clamped);
   }
 
   template <class R>
@@ -192,7 +224,7 @@ struct SnowPlasticity {
     Mapped<R> out{F_trial, J_P, {}};
     const auto& e = svd.strain;
     if (any((e.x != kept.x) | (e.y != kept.y) | (e.z != kept.z))) {
-      kept = opposed(svd.strain, kept, q);
+      kept = without_work(svd.strain, kept, q);
       const Vec3<R> excess = svd.strain - kept;
       out.F_E = without(F_trial, svd, excess);
       for (int k = 0; k < 3; ++k)

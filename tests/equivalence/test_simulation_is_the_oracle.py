@@ -28,7 +28,7 @@ def stirred(spline, transfer):
             ball(radius=0.13, velocity=(0, 0, -3), spin=(0, 20, 5)),
             box(center=(0.17, 0.1, 0.13), size=(0.1, 0.1, 0.1), velocity=(-5, 0, -8), snow={"xi": 3.0}),
         ],
-        COLLIDERS, gravity=(0, 0, -9.81), spline=spline, transfer=transfer, dt=2e-4,
+        COLLIDERS, gravity=(0, 0, -9.81), spline=spline, transfer=transfer, dt=1e-4,
     )  # fmt: skip
 
 
@@ -43,7 +43,7 @@ def test_moving_colliders(spline, transfer):
     first = bodies(clock)
     march(sim, 14)
     for k in range(14):
-        step.step(p, method, 2e-4, bodies(clock), first=k == 0)
+        step.step(p, method, 1e-4, bodies(clock), first=k == 0)
         march(clock, 1)
     assert all(np.abs(a.position - b.position).max() + np.abs(a.rotation - b.rotation).max() > 1e-3
                for a, b in zip(first, bodies(clock), strict=True))  # fmt: skip

@@ -8,14 +8,31 @@ from reference.polar import column, polar_svd, transpose
 def clamp(F_trial, J_P, snow, elasticity):
     """Stomakhin et al. 2013: stretches into [1 - theta_c, 1 + theta_s]; what is cut off becomes plastic.
 
-    No stretch is cut farther than to tau_k = 0: the state of least Psi between the trial and that one.
+    Where that would raise Psi, flow is the cheapest one, and the rest of the way to the limits keeps det F_E.
     """
     U, sigma, V = polar_svd(F_trial)
-    low, high = 1 - snow.strength * snow.theta_c, 1 + snow.strength * snow.theta_s
-    clipped = np.clip(sigma, column(low, 1), column(high, 1))
-    kept = cheapest(np.minimum(sigma, clipped), np.maximum(sigma, clipped), snow, elasticity)
+    low, high = (
+        column(np.broadcast_to(limit, len(sigma)), 1)
+        for limit in (1 - snow.strength * snow.theta_c, 1 + snow.strength * snow.theta_s)
+    )
+    clipped = np.clip(sigma, low, high)
+    cheap = cheapest(np.minimum(sigma, clipped), np.maximum(sigma, clipped), snow, elasticity)
+    inside = at_constant_volume(1 / at_constant_volume(1 / cheap, 1 / low), high)
+    before, after = (
+        elasticity.energy(s[:, :, None] * np.eye(3), snow.mu0, snow.lam0) for s in (sigma, clipped)
+    )
+    kept = np.where(column(after > before, 1), inside, clipped)
     F_E = (U * kept[:, None, :]) @ transpose(V)
     return F_E, np.minimum(J_P * (sigma / kept).prod(-1), snow.J_P_max)
+
+
+def at_constant_volume(s, limit):
+    """Cut stretches s (n, 3) to `limit` (n, 1); the smallest ones grow to one level and keep the product."""
+    cut = np.minimum(s, limit)
+    given = (s / cut).prod(-1)
+    first, second = np.sort(cut, axis=-1)[:, :2].T
+    level = np.where(first * given < second, first * given, np.sqrt(first * second * given))
+    return np.maximum(cut, column(level, 1))
 
 
 def cheapest(low, high, snow, elasticity):

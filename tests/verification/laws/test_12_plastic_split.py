@@ -33,24 +33,22 @@ def test_companions_do_not_matter(core, precision, eps, law):
 
 
 def test_plastic_split(core, precision, eps):
-    """With nu = 0: sigma(F_E) in [1 - theta_c, 1 + theta_s], J_E J_P = det F, F_P = F_E^-1 F_trial symmetric.
+    """sigma(F_E) in [1 - theta_c, 1 + theta_s], J_E J_P = det F, F_P = F_E^-1 F_trial is symmetric.
 
     F_trial = U Sigma V^T and F_E = U clamp(Sigma) V^T give F_E^-1 F_trial = V (Sigma / clamp) V^T,
-    symmetric. The stretches carry a few eps each and det multiplies three of them: 30 eps. (With nu > 0 a
-    stretch may stay beyond its limit: test_flow_makes_no_energy.py.)
+    symmetric. The stretches carry a few eps each and det multiplies three of them: 30 eps.
     """
-    law = Snow(nu=0.0)
     F = near_identity(2000, 0.05, seed=8).astype(precision)
-    F_E, J_P, _, _ = respond(core, F, 1.0, law, precision)
+    F_E, J_P, _, _ = respond(core, F, 1.0, DEFAULT, precision)
     sigma = np.linalg.svd(F_E, compute_uv=False)
-    assert sigma.max() <= 1 + law.theta_s + 10 * eps
-    assert sigma.min() >= 1 - law.theta_c - 10 * eps
+    assert sigma.max() <= 1 + DEFAULT.theta_s + 10 * eps
+    assert sigma.min() >= 1 - DEFAULT.theta_c - 10 * eps
     F = F.astype(float)
     np.testing.assert_allclose(np.linalg.det(F_E) * J_P, np.linalg.det(F), rtol=0, atol=30 * eps)
     F_P = np.linalg.solve(F_E, F)
     np.testing.assert_allclose(F_P, transpose(F_P), atol=60 * eps)
-    assert (sigma.max(1) > 1 + law.theta_s - 10 * eps).any()
-    assert (sigma.min(1) < 1 - law.theta_c + 10 * eps).any()
+    assert (sigma.max(1) > 1 + DEFAULT.theta_s - 10 * eps).any()
+    assert (sigma.min(1) < 1 - DEFAULT.theta_c + 10 * eps).any()
 
 
 def test_elastic_range_is_left_alone(core, precision, eps):
