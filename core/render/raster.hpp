@@ -127,13 +127,13 @@ class Raster {
     double x[3], y[3];
     for (int k = 0; k < 3; ++k) x[k] = n * flat.column[k] - 0.5, y[k] = n * flat.row[k] - 0.5;
     const auto [top, bottom] = std::minmax({y[0], y[1], y[2]});
-    const int from = int(std::ceil(std::max(top - slack, double(first))));
-    const int to = int(std::floor(std::min(bottom + slack, double(last - 1))));
+    const int from = whole(std::ceil(top - slack), first, last);
+    const int to = whole(std::floor(bottom + slack), first - 1, last - 1);
     const float size = 1.0f / float(n);
     for (int r = from; r <= to; ++r) {
       const auto [left, right] = span(x, y, r, slack);
-      const int begin = int(std::ceil(std::max(left - slack, 0.0)));
-      const int end = int(std::floor(std::min(right + slack, n * camera_.width - 1.0)));
+      const int begin = whole(std::ceil(left - slack), 0, n * camera_.width);
+      const int end = whole(std::floor(right + slack), -1, n * camera_.width - 1);
       const float inverse = flat.inverse[0] + flat.inverse[2] * ((float(r) + 0.5f) * size);
       for (int c = begin; c <= end; ++c) {
         const float at = inverse + flat.inverse[1] * ((float(c) + 0.5f) * size);

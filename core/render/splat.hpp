@@ -43,10 +43,10 @@ struct Samples {
 inline void splat_grain(Samples& samples, const Grain& grain, std::uint32_t index, int first, int last) {
   constexpr int lanes = Samples::lanes;
   const float wide = std::max(grain.wide, least_radius), inv = 1.0f / wide;
-  const int top = std::max(first, int(std::ceil(grain.row - wide - 0.5f)));
-  const int bottom = std::min(last - 1, int(std::floor(grain.row + wide - 0.5f)));
-  const int left = std::max(0, int(std::ceil(grain.column - wide - 0.5f)));
-  const int right = std::min(samples.width - 1, int(std::floor(grain.column + wide - 0.5f)));
+  const int top = whole(std::ceil(grain.row - wide - 0.5f), first, last);
+  const int bottom = whole(std::floor(grain.row + wide - 0.5f), first - 1, last - 1);
+  const int left = whole(std::ceil(grain.column - wide - 0.5f), 0, samples.width);
+  const int right = whole(std::floor(grain.column + wide - 0.5f), -1, samples.width - 1);
   for (int r = top; r <= bottom; ++r) {
     const float dy = (float(r) + 0.5f - grain.row) * inv, rest = 1.0f - dy * dy;
     for (int c = left; c <= right; c += lanes) {

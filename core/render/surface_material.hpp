@@ -13,7 +13,7 @@ struct Relief {
 // Smooth noise on a lattice of unit squares: random heights at the corners, a quintic between them.
 inline Relief noise(float u, float v, std::uint32_t seed) {
   const float fu = std::floor(u), fv = std::floor(v);
-  const std::uint32_t i = std::uint32_t(std::int32_t(fu)), j = std::uint32_t(std::int32_t(fv));
+  const std::uint32_t i = std::uint32_t(std::int64_t(fu)), j = std::uint32_t(std::int64_t(fv));
   const auto corner = [seed](std::uint32_t a, std::uint32_t b) {
     return 2.0f * unit(scramble(a * 0x9e3779b1u ^ scramble(b + seed))) - 1.0f;
   };

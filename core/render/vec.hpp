@@ -27,6 +27,12 @@ inline float smoothstep(float low, float high, float a) {
   return t * t * (3.0f - 2.0f * t);
 }
 
+// Return the whole number a, or the bound that it lies beyond; low for NaN.
+template <class T>
+int whole(T a, int low, int high) {
+  return a > T(low) ? (a < T(high) ? int(a) : high) : low;
+}
+
 // Scramble 32 bits (the finaliser constants of the `lowbias32` hash by C. Wellons, public domain).
 inline std::uint32_t scramble(std::uint32_t a) {
   a ^= a >> 16;
