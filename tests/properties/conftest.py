@@ -5,6 +5,6 @@ import os
 from hypothesis import HealthCheck, settings
 
 COMMON = {"deadline": None, "suppress_health_check": list(HealthCheck), "print_blob": False}
-settings.register_profile("short", derandomize=True, database=None, max_examples=60, **COMMON)
+settings.register_profile("short", derandomize=True, database=None, max_examples=40, **COMMON)
 settings.register_profile("long", max_examples=5000, **COMMON)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "short"))

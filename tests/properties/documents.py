@@ -167,7 +167,7 @@ def spoilt(draw):
         paths = list(places(tree))
         way = draw(st.sampled_from(["replace", "remove", "rename", "add", "whole"]))
         if way == "whole" or not paths:
-            tree[draw(st.sampled_from(list(Scene.model_fields)))] = draw(SPOILERS)
+            tree[draw(st.sampled_from(list(Scene.model_fields)))] = copy.deepcopy(draw(SPOILERS))
             continue
         path = draw(st.sampled_from(paths))
         place = holder(tree, path)

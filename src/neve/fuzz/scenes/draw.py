@@ -17,6 +17,7 @@ from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Scene
 from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
 from neve.scene.values.elastic import p_wave_modulus
+from neve.scene.values.fields import SHORTEST
 
 if TYPE_CHECKING:
     from neve._core import Law
@@ -81,8 +82,9 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
         }
         c *= math.sqrt(30)
     step = numerics["cfl"] * dx / (c + fast)
-    if rng.random() < 0.1:
-        numerics["dt"] = float(np.clip(step * _log(rng, 0.1, LONGEST_FIXED), 1e-12, 1))
+    fixed = step * _log(rng, 0.1, LONGEST_FIXED)
+    if rng.random() < 0.1 and fixed >= SHORTEST:
+        numerics["dt"] = min(fixed, 1.0)
     duration = STEPS * step
     pull = rng.standard_normal(3) * _log(rng, 1e-3, 1.0) * dx / duration**2  # about a cell or so of fall
     tables = {
@@ -91,7 +93,7 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
         "numerics": numerics,
         "snow": snow,
         **lists,
-        "run": {"duration": float(np.clip(duration, 1e-9, 86400)), "film": False},
+        "run": {"duration": float(np.clip(duration, SHORTEST, 86400)), "film": False},
     }
     return scene_from(tables, where=f"fuzz scene {seed}/{number}"), name
 
