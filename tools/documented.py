@@ -44,4 +44,6 @@ def main(path: str, what: str) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3 or not Path(sys.argv[1]).is_file():
+        sys.exit("documented.py: name a page and what of it: first, commands or a language, such as python")
     main(*sys.argv[1:])

@@ -172,7 +172,12 @@ def main() -> int:
     parser.add_argument("what", choices=["record", "check"])
     parser.add_argument("file", type=Path)
     asked = parser.parse_args()
-    known = json.loads(asked.file.read_text(encoding="utf-8")) if asked.what == "check" else {}
+    known = {}
+    if asked.what == "check":
+        try:
+            known = json.loads(asked.file.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            parser.error(f"{asked.file} holds no recorded hashes: {error}")
     found: dict[str, str] = {}
     for name, case in CASES.items():
         found[name] = run(*case)

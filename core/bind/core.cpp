@@ -16,6 +16,8 @@ void bind_geometry(nb::module_& m);
 
 namespace {
 
+constexpr int most_threads = 1024;
+
 const char* simd_name() {
 #if defined(__AVX512F__)
   return "avx512";
@@ -75,7 +77,13 @@ nb::dict build_info() {
 NB_MODULE(_core, m) {
   m.doc() = "Neve's compiled core: the stages of the material point method in float32 and float64.";
   m.def("build_info", &build_info, "Compiler, instruction set, lanes and threads of this build.");
-  m.def("set_threads", &neve::set_thread_count, nb::arg("n"), "Use n threads from now on.");
+  m.def(
+      "set_threads",
+      [](int n) {
+        if (n < 1 || n > most_threads) throw nb::value_error("n: a number of threads from 1 to 1024");
+        neve::set_thread_count(n);
+      },
+      nb::arg("n"), "Use n threads from now on.");
   m.def("threads", &neve::thread_count, "Threads in use.");
   nb::class_<neve::Report>(m, "Report", "What a pass over the particles found.")
       .def_ro("wave", &neve::Report::wave, "Largest elastic wave speed [m/s].")

@@ -1,6 +1,7 @@
 // neve._core.geometry: bodies of triangles, their signed distance, ground from heights.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
+#include <string>
 
 #include "bind/arrays.hpp"
 #include "bind/words.hpp"
@@ -186,6 +187,15 @@ SdfGrid from_arrays(const In<std::int32_t, nb::shape<-1, -1, -1>>& table,
   return s;
 }
 
+// Return one of the arrays that a grid is made of, or say that it is none of the right type and shape.
+template <class Array>
+Array part(const nb::dict& arrays, const char* name) {
+  Array found;
+  if (!arrays.contains(name) || !nb::try_cast(arrays[name], found))
+    throw nb::value_error((std::string(name) + " is not an array of the type and shape of a grid").c_str());
+  return found;
+}
+
 void bind_sdf(nb::module_& m) {
   nb::class_<SdfGrid>(m, "SdfGrid", "Signed distance and normal of a body on a sparse grid in its own frame.")
       .def_static(
@@ -207,10 +217,10 @@ void bind_sdf(nb::module_& m) {
       .def_static(
           "from_arrays",
           [](const nb::dict& d) {
-            return from_arrays(nb::cast<In<std::int32_t, nb::shape<-1, -1, -1>>>(d["table"]),
-                               nb::cast<In<float, nb::shape<-1, -1, -1, 4>>>(d["coarse"]),
-                               nb::cast<In<float, nb::shape<-1, 9, 9, 9, 4>>>(d["fine"]),
-                               nb::cast<In<double, nb::shape<13>>>(d["sizes"]));
+            return from_arrays(part<In<std::int32_t, nb::shape<-1, -1, -1>>>(d, "table"),
+                               part<In<float, nb::shape<-1, -1, -1, 4>>>(d, "coarse"),
+                               part<In<float, nb::shape<-1, 9, 9, 9, 4>>>(d, "fine"),
+                               part<In<double, nb::shape<13>>>(d, "sizes"));
           },
           "arrays"_a, "The grid that `arrays` came from.")
       .def("arrays", &arrays, "All of the grid, as arrays to be saved.")

@@ -25,6 +25,11 @@ using Points = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::devi
 using Numbers = nb::ndarray<const float, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Triple = std::tuple<float, float, float>;
 
+int known_level(int level) {
+  if (level < 0 || level >= Density::levels) throw nb::value_error("level: from 0 to 5");
+  return level;
+}
+
 Vec3f vec(const Triple& a) { return {std::get<0>(a), std::get<1>(a), std::get<2>(a)}; }
 
 std::vector<Vec3f> copy(const Points& x) {
@@ -142,12 +147,16 @@ void bind_density(nb::module_& m) {
             new (self) Density(copy(x), volume, cell_size);
           },
           "x"_a, "volume"_a, "cell_size"_a)
-      .def("total", &Density::total, "level"_a = 0, "Volume of the snow on a level [m3].")
       .def(
-          "blocks", [](const Density& d, int level) { return d.level(level).count(); }, "level"_a = 0)
+          "total", [](const Density& d, int level) { return d.total(known_level(level)); }, "level"_a = 0,
+          "Volume of the snow on a level [m3].")
+      .def(
+          "blocks", [](const Density& d, int level) { return d.level(known_level(level)).count(); },
+          "level"_a = 0)
       .def(
           "sample",
           [](const Density& d, const Points& x, int level) {
+            known_level(level);
             return each(x, [&](Vec3f p) { return d.sample(p, level); });
           },
           "x"_a, "level"_a = 0, "Volume fraction at the points [1].")

@@ -153,7 +153,7 @@ class SdfGrid:
     def from_arrays(arrays: dict[str, NDArray[Any]]) -> SdfGrid:
         """Make the grid that `arrays()` came from, with copies of them.
 
-        Errors: KeyError for an array that is missing; RuntimeError for one of another shape; ValueError for
+        Errors: ValueError for an array that is missing or of another type or shape, for
         arrays that do not fit each other, a brick that is not there, or a spacing that is not above 0.
         """
     def arrays(self) -> dict[str, NDArray[Any]]:
@@ -593,7 +593,7 @@ def build_info() -> dict[str, Any]:
 def set_threads(n: int) -> None:
     """Use n threads in later calls from this thread of Python; others keep theirs.
 
-    n: 1 or more, which is not checked. Without OpenMP it does nothing. Results do not depend on it.
+    n: from 1 to 1024; ValueError for others. Without OpenMP it does nothing. Results do not depend on it.
     """
 
 def threads() -> int:

@@ -72,7 +72,7 @@ class Density:
     """Volume fraction of snow on a pyramid of sparse grids, each level twice as coarse as the one before.
 
     x (n, 3) [m]; volume: of one particle [m3]; cell_size: of level 0 [m].
-    Levels are 0 to 5, which is not checked.
+    Levels are 0 to 5; ValueError for another one.
     """
 
     def __init__(self, x: NDArray[np.float32], volume: float, cell_size: float) -> None:

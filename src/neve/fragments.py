@@ -16,6 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.system.arguments import real, shown
+
 Array = NDArray[np.float64]
 
 LINK = 1.5
@@ -48,6 +50,9 @@ COLUMNS = (
     "velocity_z",
 )
 """Columns of `fragments.csv`."""
+
+
+POSITIVE = "a positive, finite number"
 
 
 class Limits(NamedTuple):
@@ -103,6 +108,7 @@ def find(
 
     The order of the particles changes nothing but rounding and the order of fragments of equal mass.
     """
+    _check(limits, spacing)
     x = np.asarray(x, np.float64)
     bonded = np.flatnonzero((np.asarray(J_P) <= limits.torn) & np.isfinite(x).all(axis=1))
     component = _components(x[bonded], limits.link * spacing)
@@ -113,6 +119,13 @@ def find(
     label = np.zeros(len(x), np.int64)
     label[bonded] = row[component]
     return _measure(label, 1 + int(whole.sum()), x, v, J_P, m, V0)
+
+
+def _check(limits: Limits, spacing: float) -> None:
+    """Refuse limits that are no positive, finite numbers. Errors: ValueError, TypeError."""
+    for name, value in (*limits._asdict().items(), ("spacing", spacing)):
+        if real(value, name, POSITIVE) <= 0:
+            raise ValueError(f"{name} = {shown(value)} is not {POSITIVE}")
 
 
 def rows(f: Fragments, frame: int, time: float) -> Iterator[dict[str, object]]:

@@ -21,9 +21,13 @@ from neve.scene.checks.advice import advice
 from neve.scene.errors import SceneWarning
 from neve.scene.schema.scene import Scene, Source
 from neve.solver import Solver, check_fixed
+from neve.system.arguments import real, require, whole
 
 if TYPE_CHECKING:
     from neve.run import Output
+
+A_SCENE = 'a neve.Scene, such as neve.load("throw_ball") returns'
+A_TIME = "a positive, finite number"
 
 
 @dataclass
@@ -61,6 +65,7 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene, threads: int | None = None) -> None:
+        require(scene, Scene, "scene", A_SCENE)
         self.scene = scene
         self.threads = checked_threads(threads)
         self.time = 0.0
@@ -107,12 +112,13 @@ class Simulation:
         Whatever was written into `state` before counts. `enough` is asked after each substep, may read the
         state, and ends the work there if it says so.
 
-        Errors: Blowup if a particle loses its numbers; ValueError if `seconds` is not positive and finite.
+        Errors: Blowup if a particle loses its numbers; ValueError if `seconds` is not positive and finite,
+        TypeError if it is no number.
         """
-        if not (np.isfinite(seconds) and seconds > 0):
-            raise ValueError(f"seconds = {seconds}: a positive, finite number")
+        seconds = real(seconds, "seconds", A_TIME)  # a float32 would make the clock one
+        if seconds <= 0:
+            raise ValueError(f"seconds = {seconds:g} is not {A_TIME}")
         self._use_threads()
-        seconds = float(seconds)  # a float32 would make the clock one
         start, done = self.time, 0.0
         self.solver.timer.take()
         self.stats = Stats(stage_seconds=self.solver.timer.seconds)
@@ -146,6 +152,7 @@ class Simulation:
 
         Errors: SceneError for what a run cannot change, such as numerics.dx (see `neve.solver.Solver.fixed`).
         """
+        require(scene, Scene, "scene", A_SCENE)
         check_fixed(self.solver, scene)
         self.solver.change(scene)
         self._go_on()
@@ -155,6 +162,7 @@ class Simulation:
 
         Errors: SceneError if the source is too small or too large; pydantic.ValidationError for its snow.
         """
+        require(source, Source, "source", "a source, such as one of scene.sources")
         self.solver.add(source, self.time)
         self._go_on()
 
@@ -188,6 +196,8 @@ class Simulation:
         cls, scene: Scene, arrays: Mapping[str, NDArray[Any]], threads: int | None = None
     ) -> Simulation:
         """Make the simulation that `arrays()` was taken from; it goes on with the same bits."""
+        require(scene, Scene, "scene", A_SCENE)
+        require(arrays, Mapping, "arrays", "what Simulation.arrays() returns")
         self = cls.__new__(cls)
         self.scene, self.threads = scene, checked_threads(threads)
         self.time, self.steps = float(arrays["time"]), int(arrays["steps"])
@@ -222,7 +232,10 @@ class Simulation:
 
 
 def checked_threads(threads: int | None) -> int | None:
-    """Return `threads` if the machine can be asked for so many; ValueError in one sentence otherwise."""
-    if threads is not None and not 1 <= threads <= MAX_THREADS:
+    """Return `threads` if the machine can be asked for so many; ValueError or TypeError in one sentence."""
+    if threads is None:
+        return None
+    threads = whole(threads, "threads", f"a whole number from 1 to {MAX_THREADS}")
+    if not 1 <= threads <= MAX_THREADS:
         raise ValueError(f"threads = {threads}: from 1 to {MAX_THREADS} on this machine")
     return threads

@@ -129,3 +129,19 @@ def test_a_damaged_font_is_named(tmp_path):
     for said, name in refused:
         assert said.startswith(("sources.0.font = ", "sources.0.text: "))
         assert name in said
+
+
+def test_a_needle_does_not_take_more_memory_than_a_grid_may(cube, monkeypatch):
+    """One corner 300 km away: to the bricks of the grid its spike is a line, which its area does not tell."""
+    from pathlib import Path
+
+    from neve.geometry import sdf
+
+    monkeypatch.setenv("NEVE_CACHE", "")
+    monkeypatch.setattr(sdf, "DEFAULT_BYTES", 8 * 2**20)
+    text = Path(cube).read_text().replace("v 1 1 1", "v 1 1 300000")
+    Path(cube).write_text(text)
+    source = scene(0.25, shape="mesh", file=cube, up="z").sources[0]
+    with pytest.warns(match="detail is"):
+        mesh = sdf.solid_mesh(source, 0.25, "sources.0")
+    assert 0 < mesh.sdf.bytes <= sdf.DEFAULT_BYTES

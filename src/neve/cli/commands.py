@@ -8,6 +8,7 @@ click is imported inside the command that needs it, so that `neve --help` is ins
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import warnings
@@ -232,8 +233,8 @@ def fragments(
         name: value for name, value in (("link", link), ("torn", torn), ("least", least)) if value is not None
     }
     for name, value in given.items():
-        if not value > 0:
-            raise click.UsageError(f"--{name}: {value} is not greater than 0")
+        if not 0 < value < math.inf:
+            raise click.UsageError(f"--{name}: {value} is not a finite number greater than 0")
     limits = Limits(**given) if given else None  # type: ignore[arg-type]
     found = count_run(run, limits, None if out is None else Path(out))
     last = summary(found)

@@ -151,10 +151,14 @@ def grid_bytes(surface: Triangles, spacing: float, band: float, thickness: float
     """Return about how many bytes the grid of distances takes.
 
     A sheet of area A and thickness t touches A (t + w) / b^3 cubes of edge b laid at random, with w = 1.5 b
-    the mean width of a cube over all directions (Cauchy's formula).
+    the mean width of a cube over all directions (Cauchy's formula). A face that is longer than b but not
+    wide is a line of length l to the cubes and touches l (t + w)^2 / b^3; each face of a spike is counted.
     """
     edge = BRICK_CELLS * spacing
-    bricks = surface.area * (2 * band + thickness + 1.5 * edge) / edge**3
+    wide = 2 * band + thickness + 1.5 * edge
+    longest, across = surface.spans
+    lines = float(longest[(longest > edge) & (across < edge)].sum())
+    bricks = (surface.area * wide + lines * wide**2) / edge**3
     size = surface.high - surface.low + 2 * band + thickness
     return bricks * BRICK_BYTES + float(np.prod(size / edge + 2)) * NODE_BYTES
 

@@ -72,6 +72,13 @@ class Triangles:
         return int(np.count_nonzero(np.bincount(edge, weights=sign)))
 
     @cached_property
+    def spans(self) -> tuple[Array, Array]:
+        """Longest edge of each face, and the height of the face above it [m], each (m,)."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        longest = np.maximum.reduce([norms(p - q) for p, q in ((a, b), (b, c), (c, a))])
+        return longest, 2.0 * norms(self.area_vectors) / longest
+
+    @cached_property
     def tree(self) -> TriangleMesh:
         """The core's own, which finds near triangles, hits of rays and winding numbers quickly."""
         return _core.geometry.TriangleMesh(self.vertices, self.faces)

@@ -27,6 +27,7 @@ from neve.run.resume import check_same, is_drawn_alike
 from neve.scene.errors import SceneError
 from neve.scene.schema.outputs import RESERVED
 from neve.stage_timer import StageTimer
+from neve.system.arguments import whole
 
 if TYPE_CHECKING:
     from neve.scene.schema.outputs import OutputOptions
@@ -91,7 +92,12 @@ def run_scene(
 
 def last_frame(scene: Scene, frames: int | None) -> int:
     """Return the number of the last frame: `frames`, or what the scene's duration holds, at least one."""
-    return frames if frames is not None else max(1, round(scene.run.duration * scene.run.fps))
+    if frames is None:
+        return max(1, round(scene.run.duration * scene.run.fps))
+    frames = whole(frames, "argument frames", "the number of the last frame")
+    if frames < 1:
+        raise ValueError(f"argument frames = {frames} is not the number of a last frame, 1 or more")
+    return frames
 
 
 def _run(

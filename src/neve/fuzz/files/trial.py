@@ -24,6 +24,8 @@ MOST_MEMORY = 1 << 30
 """What reading a file may add to the memory of the process [bytes]: no file is larger than 1 MiB."""
 ADDRESS_SPACE = 12 << 30
 """Address space of the process that reads [bytes]."""
+MOST_POINTS = 2**22
+"""Points in the box around a source: what is far larger only takes longer."""
 KEYS = ("sources.0", "colliders.0", "robots.0", "bodies and robots")
 """How a sentence begins that names the file by its key."""
 LONGEST = 1200
@@ -105,12 +107,16 @@ def _scene(path: Path) -> None:
 
 
 def _source(**keys: Any) -> None:
-    """Fill a source with particles."""
-    from neve.sampling import fill
+    """Fill a source with particles; more than MOST_POINTS are refused, as Neve refuses more than 2.7e8."""
+    from neve.sampling import fill, room
     from neve.scene.reading.load import scene_from
 
     scene = scene_from({"sources": [keys], "numerics": {"dx": 0.25}})
-    fill(scene.sources[0], scene.numerics, 0)
+    usual, room.MOST = room.MOST, MOST_POINTS
+    try:
+        fill(scene.sources[0], scene.numerics, 0)
+    finally:
+        room.MOST = usual
 
 
 def _mesh(path: Path) -> None:

@@ -18,6 +18,7 @@ from neve.scene.reading.presets import PRESETS, no_such_scene, preset_names, pre
 from neve.scene.reading.validation_errors import problems
 from neve.scene.schema.scene import Scene
 from neve.spelling import hint, nearest
+from neve.system.arguments import require
 
 
 def load(name_or_path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:
@@ -29,6 +30,9 @@ def load(name_or_path: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
 
     Errors: SceneError, one sentence.
     """
+    require(
+        name_or_path, (str, os.PathLike), "name_or_path", "the name of a preset or the path of a scene file"
+    )
     text = os.fspath(name_or_path)
     if text in presets():
         where, path = f"preset {text}", PRESETS / f"{text}.toml"
@@ -50,6 +54,11 @@ def scene_from(
 
     Errors: SceneError, one sentence.
     """
+    require(data, Mapping, "data", "a table of a scene, such as {'sources': [{'shape': 'box'}]}")
+    wanted = 'a list of texts, such as ["snow.xi=12"]'
+    require(overrides, (list, tuple), "overrides", wanted)
+    for text in overrides:
+        require(text, str, "overrides", wanted)
     tables = copy.deepcopy(dict(data))
     files.resolve(tables, Path(folder))
     changed = [(override(tables, text), text) for text in overrides]
