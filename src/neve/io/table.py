@@ -194,8 +194,9 @@ def _is_number(cell: str) -> bool:
 
 def _line(columns: tuple[str, ...], row: Mapping[str, object]) -> str:
     buffer = io.StringIO()
-    csv.writer(buffer, lineterminator="\n").writerow([_cell(row[name]) for name in columns])
-    return buffer.getvalue()
+    ends = "\r\n"  # the writer quotes what stands in its own line ends: a name may hold either
+    csv.writer(buffer, lineterminator=ends).writerow([_cell(row[name]) for name in columns])
+    return buffer.getvalue().removesuffix(ends) + "\n"
 
 
 def _cell(value: object) -> str:
