@@ -51,6 +51,16 @@ CAMPAIGNS = {
             limit=90.0,
             summary="neve.fuzz.files.trial:summary",
         ),
+        Campaign(
+            name="kills",
+            about="Runs that are killed at random moments, whose folders are hurt, and that are resumed: the"
+            " bytes of a run in one go, or one sentence; nothing outside the folder touched.",
+            things="runs",
+            trial="neve.fuzz.kills.trial:kill_and_resume",
+            count=100,
+            limit=600.0,
+            summary="neve.fuzz.kills.trial:summary",
+        ),
     )
 }
 """Campaigns by their names; `neve fuzz` alone is the first."""

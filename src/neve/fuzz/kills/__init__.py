@@ -1,0 +1,1 @@
+"""Runs that are killed and hurt, and what must come of them."""
