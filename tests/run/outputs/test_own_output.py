@@ -183,6 +183,31 @@ def test_rows_with_other_columns(fake, scene, tmp_path):
         run(fake.Simulation(scene), tmp_path / "ball", quiet=True, outputs=[writer])
 
 
+@pytest.mark.parametrize("key", ["frame", "time"])
+def test_a_row_has_one_frame_and_one_time(fake, scene, tmp_path, key):
+    """A value of one's own does not take the place of the number or the time of the frame."""
+
+    class Rows:
+        def write(self, context):
+            context.add_row("own.csv", {key: 7})
+
+        def close(self, context):
+            pass
+
+    with pytest.raises(RunError, match=f"cannot have a value {key} of its own"):
+        run(fake.Simulation(scene), tmp_path / "out", outputs=[Rows()], quiet=True)
+
+
+@pytest.mark.parametrize("name", ["", "a b", "../a", "1", "a\n", "."])
+def test_names_that_are_none(name, peak):
+    """An output has a name of letters and digits, and no two classes the same one."""
+    with pytest.raises(ValueError, match="is no name of an output"):
+        neve.register_output(name)(peak)
+    with pytest.raises(ValueError, match="is registered already"):
+        neve.register_output("peak")(Writer)
+    neve.register_output("peak")(peak)
+
+
 def test_scene_in_python(peak, scene):
     """A scene takes entries made in Python, and writes them as tables."""
     entry = registry.kinds()["peak"].options(every_seconds=0.1, factor=3.0)

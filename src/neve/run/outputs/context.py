@@ -14,6 +14,7 @@ from neve.io.frames import Frame, frame_of, frame_path, write_frame
 from neve.io.inventory import Inventory
 from neve.io.npz import mark_of
 from neve.io.table import Table
+from neve.scene.schema.outputs import LONGEST
 from neve.schedule import Regular
 
 if TYPE_CHECKING:
@@ -185,9 +186,14 @@ class FrameContext:
 
         Errors: RunError if the disk refuses, or if the file has other columns.
         """
-        row = {"frame": self.frame, "time": float(self.sim.time), **values}
-        if name in self.run.reserved or not re.fullmatch(r"\w[\w.-]*", name):
+        if name in self.run.reserved or not re.fullmatch(r"\w[\w.-]*", name) or len(name.encode()) > LONGEST:
             raise RunError(
-                f'"{name}" cannot be a table of a run: choose another, of letters, digits and . _ -'
+                f'"{name}" cannot be a table of a run: choose another, of letters, digits and . _ -, at most'
+                f" {LONGEST} bytes long."
             )
+        if own := sorted({"frame", "time"} & {*values}):
+            raise RunError(
+                f"a row of {name} cannot have a value {own[0]} of its own: each row has it already."
+            )
+        row = {"frame": self.frame, "time": float(self.sim.time), **values}
         self.run.table(name, tuple(row), numbers=("frame", "time")).append(row)

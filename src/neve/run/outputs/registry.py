@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from importlib import import_module
@@ -67,13 +68,19 @@ def register_output(
         a default. A parameter `name` is the name of the file that it writes.
     unasked, completes: see `OutputKind`
 
-    Errors: ValueError for the name of an output that comes with Neve, a class without write or close, or a
-    parameter without default, with a name that entries have already, or with a default that is not allowed.
+    Errors: ValueError for a name that is none, that is taken, or that comes with Neve, a class without write
+        or close, or a parameter without default, with a name that entries have already, or with a default
+        that is not allowed.
     """
 
     def register(made: Made) -> Made:
+        if not re.fullmatch(r"[^\W\d][\w-]*", name):
+            raise ValueError(f'"{name}" is no name of an output: use letters, digits, _ and -')
         if name in BUILT_IN and made.__module__ != f"{__package__}.{name}":
             raise ValueError(f'"{name}" is an output that comes with Neve: choose another name')
+        before = _kinds.get(name)
+        if before and _place(before.make) != _place(made):
+            raise ValueError(f'the output "{name}" is registered already, by {_place(before.make)}')
         entries = options or _options_of(name, made)
         if lacks := [word for word in ("write", "close") if not callable(getattr(made, word, None))]:
             raise ValueError(f'the output "{name}" needs a method {" and ".join(lacks)}')
@@ -82,6 +89,11 @@ def register_output(
         return made
 
     return register
+
+
+def _place(made: object) -> str:
+    """Return where a class stands; one that is defined again, as in a notebook, stands in the same place."""
+    return f"{getattr(made, '__module__', '')}.{getattr(made, '__qualname__', '')}"
 
 
 def kinds() -> dict[str, OutputKind]:

@@ -14,6 +14,10 @@ RESERVED = ("run.json", "scene.toml", "assets")
 """What lies in a run folder and is no output."""
 
 
+LONGEST = 240
+"""Bytes in the name of a file at most: systems allow 255, and parts of a film have longer names."""
+
+
 class OutputOptions(Part):
     """Hold an entry of `[[outputs]]`; each kind has a class of its own."""
 
@@ -27,6 +31,8 @@ class OutputOptions(Part):
         if not re.fullmatch(r"\w[\w.-]*", self.file() or "x") or not self.file().endswith(self.suffix):
             ending = f" that ends in {self.suffix}" if self.suffix else ""
             raise wrong("name", f"must be the name of a file{ending}, of letters, digits and . _ - alone")
+        if len(self.file().encode()) > LONGEST:
+            raise wrong("name", f"must be at most {LONGEST} bytes long")
         return self
 
     def file(self) -> str:
