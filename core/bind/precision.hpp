@@ -13,6 +13,7 @@
 #include "cpu/grid_update.hpp"
 #include "cpu/p2g.hpp"
 #include "cpu/passes/first_not_finite.hpp"
+#include "cpu/passes/inspect.hpp"
 #include "cpu/passes/refresh.hpp"
 #include "cpu/passes/totals.hpp"
 #include "cpu/passes/volumes.hpp"
@@ -254,6 +255,26 @@ void bind_passes(nb::module_& m) {
       free_gil, "Sum mass, momentum and energies in double precision.");
   m.def("first_not_finite", &first_not_finite<T>, free_gil,
         "The row of the first particle with a value that is not finite, or -1.");
+  m.def(
+      "inspect",
+      [](const Model<T>& model, const State<T>& state) {
+        const Inspection found = inspect(model, state);
+        return nb::make_tuple(found.row, found.field, found.densest, found.crowding);
+      },
+      nb::arg("model"), nb::arg("state"),
+      "Of the particles: the row of the first with an impossible value, or -1, and its field; the row of the "
+      "densest, and its density over that of ice, or over what else its pressing ends at.");
+  m.def(
+      "ice",
+      [](const Reals<T>& z) {
+        const auto of = [](auto a) { return Ice<decltype(a)>{splat<decltype(a)>(T(1))}; };
+        return nb::make_tuple(each_lane<T>(z, [&](auto a) { return of(a).pressure(a); }),
+                              each_lane<T>(z, [&](auto a) { return of(a).energy(a); }),
+                              each_lane<T>(z, [&](auto a) { return of(a).modulus(a); }));
+      },
+      nb::arg("z"),
+      "Pressure [Pa], energy [J/m3] and acoustic modulus [Pa] of ice, each over J_ice; z = ln(J_ice / J) >= "
+      "0.");
 }
 
 template <class T>

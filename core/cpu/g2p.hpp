@@ -65,13 +65,15 @@ class HomeGather {
     const Pack pack{state_, p, count, load_vector<R>(state_.x, p, count)};
     stencils_.template fill<typename Transfer::GatherWeights>(frame_, pack.at);
     gather(count);
-    const Advanced<R> now = advance<Transfer>(
+    Advanced<R> now = advance<Transfer>(
         pack, gathered(), step_, solids_,
         [&](const Mat3<R>& F_trial, const R& J_P)
             NEVE_INLINE_LAMBDA { return return_map(model_, state_, p, count, F_trial, J_P); },
         [&](const auto& solid, const auto& met, const auto&... exchanged) {
           if (exchange_) record(exchange_->of(solid.index), met, pack.m(), exchanged...);
         });
+    const R J = determinant(now.material.F_E) * now.material.J_P;
+    if (any(near_ice(state_, p, count, J))) add_ice(model_, state_, p, count, J, now.material.stress);
     check(pack, now);
     if (exchange_) keep(p, count, now);
   }

@@ -1,6 +1,7 @@
 // Which law moves which particle: the material table.
 #pragma once
 
+#include "constitutive/ice.hpp"
 #include "constitutive/laws.hpp"
 #include "cpu/fields.hpp"
 #include "mpm/model.hpp"
@@ -103,6 +104,52 @@ Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int coun
   return out;
 }
 
+// The ice of a pack of particles, and 1 in the lanes that may come to it: particles that flow.
+template <class T>
+struct PackIce {
+  Ice<Lanes<T>> ice;
+  Lanes<T> mark{};
+
+  PackIce(const Model<T>& model, const State<T>& state, std::size_t p, int count)
+      : ice(Ice<Lanes<T>>::of(load<Lanes<T>>(state.m.column(0) + p, count),
+                              load<Lanes<T>>(state.V0.column(0) + p, count))) {
+    for (int l = 0; l < width<Lanes<T>>; ++l) {
+      if (l < count && model.snows[state.material[p + static_cast<std::size_t>(l)]].plastic) {
+        mark[l] = T(1);
+      } else {
+        ice.J_ice[l] = T(1);
+      }
+    }
+  }
+};
+
+// Lanes at, or within a tenth of, the density of ice, or of what else ends the pressing of snow.
+template <class T>
+auto near_ice(const State<T>& state, std::size_t p, int count, const Lanes<T>& J) {
+  using R = Lanes<T>;
+  const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
+  return (J * V0 * T(ice_density / 1.1) < m) & (J < T(most_without_ice * 1.1));
+}
+
+// Add the stress of ice to particles that deform to J. The modulus is that of where they will be after one more step
+// like this: the next one is chosen by it.
+template <class T>
+[[gnu::noinline]] void add_ice(const Model<T>& model, const State<T>& state, std::size_t p, int count,
+                               const Lanes<T>& J, Stress<Lanes<T>>& stress) {
+  using R = Lanes<T>;
+  const PackIce<T> pack(model, state, p, count);
+  const auto& ice = pack.ice;
+  const R J_before =
+      determinant(load_matrix<R>(state.F_E, p, count)) * load<R>(state.J_P.column(0) + p, count);
+  const R zero = splat<R>(0), z = ice.beyond(J), ahead = z + max(R(z - ice.beyond(J_before)), zero);
+  const R pressure = ice.pressure(max(z, zero));
+  const auto here = pack.mark > zero;
+  stress.tau.xx = select(here, R(stress.tau.xx - pressure), stress.tau.xx);
+  stress.tau.yy = select(here, R(stress.tau.yy - pressure), stress.tau.yy);
+  stress.tau.zz = select(here, R(stress.tau.zz - pressure), stress.tau.zz);
+  stress.modulus = select(here, R(stress.modulus + ice.modulus(max(ahead, zero))), stress.modulus);
+}
+
 }  // namespace detail
 
 // The laws on the particles [p, p + count) of the state. The return map is inlined into g2p, where a call costs a tenth
@@ -121,18 +168,28 @@ template <class T>
 [[gnu::noinline]] Stress<Lanes<T>> stress(const Model<T>& model, const State<T>& state, std::size_t p,
                                           int count, const Mat3<Lanes<T>>& F_E, Lanes<T> J_P) {
   using Out = Stress<Lanes<T>>;
-  return detail::by_law<Out>(model, state, p, count, F_E, [&](auto law, const auto& q, const auto& F) -> Out {
-    return decltype(law)::stress(F, J_P, q);
-  });
+  Out out = detail::by_law<Out>(
+      model, state, p, count, F_E,
+      [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::stress(F, J_P, q); });
+  const Lanes<T> J = determinant(F_E) * J_P;
+  if (any(detail::near_ice(state, p, count, J))) detail::add_ice(model, state, p, count, J, out);
+  return out;
 }
 
 template <class T>
 [[gnu::noinline]] Lanes<T> energy(const Model<T>& model, const State<T>& state, std::size_t p, int count,
                                   const Mat3<Lanes<T>>& F_E, Lanes<T> J_P) {
   using Out = Lanes<T>;
-  return detail::by_law<Out>(model, state, p, count, F_E, [&](auto law, const auto& q, const auto& F) -> Out {
-    return decltype(law)::energy(F, J_P, q);
-  });
+  Out out = detail::by_law<Out>(
+      model, state, p, count, F_E,
+      [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::energy(F, J_P, q); });
+  const Out J = determinant(F_E) * J_P;
+  if (any(detail::near_ice(state, p, count, J))) {
+    const detail::PackIce<T> pack(model, state, p, count);
+    const Out psi = pack.ice.energy(max(pack.ice.beyond(J), splat<Out>(0)));
+    out = select(pack.mark > Out{}, Out(out + psi), out);
+  }
+  return out;
 }
 
 }  // namespace neve

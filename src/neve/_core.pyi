@@ -453,6 +453,14 @@ class Precision(Protocol):
         """
     def first_not_finite(self, state: _State, /) -> int:
         """Return the row with the lowest id that has a value that is not finite; -1 if there is none."""
+    def inspect(self, model: _Model, state: _State) -> tuple[int, str, int, float]:
+        """Return the row with the lowest id that has an impossible value, -1 if there is none, and its field.
+
+        Then the row of the densest snow with plastic flow, -1 without any, and its density over that of ice
+        or, if that is more, over its own at rest / 0.9.
+        """
+    def ice(self, z: Reals) -> tuple[Reals, Reals, Reals]:
+        """Return pressure [Pa], energy [J/m3], modulus [Pa] of ice over J_ice, of z = ln(J_ice / J) >= 0."""
     def svd(self, F: Reals) -> tuple[Reals, Reals, Reals]:
         """Return U (n, 3, 3), sigma (n, 3) and V (n, 3, 3) with F = U diag(sigma) V^T, of F (n, 3, 3).
 

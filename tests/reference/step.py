@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference import contact, modes, snow, splines
-from reference.snow import Snow
+from reference import contact, ice, modes, snow, splines
+from reference.snow import Snow, column
 
 
 @dataclass
@@ -152,7 +152,8 @@ def forces(p, method, nodes, at, ijk, w, grad_w):
     if method.affine:
         D = splines.MOMENT[method.spline] * method.dx**2
         grad_w = w[..., None] * (method.dx * ijk - p.x[:, None, :]) / D
-    tau = snow.kirchhoff(p.F_E, p.J_P, p.law)
+    pressure = ice.volume(p) * ice.pressure(ice.beyond(p))
+    tau = snow.kirchhoff(p.F_E, p.J_P, p.law) - column(pressure) * np.eye(3)
     return -scatter(nodes, at, np.einsum("p,pab,pkb->pka", p.V0, tau, grad_w))
 
 

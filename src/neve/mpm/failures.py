@@ -25,7 +25,8 @@ def require_finite(model: Model, state: State, report: Report, steps: int, time:
     values = {"x": state.x[row], "v": state.v[row], "F_E": state.F_E[row], "J_P": state.J_P[row]}
     broken = [name for name, value in values.items() if not _finite(value)]
     raise Blowup(
-        f"{_name(model, state, row)} has no finite {' or '.join(broken) or 'stress'} {when}: {remedy(model)}"
+        f"{name_of(model, state, row)} has no finite {' or '.join(broken) or 'stress'} {when}: "
+        f"{remedy(model)}"
     )
 
 
@@ -45,7 +46,7 @@ def no_step(
 ) -> Blowup:
     """Return the Blowup of a step that was rejected `tried` times, the last time with dt [s]."""
     rows = np.flatnonzero(np.asarray(state.id) == report.offending_id)
-    who = _name(model, state, int(rows[0])) if len(rows) else "a particle"
+    who = name_of(model, state, int(rows[0])) if len(rows) else "a particle"
     if not report.finite:
         what = "would have no finite value"
     elif report.max_displacement > _core.displacement_limit:
@@ -68,10 +69,12 @@ def remedy(model: Model) -> str:
     return f"lower numerics.cfl (now {numerics.cfl:g}) or check E0, xi and velocities"
 
 
-def _name(model: Model, state: State, row: int) -> str:
+def name_of(model: Model, state: State, row: int) -> str:
+    """Return which particle is at `row`: its number, its snow, its place."""
     material = int(state.material[row])
+    law = f", {model.snows[material].law}" if material < len(model.snows) else ""
     where = ", ".join(f"{a:.4g}" for a in state.x[row])
-    return f"particle {state.id[row]} (snow {material}, {model.snows[material].law}) at ({where}) m"
+    return f"particle {state.id[row]} (snow {material}{law}) at ({where}) m"
 
 
 def _finite(value: object) -> bool:

@@ -16,6 +16,7 @@ from neve.mpm.failures import require_finite, require_progress
 from neve.mpm.initial import build, make_model
 from neve.mpm.rebuild import with_scene, with_source
 from neve.mpm.state import FIELDS, density, from_arrays, to_arrays
+from neve.mpm.state_checks import inspect, warn_of_density
 from neve.mpm.step import STAGES, Stages
 from neve.mpm.step_control import try_step
 from neve.mpm.time_step import Choice, fitted, largest
@@ -69,10 +70,14 @@ class MpmSolver(Solver):
                 self.model.rigid.restore(saved)
             self.state = from_arrays(self.model.core, saved)
         self.grid = self.model.core.Grid()
-        self._warned = False
+        self._warned = self._warned_of_density = False
 
     def begin(self, steps: int, time: float) -> None:
-        """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid."""
+        """Derive from the state what a step needs: stress and speeds, at the very first volumes, the grid.
+
+        Errors: Blowup for values in the state that no snow has (see neve.mpm.state_checks).
+        """
+        densest = inspect(self.model, self.state)
         self._stages = Stages(self.model, self.state, self.grid, self.timer)
         self.model.limit_compression(float(np.max(self.state.strength, initial=0.0)))
         self._report = self._stages.refresh()
@@ -80,6 +85,9 @@ class MpmSolver(Solver):
         if steps == 0 and self.scene.numerics.initial_volume == "grid":
             self._stages.measure_volumes()
             self._report = self._stages.refresh()  # the wave speed depends on the volume
+            densest = inspect(self.model, self.state)
+        if not self._warned_of_density:
+            self._warned_of_density = warn_of_density(self.scene, self.model, self.state, densest, time)
         self._stages.sort(anew=True)
 
     def step(self, steps: int, time: float, remaining: float) -> StepSummary:
@@ -125,7 +133,8 @@ class MpmSolver(Solver):
         )
 
     def diagnostics(self, exchanged: NDArray[np.float64]) -> Diagnostics:
-        """Add up the state, in double precision in a fixed order."""
+        """Add up the state, in double precision in a fixed order. Errors: Blowup as `begin`."""
+        inspect(self.model, self.state)
         t = self.model.core.totals(self.model.native, self.state)
         px, py, pz = t.momentum
         rigid = self.model.rigid

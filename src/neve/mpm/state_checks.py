@@ -1,0 +1,82 @@
+"""Look at the particles before they are used: impossible values, and snow that is denser than ice."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from neve.mpm.failures import name_of
+from neve.mpm.model import Model
+from neve.scene.schema.scene import Scene
+from neve.solver import Blowup
+
+if TYPE_CHECKING:
+    from neve._core import State
+
+ALLOWED = {
+    "x": "finite numbers [m]",
+    "v": "finite numbers [m/s]",
+    "C": "finite numbers [1/s]",
+    "modes": "finite numbers [m/s]",
+    "F_E": "a finite matrix whose determinant is above zero",
+    "J_P": "a finite number above zero",
+    "m": "a finite mass above zero [kg]",
+    "V0": "a finite volume above zero [m3]",
+    "stiffness": "a finite factor above zero",
+    "strength": "a finite factor of at least zero",
+    "material": "a row of the material table",
+}
+"""What each field of a particle may hold."""
+
+TOO_DENSE = 1.1
+"""Density over that of ice from which on a run says so [1]."""
+
+
+class Densest(NamedTuple):
+    """The row of the densest snow with plastic flow (-1: none), and its density over its limit [1]."""
+
+    row: int
+    crowding: float
+
+
+def inspect(model: Model, state: State) -> Densest:
+    """Return the densest particle.
+
+    Errors: Blowup, one sentence, for a value that no snow has: which particle, which field, what is allowed.
+    """
+    row, field, densest, crowding = model.core.inspect(model.native, state)
+    if row < 0:
+        return Densest(densest, crowding)
+    given = np.asarray(getattr(state, field)[row]).tolist()
+    allowed = f"from 0 to {len(model.snows) - 1}" if field == "material" else ALLOWED[field]
+    what = f" (determinant {_determinant(state, row):.3g})" if field == "F_E" else ""
+    raise Blowup(f"{name_of(model, state, row)}: state.{field} = {given}{what}; allowed is {allowed}")
+
+
+def _determinant(state: State, row: int) -> float:
+    a, b, c = np.asarray(state.F_E[row], dtype=np.float64).tolist()
+    minors = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
+    return float(a[0] * minors[0] + a[1] * minors[1] + a[2] * minors[2])
+
+
+def warn_of_density(scene: Scene, model: Model, state: State, densest: Densest, time: float) -> bool:
+    """Log that snow is denser than ice, and return whether it is: which source, how dense, what to change."""
+    if densest.row < 0 or densest.crowding <= TOO_DENSE:
+        return False
+    row = densest.row
+    material = int(state.material[row])
+    sources = [i for i, s in enumerate(scene.sources) if model.snows.index(scene.snow_of(s)) == material]
+    volume = _determinant(state, row) * float(state.J_P[row])
+    logging.getLogger("neve").warning(
+        "snow of %s is pressed to %.0f kg/m3 at t = %.3g s, by particle %d at (%s) m; ice has 917 kg/m3: "
+        "leave it more room, press or throw it more slowly, or resolve it more finely (numerics.dx = %g m)",
+        " or ".join(f"sources.{i}" for i in sources),
+        float(state.m[row]) / (float(state.V0[row]) * volume),
+        time,
+        int(state.id[row]),
+        ", ".join(f"{a:.3g}" for a in state.x[row]),
+        model.numerics.dx,
+    )
+    return True
