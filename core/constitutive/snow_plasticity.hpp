@@ -2,7 +2,7 @@
 // hardening with plastic compression.
 //
 //   flow:       sigma <- clamp(sigma, [1 - theta_c, 1 + theta_s]),  J_P <- J_P prod(sigma_trial / sigma)
-//               unless that would raise Psi, which the paper does not look at (without_work())
+//               unless that would make energy, which the paper does not look at (dissipative())
 //   hardening:  mu, lam = (mu0, lam0) exp(xi (1 - J_P))
 //
 // J_P is bounded, which the paper does not do. From below by J_P_min inside the exponent only: J_P = 0.3 would
@@ -193,22 +193,23 @@ struct SnowPlasticity {
     return e;
   }
 
-  // The clamped strains, unless they store more than the trial. Snow that is pressed along one axis presses on the
-  // others too, even where it is stretched beyond theta_s: flowing there, it works against that pressure, in every step
-  // anew. Then flow is the cheapest one, and the rest of the way to the limits keeps the volume, so the pressure.
+  // The clamped strains, unless flow to them does work on the snow, sum_k dPsi/ds_k (s'_k - s_k) < 0 with the stress at
+  // its end. Snow that is pressed along one axis presses on the others too, even where it is stretched beyond theta_s:
+  // flowing there, it pushes against that pressure, in every step anew. Then flow is the cheapest one, and the rest of
+  // the way to the limits keeps the volume, so the pressure.
   template <class R>
-  NEVE_INLINE static Vec3<R> without_work(const Vec3<R>& trial, const Vec3<R>& clamped,
-                                          const Parameters<R>& q) {
+  NEVE_INLINE static Vec3<R> dissipative(const Vec3<R>& trial, const Vec3<R>& clamped,
+                                         const Parameters<R>& q) {
+    using T = scalar_t<R>;
     const R zero = splat<R>(0);
     const Response<R> at = Elasticity::respond(clamped, q.mu0, q.lam0);
-    R side = zero;  // the sign of the strains that would flow against their stress
+    R side = zero, dissipated = zero;  // side: the sign of the strains that would flow against their stress
     for (int k = 0; k < 3; ++k) {
-      const R flow = trial[k] - clamped[k];
-      side = select(flow * (at.isotropic + at.axial[k]) < zero, flow, side);
+      const R flow = trial[k] - clamped[k], work = flow * (at.isotropic + at.axial[k]);
+      side = select(work < zero, flow, side);
+      dissipated = dissipated + work / (T(1) + clamped[k]);
     }
-    if (!any(side != zero)) return clamped;
-    const auto gains = Elasticity::energy(clamped, q.mu0, q.lam0) > Elasticity::energy(trial, q.mu0, q.lam0);
-    const auto against = (side != zero) & gains, stretched = side > zero;
+    const auto against = dissipated<zero, stretched = side> zero;
     if (!any(against)) return clamped;
     const R limit = select(stretched, q.theta_s, R(-q.theta_c));
     const Vec3<R> cheap = cheapest(trial, clamped, limit, stretched, q);
@@ -224,7 +225,7 @@ struct SnowPlasticity {
     Mapped<R> out{F_trial, J_P, {}};
     const auto& e = svd.strain;
     if (any((e.x != kept.x) | (e.y != kept.y) | (e.z != kept.z))) {
-      kept = without_work(svd.strain, kept, q);
+      kept = dissipative(svd.strain, kept, q);
       const Vec3<R> excess = svd.strain - kept;
       out.F_E = without(F_trial, svd, excess);
       for (int k = 0; k < 3; ++k)

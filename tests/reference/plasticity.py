@@ -8,7 +8,7 @@ from reference.polar import column, polar_svd, transpose
 def clamp(F_trial, J_P, snow, elasticity):
     """Stomakhin et al. 2013: stretches into [1 - theta_c, 1 + theta_s]; what is cut off becomes plastic.
 
-    Where that would raise Psi, flow is the cheapest one, and the rest of the way to the limits keeps det F_E.
+    Where that flow would make energy, it is the cheapest one instead, and keeps det F_E for the rest.
     """
     U, sigma, V = polar_svd(F_trial)
     low, high = (
@@ -18,12 +18,17 @@ def clamp(F_trial, J_P, snow, elasticity):
     clipped = np.clip(sigma, low, high)
     cheap = cheapest(np.minimum(sigma, clipped), np.maximum(sigma, clipped), snow, elasticity)
     inside = at_constant_volume(1 / at_constant_volume(1 / cheap, 1 / low), high)
-    before, after = (
-        elasticity.energy(s[:, :, None] * np.eye(3), snow.mu0, snow.lam0) for s in (sigma, clipped)
-    )
-    kept = np.where(column(after > before, 1), inside, clipped)
+    tau = principal(clipped, snow, elasticity)
+    dissipated = (tau / clipped * (sigma - clipped)).sum(-1, keepdims=True)
+    kept = np.where(dissipated < 0, inside, clipped)
     F_E = (U * kept[:, None, :]) @ transpose(V)
     return F_E, np.minimum(J_P * (sigma / kept).prod(-1), snow.J_P_max)
+
+
+def principal(s, snow, elasticity):
+    """tau_k = s_k dPsi/ds_k of principal stretches s (n, 3) [Pa]."""
+    tau = elasticity.stress(s[:, :, None] * np.eye(3), snow.mu0, snow.lam0)
+    return np.diagonal(tau, axis1=1, axis2=2)
 
 
 def at_constant_volume(s, limit):
