@@ -13,7 +13,7 @@ COLLIDERS = [
 def squeezed(precision, spline, transfer):
     description = scene(
         [box(velocity=(1, 0.5, -3), spin=(0, 5, 0))], COLLIDERS,
-        precision=precision, spline=spline, transfer=transfer, dt=2e-4,
+        precision=precision, spline=spline, transfer=transfer, dt=1.5e-4,
     )  # fmt: skip
     return simulate(description)
 
