@@ -195,6 +195,7 @@ def update_velocities(p, method, nodes, at, w, s, grad_v, dt, separates):
     """Stage 8. PIC, or PIC + alpha (v_p - sum w v_i^n), the FLIP blend; C and further modes beside it.
 
     In "aflip" the blend of C is the same: its PIC is grad v, and sum w v_i^n (x_i - x_p)^T D^-1 what it had.
+    In "asflip" C is that PIC, shortened to the energy that the blends of PIC and of increments would have.
     Return the velocity that positions follow: for "asflip" that of PIC where snow does not separate.
     """
     pic = np.einsum("pk,pka->pa", w, nodes.v_new[at])
@@ -204,10 +205,19 @@ def update_velocities(p, method, nodes, at, w, s, grad_v, dt, separates):
     if method.transfer == "polypic":
         p.more = modes.coefficients(w, s, nodes.v_new[at])[:, 4:]
     if method.affine:
-        share = method.flip_share(dt) if method.transfer == "aflip" else 0.0
-        p.C = grad_v + share * (p.C - affine(p, method, nodes, at, w, nodes.v[at]))
+        share = method.flip_share(dt) if method.transfer in ("aflip", "asflip") else 0.0
+        own_C = p.C - affine(p, method, nodes, at, w, nodes.v[at])
+        p.C = scaled_down(grad_v, own_C, share) if method.transfer == "asflip" else grad_v + share * own_C
     p.v = pic + own
     return pic + own * separates[:, None] if method.transfer == "asflip" else p.v
+
+
+def scaled_down(grad_v, own_C, share):
+    """C of "asflip": grad v, no longer than ((1 - alpha) |grad v|^2 + alpha |C + dC|^2)^1/2."""
+    whole, kept = ((A**2).sum((1, 2)) for A in (grad_v, grad_v + own_C))
+    allowed = (1 - share) * whole + share * kept
+    s = np.sqrt(np.minimum(1.0, allowed / np.where(whole > 0, whole, 1.0)))
+    return np.where(whole > 0, s, 1.0)[:, None, None] * grad_v
 
 
 def kinetic(p, method):
