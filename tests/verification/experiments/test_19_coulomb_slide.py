@@ -7,7 +7,7 @@ from verification.scenes import ELASTIC, march, scene, simulate
 G = 9.81
 
 
-def slide(degrees, mu_c, rho0, transfer, steps=500, dt=1e-3):
+def slide(degrees, mu_c, rho0, transfer, steps=1250, dt=4e-4):
     """Mean acceleration of a block along the slope over the second half of the time [m/s2]."""
     theta = np.radians(degrees)
     normal = np.array([np.sin(theta), 0.0, np.cos(theta)])
@@ -53,7 +53,7 @@ def test_slides(mu_c, transfer):
     """
     theta = np.radians(30)
     expected = G * (np.sin(theta) - mu_c * np.cos(theta))
-    steps = 1000 if transfer in ("polypic", "asflip") else 500
+    steps = 2500 if transfer in ("polypic", "asflip") else 1250
     assert slide(30, mu_c, 400.0, transfer, steps) == pytest.approx(expected, abs=0.01 * G * np.sin(theta))
 
 
@@ -73,6 +73,6 @@ def test_mass_does_not_matter():
     theta = np.radians(30)
     expected = G * (np.sin(theta) - 0.3 * np.cos(theta))
     for rho0 in (200.0, 800.0):
-        assert slide(30, 0.3, rho0, "apic", steps=1000, dt=5e-4) == pytest.approx(
+        assert slide(30, 0.3, rho0, "apic", steps=1250, dt=4e-4) == pytest.approx(
             expected, abs=0.01 * G * np.sin(theta)
         )

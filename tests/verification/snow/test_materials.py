@@ -19,7 +19,7 @@ def drop(*snows, precision="float64", **numerics):
         ball(center=(APART * k, 0, 0), radius=0.11, velocity=(0, 0, -5), snow=snow)
         for k, snow in enumerate(snows)
     ]
-    return scene(lumps, FLOOR, precision=precision, dt=2e-4, **numerics)
+    return scene(lumps, FLOOR, precision=precision, dt=1e-4, **numerics)
 
 
 def of_source(sim, k, names=("x", "v", "F_E", "J_P")):
