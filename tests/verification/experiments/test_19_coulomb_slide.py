@@ -53,7 +53,7 @@ def test_slides(mu_c, transfer):
     """
     theta = np.radians(30)
     expected = G * (np.sin(theta) - mu_c * np.cos(theta))
-    steps = 2500 if transfer in ("polypic", "asflip") else 1250
+    steps = 2500 if transfer in ("polypic", "asflip", "aflip") else 1250
     assert slide(30, mu_c, 400.0, transfer, steps) == pytest.approx(expected, abs=0.01 * G * np.sin(theta))
 
 
