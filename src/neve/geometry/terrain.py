@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 MAX_SAMPLES = 2**27
 """Samples that a map may have."""
+MAX_SIDE = 2**20
+"""Samples along a side of a map."""
 SAMPLE_BYTES = 40
 """Memory for each sample while a map is read [bytes]: the file's own, real numbers, and those scaled."""
 BITS, PIXEL_SCALE, GEO_KEYS, NO_DATA = 258, 33550, 34735, 42113
@@ -55,6 +57,8 @@ def height_field(terrain: Terrain, name: str) -> HeightField:
     if len(shape) != 2 or min(shape) < 2:
         axes = f"{len(shape)} axes" if len(shape) != 2 else f"{shape[0]} x {shape[1]} numbers"
         raise SceneError(f"{key} has {axes}: a height map has two axes, x and y, each of 2 numbers or more")
+    if max(shape) > MAX_SIDE:
+        raise SceneError(f"{key} has a side of {max(shape):,} heights, more than {MAX_SIDE:,}: cut the map")
     if lost := np.count_nonzero(~np.isfinite(found.values)):
         raise SceneError(f"{key} has gaps, {lost} in all, where the height is no finite number: fill them")
     pixel = found.pixel or (0.0, 0.0)
