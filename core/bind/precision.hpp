@@ -58,7 +58,12 @@ void bind_model(nb::module_& m) {
       .def_prop_ro(
           "stencil_stiffness", &stencil_stiffness<T>,
           "The largest sum over nodes of |g . a|^2 / w, g what makes velocity gradients [1/cells^2].")
-      .def_prop_ro("more_modes", &more_modes<T>, "How many velocity modes a particle has beyond v and C.")
+      .def_prop_ro("more_modes", &velocities<T>,
+                   "How many velocities a particle has beyond v and C: further modes, and how far it has "
+                   "left surfaces with play.")
+      .def_prop_ro(
+          "has_play", [](const M& self) { return has_play(self); },
+          "Whether the last of them is how far it has left surfaces with play [m].")
       .def(
           "add_snow",
           [](M& self, const std::string& law, const std::string& plasticity, const Numbers& constants) {
@@ -168,7 +173,7 @@ void bind_grid(nb::module_& m) {
 
 template <class T>
 void require_modes(const Model<T>& model, const State<T>& state) {
-  if (state.modes.components() != 3 * more_modes(model))
+  if (state.modes.components() != 3 * velocities(model))
     throw nb::value_error("the state has another number of velocity modes than the model");
 }
 template <class T>

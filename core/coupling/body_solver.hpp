@@ -61,13 +61,19 @@ Vec3<T> angular(const Twist& u) {
   return {T(u[3]), T(u[4]), T(u[5])};
 }
 
-// Let the solids act, one after another, on a pack of nodes, and call visit(contact, v before, v_co, v after)
-// for each. Bodies move with U.
+// What contact makes of a pack of nodes: velocities, and how far they have left surfaces with play [m].
+template <class R>
+struct Moved {
+  Vec3<R> v, lift;
+};
+
+// Let the solids act, one after another, on a pack of nodes, and call visit(contact, v before, play, v_co, v after) for each. Bodies move with U.
 template <class T, class F>
-Vec3<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename BlockContacts<T>::NodePack& nodes,
-                              const std::vector<Twist>& U, F&& visit) {
+Moved<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename BlockContacts<T>::NodePack& nodes,
+                               const std::vector<Twist>& U, F&& visit) {
   using R = Lanes<T>;
   Vec3<R> v = nodes.v;
+  Lift<R> lift = nodes.lift;
   for (std::size_t e = nodes.begin; e < nodes.end; ++e) {
     const auto& contact = all.contacts[e];
     const int body = contact.solid->body;
@@ -75,11 +81,11 @@ Vec3<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename BlockC
     const Vec3<T> V = u ? linear<T>(*u) : contact.solid->velocity;
     const Vec3<T> w = u ? angular<T>(*u) : contact.solid->omega;
     const Vec3<R> v_co = spread<R>(V) + cross(spread<R>(w), contact.arm), before = v;
-    v = select(contact.inside,
-               after_contact(v, contact.normal, v_co, contact.solid->mode, contact.solid->mu_c), v);
-    visit(contact, before, v_co, v);
+    const Play<R> play = lift.play(contact.normal);
+    v = meet(*contact.solid, contact.inside, contact.normal, v_co, v, lift);
+    visit(contact, before, play, v_co, v);
   }
-  return v;
+  return {v, lift.s};
 }
 
 // The responses of the snow of some blocks to bodies. Each block's are summed on their own, then in the order of the
@@ -116,24 +122,24 @@ class Responses {
 
   static void add(const BlockContacts<T>& all, const typename BlockContacts<T>::NodePack& nodes,
                   const std::vector<Twist>& U, Part& part) {
-    apply_contacts(
-        all, nodes, U,
-        [&](const auto& contact, const Vec3<R>& before, const Vec3<R>& v_co, const Vec3<R>& after) {
-          if (contact.solid->body < 0) return;
-          const Mat3<R> D =
-              contact_slope(before, contact.normal, v_co, contact.solid->mode, contact.solid->mu_c);
-          BodyResponse& sum = of(std::size_t(contact.solid->body), part);
-          for (int l = 0; l < width<R>; ++l) {
-            if (!contact.inside[l]) continue;
-            double arm[3], dv[3], slope[3][3];
-            for (int i = 0; i < 3; ++i) {
-              arm[i] = double(contact.arm[i][l]);
-              dv[i] = double(after[i][l]) - double(before[i][l]);
-              for (int j = 0; j < 3; ++j) slope[i][j] = double(D(i, j)[l]);
-            }
-            sum.add(double(nodes.m[l]), arm, dv, slope);
-          }
-        });
+    apply_contacts(all, nodes, U,
+                   [&](const auto& contact, const Vec3<R>& before, const Play<R>& play, const Vec3<R>& v_co,
+                       const Vec3<R>& after) {
+                     if (contact.solid->body < 0) return;
+                     const Mat3<R> D = contact_slope(before, contact.normal, v_co, contact.solid->mode,
+                                                     contact.solid->mu_c, play);
+                     BodyResponse& sum = of(std::size_t(contact.solid->body), part);
+                     for (int l = 0; l < width<R>; ++l) {
+                       if (!contact.inside[l]) continue;
+                       double arm[3], dv[3], slope[3][3];
+                       for (int i = 0; i < 3; ++i) {
+                         arm[i] = double(contact.arm[i][l]);
+                         dv[i] = double(after[i][l]) - double(before[i][l]);
+                         for (int j = 0; j < 3; ++j) slope[i][j] = double(D(i, j)[l]);
+                       }
+                       sum.add(double(nodes.m[l]), arm, dv, slope);
+                     }
+                   });
   }
 
   const std::vector<BlockContacts<T>>& blocks_;

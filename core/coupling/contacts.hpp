@@ -71,14 +71,51 @@ inline void each_holding(const Solids& solids, const Vec3<R>& x, R m, scalar_t<R
   }
 }
 
+// How far snow has left surfaces with play, along their normals; and by how much it may, in steps of dt.
+template <class R>
+struct Lift {
+  Vec3<R> s;             // [m]
+  scalar_t<R> dt, most;  // [s], [m]
+
+  R along(const Vec3<R>& n) const { return clamp(dot(s, n), R{}, splat<R>(most)); }
+  Play<R> play(const Vec3<R>& n) const {
+    const R left = along(n);
+    return {-left / splat<R>(dt), (splat<R>(most) - left) / splat<R>(dt)};
+  }
+  // Snow of the lanes `inside` goes on with v_n.
+  template <class M>
+  void follow(const M& inside, const Vec3<R>& n, const R& v_n) {
+    const R now = clamp(R(along(n) + v_n * dt), R{}, splat<R>(most));
+    s = s + n * select(inside, R(now - dot(s, n)), R{});
+  }
+};
+// No surface has any.
+struct NoLift {};
+
+// The velocity of snow after a solid has acted on the lanes `inside`.
+template <class R, class M>
+inline Vec3<R> meet(const Solid<scalar_t<R>>& solid, const M& inside, const Vec3<R>& n, const Vec3<R>& v_co,
+                    const Vec3<R>& v, NoLift&) {
+  return select(inside, after_contact(v, n, v_co, solid.mode, solid.mu_c), v);
+}
+template <class R, class M>
+inline Vec3<R> meet(const Solid<scalar_t<R>>& solid, const M& inside, const Vec3<R>& n, const Vec3<R>& v_co,
+                    const Vec3<R>& v, Lift<R>& lift) {
+  NoLift none;
+  if (!has_play(solid.mode, solid.mu_c)) return meet(solid, inside, n, v_co, v, none);
+  const Vec3<R> after = select(inside, after_contact(v, n, v_co, solid.mode, solid.mu_c, lift.play(n)), v);
+  lift.follow(inside, n, dot(after - v_co, n));
+  return after;
+}
+
 // The velocity of snow of nodes at x after every solid that holds x has acted on it. Calls
 // exchanged(solid, which nodes, arm from its centre, velocity of its surface, v before, v after) for each.
-template <class Solids, class R, class F>
-inline Vec3<R> collide(const Solids& solids, const Vec3<R>& x, Vec3<R> v, scalar_t<R> skin, R m,
+template <class Solids, class R, class L, class F>
+inline Vec3<R> collide(const Solids& solids, const Vec3<R>& x, Vec3<R> v, L& lift, scalar_t<R> skin, R m,
                        F&& exchanged) {
   each_holding(solids, x, m, skin, [&](const auto& solid, const Vec3<R>& normal, const auto& inside) {
     const Vec3<R> before = v, v_co = solid.velocity_at(x);
-    v = select(inside, after_contact(v, normal, v_co, solid.mode, solid.mu_c), v);
+    v = meet(solid, inside, normal, v_co, v, lift);
     exchanged(solid, inside, x - spread<R>(solid.centre), v_co, before, v);
   });
   return v;

@@ -42,16 +42,38 @@ struct BlockUpdate {
 
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
   void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node, T* change,
-                     ExchangeSum& exchange) const {
+                     T* lift, ExchangeSum& exchange) const {
     Vec3<Lanes<T>> v;
     Lanes<T> mass;
     load_quads(node, v.x, v.y, v.z, mass);
-    const Vec3<Lanes<T>> after =
-        collide(solids, positions(at, first), v, skin(), mass,
-                [&](const auto& solid, const auto& inside, const auto&... exchanged) {
-                  record(exchange.of(solid.index), inside, mass, exchanged...);
-                });
-    store_nodes(node, change, v, after, mass);
+    const auto after = [&](auto& left) {
+      return collide(solids, positions(at, first), v, left, skin(), mass,
+                     [&](const auto& solid, const auto& inside, const auto&... exchanged) {
+                       record(exchange.of(solid.index), inside, mass, exchanged...);
+                     });
+    };
+    if (lift) {
+      Lift<Lanes<T>> left = load_lift(lift, mass);
+      const Vec3<Lanes<T>> before = left.s;
+      store_nodes(node, change, v, after(left), mass);
+      store_lift(lift, left.s - before);
+    } else {
+      NoLift none;
+      store_nodes(node, change, v, after(none), mass);
+    }
+  }
+
+  // How far a batch of nodes has left surfaces with play, from m s; none if there is no such surface.
+  Lift<Lanes<T>> load_lift(const T* lift, Lanes<T> mass) const {
+    Lift<Lanes<T>> left{{}, dt, T(play_cells * model.dx)};
+    if (!lift) return left;
+    Lanes<T> unused;
+    load_quads(lift, left.s.x, left.s.y, left.s.z, unused);
+    left.s = left.s * select(has_velocity(mass), inverse_mass(mass), Lanes<T>{});
+    return left;
+  }
+  void store_lift(T* lift, const Vec3<Lanes<T>>& change) const {
+    if (lift) store_quads(lift, change.x, change.y, change.z, Lanes<T>{});
   }
 
   Vec3<Lanes<T>> positions(BlockCoord at, int first) const {
@@ -90,7 +112,8 @@ struct BlockUpdate {
         if (solid.body >= 0) return true;
       }
       for (int n = 0; n < 64 && !near.empty(); n += lane_count<T>)
-        collide_nodes(near, coord(grid, b), n, node + 4 * n, change + 4 * n, exchange);
+        collide_nodes(near, coord(grid, b), n, node + 4 * n, change + 4 * n, lift_at(grid, b, n), exchange);
+      if (near.empty()) no_lift(grid, b);
     }
     bound_velocities(grid, b);
     return false;
@@ -103,8 +126,10 @@ struct BlockUpdate {
       Vec3<Lanes<T>> v;
       Lanes<T> mass;
       load_quads(grid.node(out.block) + 4 * n, v.x, v.y, v.z, mass);
-      out.add(near, model.solids, positions(coord(grid, out.block), n), v, mass, n, skin());
+      const Lift<Lanes<T>> lift = load_lift(lift_at(grid, out.block, n), mass);
+      out.add(near, model.solids, positions(coord(grid, out.block), n), v, lift, mass, n, skin());
     }
+    no_lift(grid, out.block);
   }
 
   // Apply them, once it is known how the bodies move.
@@ -114,12 +139,14 @@ struct BlockUpdate {
     T* change = change_of(grid, all.block);
     ExchangeSum& exchange = grid.node_exchange[static_cast<std::size_t>(all.block)];
     for (const auto& nodes : all.nodes) {
-      const Vec3<R> v = apply_contacts(
-          all, nodes, U, [&](const auto& contact, const auto& before, const auto& v_co, const auto& after) {
+      const Moved<R> now = apply_contacts(
+          all, nodes, U,
+          [&](const auto& contact, const auto& before, const auto&, const auto& v_co, const auto& after) {
             record(exchange.of(contact.solid->index), contact.inside, nodes.m, contact.arm, v_co, before,
                    after);
           });
-      store_nodes(node + 4 * nodes.first, change + 4 * nodes.first, nodes.v, v, nodes.m);
+      store_nodes(node + 4 * nodes.first, change + 4 * nodes.first, nodes.v, now.v, nodes.m);
+      store_lift(lift_at(grid, all.block, nodes.first), now.lift - nodes.lift.s);
     }
     bound_velocities(grid, all.block);
   }
@@ -130,6 +157,12 @@ struct BlockUpdate {
   }
   T* change_of(Grid<T>& grid, std::int32_t b) const {
     return has_change ? grid.node_change(b) : grid.node(b);
+  }
+  static T* lift_at(Grid<T>& grid, std::int32_t b, int node) {
+    return grid.has_lift ? grid.node_lift(b) + 4 * node : nullptr;
+  }
+  static void no_lift(Grid<T>& grid, std::int32_t b) {
+    if (grid.has_lift) std::memset(grid.node_lift(b), 0, block_values * sizeof(T));
   }
   T skin() const { return T(skin_cells * model.dx); }
 

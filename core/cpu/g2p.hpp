@@ -5,6 +5,7 @@
 #include "cpu/grid/gather.hpp"
 #include "cpu/material.hpp"
 #include "cpu/near.hpp"
+#include "cpu/passes/lift.hpp"
 #include "mpm/particle_report.hpp"
 #include "threads.hpp"
 
@@ -180,6 +181,7 @@ class HomeGather {
 // Move the particles by one step; with `commit` false, only report what the step would do to them.
 template <class T, class Spline, class Transfer>
 Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, bool commit) {
+  if (commit && grid.has_lift) gather_lift<T, Spline>(model, state, grid);
   const Report r = merge_each<Report>(grid.homes.size(), [&](std::size_t h) {
     return detail::HomeGather<T, Spline, Transfer>(model, state, grid, h, dt, commit).run();
   });

@@ -3,6 +3,7 @@
 
 #include "cpu/fields.hpp"
 #include "cpu/grid/scatter.hpp"
+#include "cpu/passes/lift.hpp"
 #include "mpm/model.hpp"
 #include "mpm/particle_update.hpp"
 #include "threads.hpp"
@@ -121,6 +122,8 @@ void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt)
       if constexpr (Transfer::has_change) {
         std::memset(grid.node_change(static_cast<std::int32_t>(b)), 0, block_values * sizeof(T));
       }
+      if (grid.has_lift)
+        std::memset(grid.node_lift(static_cast<std::int32_t>(b)), 0, block_values * sizeof(T));
     }
     for (const auto& colour : grid.colours) {
       const auto homes = static_cast<std::int64_t>(colour.size());
@@ -130,6 +133,7 @@ void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt)
       for (std::int64_t k = 0; k < homes; ++k) {
         const auto h = static_cast<std::size_t>(colour[static_cast<std::size_t>(k)]);
         detail::p2g_home<T, Spline, Transfer>(model, state, grid, grid.homes[h], dt);
+        if (grid.has_lift) scatter_lift<T, Spline>(model, state, grid, grid.homes[h]);
       }
     }
   }

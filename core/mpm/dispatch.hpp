@@ -24,6 +24,15 @@ bool keeps_change(const Model<T>& model) {
   return with_transfer(model, [](auto x) { return decltype(x)::has_change; });
 }
 
+// Whether some solid has play.
+template <class T>
+bool has_play(const Model<T>& model) {
+  for (const auto& solid : model.solids) {
+    if (has_play(solid.mode, solid.mu_c)) return true;
+  }
+  return false;
+}
+
 // How many velocity modes a particle has beyond v and C.
 template <class T>
 int more_modes(const Model<T>& model) {
@@ -37,6 +46,12 @@ double stencil_stiffness(const Model<T>& model) {
     return with_transfer(
         model, [](auto x) { return decltype(x)::ScatterWeights::template stiffness<decltype(spline)>; });
   });
+}
+
+// How many velocities a particle has in `modes`: the further modes, and how far it has left surfaces with play.
+template <class T>
+int velocities(const Model<T>& model) {
+  return more_modes(model) + has_play(model);
 }
 
 }  // namespace neve

@@ -176,7 +176,8 @@ __noinline__ void update_node(const Step<T>& s, std::size_t i, const Vec3<T>& x)
     s.change(a, i) = velocity_change(a == 2 ? s.gravity : T(0), s.change(a, i), inverse_m, T(s.dt));
     v[a] = node_velocity(s.nodes(a, i), inverse_m, s.change(a, i));
   }
-  v = collide(s.solids, x, v, T(skin_cells * s.dx), m, [&](const auto&, const auto&...) {});
+  NoLift none;
+  v = collide(s.solids, x, v, none, T(skin_cells * s.dx), m, [&](const auto&, const auto&...) {});
   for (int a = 0; a < 3; ++a) s.nodes(a, i) = v[a];
 }
 

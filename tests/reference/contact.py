@@ -6,6 +6,7 @@ import numpy as np
 
 SKIN = 1e-4  # share of a cell within which a body holds a point: a wall on a row of nodes holds them
 STRIDE = 0.05  # cells: least step of the search close to a surface
+PLAY = 0.1  # cells by which snow may leave a surface with mode slip and friction
 PUSH = 0.1  # cells that a particle inside a body is moved towards its surface in a step
 
 
@@ -32,6 +33,10 @@ class Body:
 
     def velocity_at(self, x):
         return self.velocity + np.cross(self.omega, x - self.position)
+
+    @property
+    def has_play(self):
+        return self.mode == "slip" and self.mu_c > 0
 
     def margin(self, dx):
         """How far outside nodes count as held: a layer of them, however thin the body is [m]."""
@@ -84,23 +89,35 @@ def beyond(q, axes):
 SHAPES = {"plane": plane, "box": box, "sphere": sphere, "cylinder": cylinder}
 
 
-def respond(v, x, bodies, dx):
-    """Return the velocities after contact of nodes at x with velocity v (n, 3), one body after another.
+def respond(v, lift, x, bodies, dt, dx):
+    """Return velocities and lifts after contact of nodes at x with velocity v (n, 3), one body after another.
 
-    A body holds what is no more than SKIN dx and its margin outside.
+    A body holds what is no more than SKIN dx and its margin outside. lift: how far snow has left surfaces
+    with play, along their normals [m] (n, 3).
     """
-    v = v.copy()
+    v, lift = v.copy(), lift.copy()
     for body in bodies:
         phi, n = body.distance(x)
-        touching = phi <= SKIN * dx + body.margin(dx)
-        v[touching] = turned(v[touching], x[touching], n[touching], body)
-    return v
+        on = phi <= SKIN * dx + body.margin(dx)
+        n, v_co = n[on], body.velocity_at(x[on])
+        if not body.has_play:
+            v[on] = v_co + relative(v[on] - v_co, n, body.mode, body.mu_c)
+            continue
+        left, most = (lift[on] * n).sum(-1), PLAY * dx
+        s = np.clip(left, 0, most)
+        v[on] = v_co + relative(v[on] - v_co, n, "slip", body.mu_c, (-s / dt, (most - s) / dt))
+        now = np.clip(s + dt * ((v[on] - v_co) * n).sum(-1), 0, most)
+        lift[on] += (now - left)[:, None] * n
+    return v, lift
 
 
 def turned(v, x, n, body):
-    """Return velocities v (n, 3) at x after contact with a surface of normal n of the body."""
+    """Return velocities v (n, 3) of particles at x after contact with a surface of normal n of the body.
+
+    What leaves a surface with play is held by the nodes.
+    """
     v_co = body.velocity_at(x)
-    return v_co + relative(v - v_co, n, body.mode, body.mu_c)
+    return v_co + relative(v - v_co, n, "separate" if body.has_play else body.mode, body.mu_c)
 
 
 def follow(v, path, x, bodies, dt, dx):
@@ -155,18 +172,22 @@ def touches(x, bodies, dx):
     return held
 
 
-def relative(v_rel, n, mode, mu_c):
+def relative(v_rel, n, mode, mu_c, play=(0.0, 0.0)):
     """Apply one contact law to velocities relative to the body.
 
     sticky: v_rel = 0.
-    separate: only if v_n < 0. slip: v_n = 0 always, so the snow never lifts off.
-    Coulomb, when pressed (v_n < 0): the tangential part loses mu_c |v_n|, and stops if it has less.
+    separate: only if v_n < 0. slip: v_n ends within the play, so the snow never lifts off.
+    Coulomb, when pressed (v_n < 0, or the lower end of the play): the tangential part loses mu_c times what
+    v_n changes by, and stops if it has less.
     """
+    least, most = (np.broadcast_to(a, len(v_rel))[:, None] for a in play)
     if mode == "sticky":
         return np.zeros_like(v_rel)
     v_n = (v_rel * n).sum(-1, keepdims=True)
     v_t = v_rel - v_n * n
     speed = np.linalg.norm(v_t, axis=-1, keepdims=True)
-    grip = mu_c * np.maximum(-v_n, 0)
+    grip = mu_c * np.maximum((least if mode == "slip" else 0.0) - v_n, 0)
     slid = v_t * np.where(speed > grip, 1 - grip / np.maximum(speed, 1e-300), 0.0)
-    return slid if mode == "slip" else np.where(v_n < 0, slid, v_rel)
+    if mode == "slip":
+        return slid + np.clip(v_n, least, most) * n
+    return np.where(v_n < 0, slid, v_rel)

@@ -29,6 +29,7 @@ class Particles:
     V0: np.ndarray  # volume at rest [m3] (n,)
     law: Snow
     more: np.ndarray | None = None  # further modes of "polypic" [m/s], in cells (n, count - 4, 3)
+    lift: np.ndarray | None = None  # how far it has left surfaces with play, along their normals [m] (n, 3)
 
     @classmethod
     def at_rest(cls, x, m, V0, law, v=None):
@@ -94,7 +95,7 @@ def step(p, method, dt, bodies=(), first=False):
         p.V0 = volumes(p, method, nodes, at, w)  # 2
     f = forces(p, method, nodes, at, ijk, w, grad_w)  # 3
     update_grid_velocities(nodes, method, f, dt)  # 4
-    collide_nodes(nodes, bodies, method.dx)  # 5
+    collide_nodes(p, nodes, at, w, bodies, dt, method.dx)  # 5
     # 6: explicit, v^{n+1} = v*
     separates = ~contact.touches(p.x, bodies, method.dx)
     grad_v, J_trial = update_deformation(p, method, nodes, at, w, grad_w, dt)  # 7
@@ -165,11 +166,18 @@ def update_grid_velocities(nodes, method, f, dt):
     nodes.v_new[has_mass] += dt * acceleration
 
 
-def collide_nodes(nodes, bodies, dx):
-    """Stage 5. The contact law at every node inside a collider."""
-    flat = nodes.v_new.reshape(-1, 3)
-    after = contact.respond(flat, nodes.x.reshape(-1, 3), bodies, dx)
-    nodes.v_new = after.reshape(nodes.v_new.shape)
+def collide_nodes(p, nodes, at, w, bodies, dt, dx):
+    """Stage 5. The contact law at every node inside a collider, and what it makes of the particles' lift."""
+    lift = np.zeros_like(p.x) if p.lift is None else p.lift
+    mass = np.where(nodes.mass > 0, nodes.mass, 1.0)[..., None]
+    s = scatter(nodes, at, (w * p.m[:, None])[..., None] * lift[:, None]) / mass
+    s_new = np.zeros_like(s)
+    some = nodes.mass > 0
+    nodes.v_new[some], s_new[some] = contact.respond(
+        nodes.v_new[some], s[some], nodes.x[some], bodies, dt, dx
+    )
+    change = np.where(some[..., None], s_new - s, 0.0)
+    p.lift = lift + np.einsum("pk,pka->pa", w, change[at])
 
 
 def update_deformation(p, method, nodes, at, w, grad_w, dt):

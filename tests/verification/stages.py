@@ -45,9 +45,18 @@ class Lab:
         elif body.shape == "cylinder":
             half[0], half[2] = body.size[0], body.size[1] / 2
         self.model.add_solid(body.shape, half, body.mode, body.mu_c)
+        if self.state.modes.shape[1] != self.model.more_modes:
+            self.make_room()
         place = (body.position, body.rotation, body.velocity, body.omega)
         index = self.solids = getattr(self, "solids", -1) + 1
         self.model.place_solid(index, *(np.ascontiguousarray(a, dtype=float) for a in place))
+
+    def make_room(self):
+        """Give the particles the columns that a surface with play needs."""
+        old, self.state = self.state, self.core.State(self.state.count, self.model.more_modes)
+        self.state.modes[:, : old.modes.shape[1]] = old.modes
+        for name in ("x", "v", "C", "F_E", "J_P", "m", "V0", "stiffness", "strength", "material", "id"):
+            getattr(self.state, name)[:] = getattr(old, name)
 
     def p2g(self, dt):
         self.core.refresh(self.model, self.state)

@@ -30,10 +30,11 @@ struct Grid {
   std::vector<BlockCoord> blocks;  // node blocks, by rising key
   Column<T> momentum;              // 4 per node: (m v, m) after p2g, (v, m) after grid_update
   Column<T> change;                // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
-  std::size_t count = 0;           // particles sorted
-  T lightest = T(0);               // mass of the lightest particle [kg]
-  bool current = false;            // the homes still hold all their particles
-  bool has_change = false;
+  Column<T> lift;         // 4 per node, of solids with play: (m s, -) after p2g, (change of s, -) then
+  std::size_t count = 0;  // particles sorted
+  T lightest = T(0);      // mass of the lightest particle [kg]
+  bool current = false;   // the homes still hold all their particles
+  bool has_change = false, has_lift = false;
   std::vector<BlockBounds<T>> bounds;  // of each block, by grid_update
   std::vector<ExchangeSum> node_exchange,
       particle_exchange;                   // of each block and each home: one step's exchange with solids
@@ -41,9 +42,10 @@ struct Grid {
   std::vector<BlockContacts<T>> contacts;  // of blocks whose nodes may meet a solid that the snow moves
 
   T* node(std::int32_t block) { return momentum.data() + std::size_t(block) * block_values; }
+  T* node_lift(std::int32_t block) { return lift.data() + std::size_t(block) * block_values; }
   T* node_change(std::int32_t block) { return change.data() + std::size_t(block) * block_values; }
   std::size_t bytes() const {
-    return (momentum.size() + change.size()) * sizeof(T) + homes.size() * sizeof(Home) +
+    return (momentum.size() + change.size() + lift.size()) * sizeof(T) + homes.size() * sizeof(Home) +
            blocks.size() * sizeof(BlockCoord) + order.size() * sizeof(std::uint32_t) + spare.size() +
            home_of.size() * sizeof(std::int32_t);
   }

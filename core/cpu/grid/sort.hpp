@@ -230,9 +230,10 @@ void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   detail::permute(state, grid);
   detail::lay_out_blocks(grid);
   const std::size_t values = grid.blocks.size() * block_values;
-  grid.has_change = keeps_change(model);
+  grid.has_change = keeps_change(model), grid.has_lift = has_play(model);
   if (grid.momentum.size() < values) grid.momentum.resize(values + values / 4);
   if (grid.has_change && grid.change.size() < values) grid.change.resize(values + values / 4);
+  if (grid.has_lift && grid.lift.size() < values) grid.lift.resize(values + values / 4);
   grid.bounds.resize(grid.blocks.size());
   grid.node_exchange.resize(grid.blocks.size());
   grid.particle_exchange.resize(grid.homes.size());

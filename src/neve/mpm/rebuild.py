@@ -11,7 +11,7 @@ from neve.build import material_table
 from neve.geometry.pose import rotation_vector
 from neve.mpm.initial import make_model, snow_of
 from neve.mpm.model import Model
-from neve.mpm.state import from_arrays, to_arrays
+from neve.mpm.state import fit_modes, from_arrays, to_arrays
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
 
@@ -39,13 +39,11 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
         raise SceneError("sources cannot come or go while a run goes on; start it anew, or add snow")
     rows = _rows(scene, new_scene)
     fresh = _model(scene, new_scene, model)
-    modes = fresh.native.more_modes
-    if state.modes.shape[1] != modes:
+    old, new = ((m.native.more_modes, m.native.has_play) for m in (model, fresh))
+    if old != new:
         arrays = to_arrays(state)
-        fitted = np.zeros((len(arrays["m"]), modes, 3), arrays["modes"].dtype)
-        kept = min(modes, arrays["modes"].shape[1])
-        fitted[:, :kept] = arrays["modes"][:, :kept]
-        state = from_arrays(fresh.core, arrays | {"modes": fitted})
+        modes = fit_modes(arrays["modes"], model.native.more_modes - model.native.has_play, fresh.native)
+        state = from_arrays(fresh.core, arrays | {"modes": modes})
     if not np.array_equal(rows, np.arange(len(rows))):
         state.material[...] = rows[state.material]
     return fresh, state

@@ -15,7 +15,7 @@ from neve.geometry.pose import Pose
 from neve.mpm.failures import require_finite, require_progress
 from neve.mpm.initial import build, make_model
 from neve.mpm.rebuild import with_scene, with_source
-from neve.mpm.state import FIELDS, density, from_arrays, to_arrays
+from neve.mpm.state import FIELDS, density, fit_modes, from_arrays, to_arrays
 from neve.mpm.state_checks import inspect, warn_of_density
 from neve.mpm.step import STAGES, Stages
 from neve.mpm.step_control import try_step
@@ -68,6 +68,10 @@ class MpmSolver(Solver):
             self.model = make_model(scene)
             if self.model.rigid:
                 self.model.rigid.restore(saved)
+            native, modes = self.model.native, np.asarray(saved["modes"])
+            polynomial = native.more_modes - native.has_play
+            if modes.ndim == 3 and modes.shape[1] in (polynomial, polynomial + 1):
+                saved = {**saved, "modes": fit_modes(modes, polynomial, native)}
             self.state = from_arrays(self.model.core, saved)
         self.grid = self.model.core.Grid()
         self._warned = self._warned_of_density = False

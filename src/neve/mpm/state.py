@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from neve.solver import Field
 
 if TYPE_CHECKING:
-    from neve._core import Precision, State
+    from neve._core import Model, Precision, State
 
 
 FIELDS = (
     Field("x", (3,), "m", "real", "position"),
     Field("v", (3,), "m/s", "real", "velocity"),
     Field("C", (3, 3), "1/s", "real", "affine velocity, zero with transfers that have none"),
-    Field("modes", ("k", 3), "m/s", "real", "further modes of the velocity, if any"),
+    Field("modes", ("k", 3), "m/s", "real", "further modes of the velocity, then how far it has left surfaces with play, if any"),
     Field("F_E", (3, 3), "1", "real", "elastic deformation gradient"),
     Field("J_P", (), "1", "real", "plastic volume change"),
     Field("m", (), "kg", "real", "mass"),
@@ -56,6 +56,20 @@ def from_arrays(core: Precision, arrays: Mapping[str, NDArray[Any]]) -> State:
             )
         column[...] = given
     return state
+
+
+def fit_modes(modes: NDArray[Any], polynomial: int, native: Model) -> NDArray[Any]:
+    """Return `modes` (n, k, 3) as the core's model needs them; what is new is zero.
+
+    polynomial: how many of the k rows are modes of the velocity; one more may be how far it has left surfaces with play.
+    """
+    needed = native.more_modes - native.has_play
+    out = np.zeros((len(modes), native.more_modes, 3), modes.dtype)
+    kept = min(needed, polynomial)
+    out[:, :kept] = modes[:, :kept]
+    if native.has_play and modes.shape[1] > polynomial:
+        out[:, needed] = modes[:, polynomial]
+    return out
 
 
 def density(state: State) -> NDArray[Any]:

@@ -1,0 +1,72 @@
+// How far snow has left surfaces with play, between particles and nodes.
+#pragma once
+
+#include "cpu/fields.hpp"
+#include "cpu/grid/gather.hpp"
+#include "cpu/grid/scatter.hpp"
+#include "mpm/dispatch.hpp"
+#include "threads.hpp"
+#include "transfer/weights.hpp"
+
+namespace neve {
+
+namespace detail {
+
+// Call f(first particle, how many, stencils) for each batch of a home.
+template <class T, class Spline, class F>
+void each_batch(const Model<T>& model, const State<T>& state, const Home& home, F&& f) {
+  using R = Lanes<T>;
+  Stencils<T, Spline> st;
+  const auto frame = TileFrame<T>::template of<Spline>(model.dx, home.at);
+  for (std::uint32_t done = 0; done < home.count; done += width<R>) {
+    const std::size_t p = home.begin + done;
+    const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
+    st.template fill<GradientWeights>(frame, load_vector<R>(state.x, p, count));
+    f(p, count, st);
+  }
+}
+
+}  // namespace detail
+
+// (m s)_i = sum_p w_ip m_p s_p of a home; its particles' s are in `modes`, from column `first`.
+template <class T, class Spline>
+void scatter_lift(const Model<T>& model, const State<T>& state, Grid<T>& grid, const Home& home) {
+  using R = Lanes<T>;
+  const int first = 3 * more_modes(model);
+  Tile<T> tile;
+  tile.clear();
+  Scatter<T, Spline> to(tile);
+  detail::each_batch<T, Spline>(model, state, home, [&](std::size_t p, int count, const auto& st) {
+    const Vec3<R> ms = load_vector<R>(state.modes, p, count, first) * load<R>(state.m.column(0) + p, count);
+    alignas(64) T quads[4 * width<R>];
+    store_quads(quads, ms.x, ms.y, ms.z, R{});
+    for (int l = 0; l < count; ++l) {
+      to.move_to(st.cell[l]);
+      to.add(st, l, row_of_quad(quads + 4 * l));
+    }
+  });
+  to.flush();
+  tile.add_to(grid, home, &Grid<T>::node_lift);
+}
+
+// s_p += sum_i w_ip (change of s_i). Call before the particles move.
+template <class T, class Spline>
+void gather_lift(const Model<T>& model, State<T>& state, Grid<T>& grid) {
+  using R = Lanes<T>;
+  const int first = 3 * more_modes(model);
+  each_index(grid.homes.size(), [&](std::size_t h) {
+    Tile<T> tile;
+    tile.load_from(grid, grid.homes[h], &Grid<T>::node_lift);
+    const Gather<T, Spline> from(tile);
+    detail::each_batch<T, Spline>(model, state, grid.homes[h], [&](std::size_t p, int count, const auto& st) {
+      alignas(64) T quads[4 * width<R>] = {};
+      for (int l = 0; l < count; ++l) store_quad<T>(quads + 4 * l, from.sum(st, l), 0);
+      Vec3<R> change;
+      R unused;
+      load_quads(quads, change.x, change.y, change.z, unused);
+      store_vector(state.modes, p, load_vector<R>(state.modes, p, count, first) + change, count, first);
+    });
+  });
+}
+
+}  // namespace neve
