@@ -252,9 +252,9 @@ class Model(Protocol):
     dx: float
     """Grid spacing [m]."""
     more_modes: int
-    """Velocities that a particle has beyond v and C: further modes, and how far it has left surfaces with play."""
+    """Rows of `State.modes`: velocity modes beyond v and C, and how far snow has left surfaces with play."""
     has_play: bool
-    """Whether the last of them is how far it has left surfaces with play [m]: whether a solid has `mode = "slip"` and friction."""
+    """Whether the last of them is how far snow has left surfaces with play [m]: `mode = "slip"`, friction."""
     keeps_C: bool
     """Whether particles carry an affine velocity."""
     stencil_stiffness: float

@@ -6,6 +6,7 @@ from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose, rotation_matrix
 from neve.mpm.initial import build
 from neve.mpm.model import Model
+from neve.mpm.state import fit_modes, from_arrays, to_arrays
 from neve.simulation import Simulation
 
 
@@ -92,5 +93,8 @@ def simulate_with(scene, bodies):
     sim.solver.model = Model(
         scene.world, scene.numerics, plain.snows, scene.colliders, (*plain.solids, *bodies.solids), bodies
     )
+    arrays = to_arrays(sim.state)
+    modes = fit_modes(arrays["modes"], arrays["modes"].shape[1], sim.solver.model.native)
+    sim.solver.state = from_arrays(sim.solver.model.core, arrays | {"modes": modes})
     sim.exchanged = np.zeros((len(sim.solver.solids), 7))
     return sim

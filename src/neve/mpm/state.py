@@ -23,7 +23,13 @@ FIELDS = (
     Field("x", (3,), "m", "real", "position"),
     Field("v", (3,), "m/s", "real", "velocity"),
     Field("C", (3, 3), "1/s", "real", "affine velocity, zero with transfers that have none"),
-    Field("modes", ("k", 3), "m/s", "real", "further modes of the velocity, then how far it has left surfaces with play, if any"),
+    Field(
+        "modes",
+        ("k", 3),
+        "m/s",
+        "real",
+        "further modes of the velocity; lift off slip [m]",
+    ),
     Field("F_E", (3, 3), "1", "real", "elastic deformation gradient"),
     Field("J_P", (), "1", "real", "plastic volume change"),
     Field("m", (), "kg", "real", "mass"),
@@ -61,7 +67,8 @@ def from_arrays(core: Precision, arrays: Mapping[str, NDArray[Any]]) -> State:
 def fit_modes(modes: NDArray[Any], polynomial: int, native: Model) -> NDArray[Any]:
     """Return `modes` (n, k, 3) as the core's model needs them; what is new is zero.
 
-    polynomial: how many of the k rows are modes of the velocity; one more may be how far it has left surfaces with play.
+    polynomial: how many of the k rows are modes of the velocity; one more may be
+        how far the snow has left surfaces with play [m].
     """
     needed = native.more_modes - native.has_play
     out = np.zeros((len(modes), native.more_modes, 3), modes.dtype)

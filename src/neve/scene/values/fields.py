@@ -70,8 +70,8 @@ CHOICE = "our choice"
 """The source of a value that Neve's authors chose."""
 CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
 MODES = (
-    '"separate": snow may leave the surface, and slides with friction; "slip": snow stays on the surface and '
-    'slides with friction; "sticky": snow moves with the surface.'
+    '"separate": snow may leave the surface, and slides with friction; "slip": snow stays on the surface '
+    '(with friction, within 0.3 cells) and slides with friction; "sticky": snow moves with the surface.'
 )
 ZERO = (0.0, 0.0, 0.0)
 

@@ -58,6 +58,7 @@ def slide(
     seconds: float = 0.6,
     frames: int = 30,
     rho0: float = 400.0,
+    mode: str = "separate",
     **numerics: Any,
 ) -> Slide:
     """Put an elastic block on a plane tilted against the grid by `degrees`, let it settle, and let go.
@@ -76,7 +77,7 @@ def slide(
     held, free = (
         simulation(
             [block],
-            [plane((0, 0, 0), normal, "separate", mu_c=friction)],
+            [plane((0, 0, 0), normal, mode, mu_c=friction)],
             snow=elastic(rho0=rho0),
             gravity=(0.0, 0.0, -G),
             dx=dx,
