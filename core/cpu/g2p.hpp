@@ -3,9 +3,9 @@
 #pragma once
 
 #include "cpu/grid/gather.hpp"
+#include "cpu/lift.hpp"
 #include "cpu/material.hpp"
 #include "cpu/near.hpp"
-#include "cpu/passes/lift.hpp"
 #include "mpm/particle_report.hpp"
 #include "threads.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "cpu/fields.hpp"
 #include "cpu/grid/scatter.hpp"
-#include "cpu/passes/lift.hpp"
+#include "cpu/lift.hpp"
 #include "mpm/model.hpp"
 #include "mpm/particle_update.hpp"
 #include "threads.hpp"
