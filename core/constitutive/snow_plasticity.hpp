@@ -128,17 +128,16 @@ struct SnowPlasticity {
     return exp(q.xi * (scalar_t<R>(1) - clamp(J_P, q.J_P_min, q.J_P_max)));
   }
 
+  // The elasticities are linear in mu and lam.
   template <class R>
-  NEVE_INLINE static Stress<R> principal_stress(const Mat3<R>& U, const Vec3<R>& strain, R J_P,
-                                                const Parameters<R>& q) {
-    const R h = hardening(J_P, q);
-    return in_frame(U, Elasticity::respond(strain, R(q.mu0 * h), R(q.lam0 * h)));
+  NEVE_INLINE static Response<R> hardened(const Response<R>& r, R h) {
+    return {r.isotropic * h, r.axial * h, r.modulus * h};
   }
 
   template <class R>
   static Stress<R> stress(const Mat3<R>& F_E, R J_P, const Parameters<R>& q) {
     const Svd3<R> svd = svd3<false>(F_E);
-    return principal_stress(svd.U, svd.strain, J_P, q);
+    return in_frame(svd.U, hardened(Elasticity::respond(svd.strain, q.mu0, q.lam0), hardening(J_P, q)));
   }
 
   // The strains between the limits and the trial that have the least Psi: an axis whose stress presses it against its
@@ -193,46 +192,54 @@ struct SnowPlasticity {
     return e;
   }
 
-  // The clamped strains, unless flow to them does work on the snow, sum_k dPsi/ds_k (s'_k - s_k) < 0 with the stress at
-  // its end. Snow that is pressed along one axis presses on the others too, even where it is stretched beyond theta_s:
-  // flowing there, it pushes against that pressure, in every step anew. Then flow is the cheapest one, and the rest of
-  // the way to the limits keeps the volume, so the pressure.
+  // Flow that makes no energy, for strains whose way to the limits would: the cheapest one, and the rest of the way to
+  // the limits keeps the volume, so the pressure. side: the sign of the strains that would flow against their stress.
   template <class R>
-  NEVE_INLINE static Vec3<R> dissipative(const Vec3<R>& trial, const Vec3<R>& clamped,
-                                         const Parameters<R>& q) {
+  NEVE_RARE static Vec3<R> dissipative(const Vec3<R>& trial, const Vec3<R>& clamped, const R& side,
+                                       const Parameters<R>& q) {
+    const auto stretched = side > splat<R>(0);
+    const R limit = select(stretched, q.theta_s, R(-q.theta_c));
+    return at_constant_volume(cheapest(trial, clamped, limit, stretched, q), limit, stretched);
+  }
+
+  // Clamp the strains and return the response to them, at mu0 and lam0; but where that flow does work on the snow,
+  // sum_k dPsi/ds_k (s'_k - s_k) < 0 with the stress at its end, flow otherwise. Snow that is pressed along one axis
+  // presses on the others too, even where it is stretched beyond theta_s: flowing there, it pushes against that
+  // pressure, in every step anew.
+  template <class R>
+  NEVE_INLINE static Response<R> flow(const Vec3<R>& trial, Vec3<R>& kept, const Parameters<R>& q) {
     using T = scalar_t<R>;
     const R zero = splat<R>(0);
-    const Response<R> at = Elasticity::respond(clamped, q.mu0, q.lam0);
-    R side = zero, dissipated = zero;  // side: the sign of the strains that would flow against their stress
+    const Response<R> at = Elasticity::respond(kept, q.mu0, q.lam0);
+    R side = zero, dissipated = zero;
     for (int k = 0; k < 3; ++k) {
-      const R flow = trial[k] - clamped[k], work = flow * (at.isotropic + at.axial[k]);
+      const R flow = trial[k] - kept[k], work = flow * (at.isotropic + at.axial[k]);
       side = select(work < zero, flow, side);
-      dissipated = dissipated + work / (T(1) + clamped[k]);
+      dissipated = dissipated + work / (T(1) + kept[k]);
     }
-    const auto against = dissipated<zero, stretched = side> zero;
-    if (!any(against)) return clamped;
-    const R limit = select(stretched, q.theta_s, R(-q.theta_c));
-    const Vec3<R> cheap = cheapest(trial, clamped, limit, stretched, q);
-    return select(against, at_constant_volume(cheap, limit, stretched), clamped);
+    const auto against = dissipated < zero;
+    if (!any(against)) return at;
+    kept = select(against, dissipative(trial, kept, side, q), kept);
+    return Elasticity::respond(kept, q.mu0, q.lam0);
   }
 
   template <class R>
   static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
     using T = scalar_t<R>;
     const Svd3<R> svd = svd3<false>(F_trial);
-    Vec3<R> kept{clamp(svd.strain.x, R(-q.theta_c), q.theta_s), clamp(svd.strain.y, R(-q.theta_c), q.theta_s),
-                 clamp(svd.strain.z, R(-q.theta_c), q.theta_s)};
-    Mapped<R> out{F_trial, J_P, {}};
     const auto& e = svd.strain;
-    if (any((e.x != kept.x) | (e.y != kept.y) | (e.z != kept.z))) {
-      kept = dissipative(svd.strain, kept, q);
-      const Vec3<R> excess = svd.strain - kept;
+    Vec3<R> kept{clamp(e.x, R(-q.theta_c), q.theta_s), clamp(e.y, R(-q.theta_c), q.theta_s),
+                 clamp(e.z, R(-q.theta_c), q.theta_s)};
+    Response<R> response = flow(e, kept, q);
+    Mapped<R> out{F_trial, J_P, {}};
+    const Vec3<R> excess = e - kept;
+    if (any((excess.x != T(0)) | (excess.y != T(0)) | (excess.z != T(0)))) {
       out.F_E = without(F_trial, svd, excess);
       for (int k = 0; k < 3; ++k)
         out.J_P = out.J_P * select(excess[k] != T(0), R(svd.sigma[k] / (T(1) + kept[k])), splat<R>(1));
     }
     out.J_P = min(q.J_P_max, out.J_P);  // in this order a NaN stays one
-    out.stress = principal_stress(svd.U, kept, out.J_P, q);
+    out.stress = in_frame(svd.U, hardened(response, hardening(out.J_P, q)));
     return out;
   }
 
