@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted(path for path in (ROOT / "examples").iterdir() if path.name[0].isdigit())
 SCRIPTS = [path for path in EXAMPLES if path.suffix == ".py"]
 LINES = 80
-SHORT = {"04_sweep": ["numerics.dx=0.15"]}
+SHORT = {"04_sweep": ["numerics.dx=0.1"]}
 """Changes that make an example short; of the others, coarse cells and a tenth of a second."""
 
 

@@ -71,8 +71,8 @@ class MpmSolver(Solver):
             native, modes = self.model.native, np.asarray(saved["modes"])
             polynomial = native.more_modes - native.has_play
             if modes.ndim == 3 and modes.shape[1] in (polynomial, polynomial + 1):
-                saved = {**saved, "modes": fit_modes(modes, polynomial, native)}
-            self.state = from_arrays(self.model.core, saved)
+                modes = fit_modes(modes, polynomial, native)
+            self.state = from_arrays(self.model.core, saved, modes)
         self.grid = self.model.core.Grid()
         self._warned = self._warned_of_density = False
 

@@ -47,14 +47,18 @@ def to_arrays(state: State) -> dict[str, NDArray[Any]]:
     return {field.name: np.array(getattr(state, field.name)) for field in FIELDS}
 
 
-def from_arrays(core: Precision, arrays: Mapping[str, NDArray[Any]]) -> State:
-    """Make a state from the arrays of `to_arrays`.
+def from_arrays(
+    core: Precision, arrays: Mapping[str, NDArray[Any]], modes: NDArray[Any] | None = None
+) -> State:
+    """Make a state from the arrays of `to_arrays`; `modes`, if given, in place of theirs.
 
     Errors: ValueError for an array of another shape, or of numbers of another kind.
     """
-    state = core.State(len(arrays["m"]), arrays["modes"].shape[1])
+    modes = arrays["modes"] if modes is None else modes
+    state = core.State(len(arrays["m"]), modes.shape[1])
     for field in FIELDS:
-        column, given = getattr(state, field.name), np.asarray(arrays[field.name])
+        column = getattr(state, field.name)
+        given = np.asarray(modes if field.name == "modes" else arrays[field.name])
         if given.shape != column.shape or given.dtype != column.dtype:
             raise ValueError(
                 f"{field.name} is an array {given.shape} of {given.dtype}: "

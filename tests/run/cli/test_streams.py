@@ -86,6 +86,11 @@ def test_output_that_is_not_taken(line, code, words):
     assert (done.returncode, done.stderr) == (code, words)
 
 
+def hear_ctrl_c():
+    """Let a child hear SIGINT also where the tests run in the background of a shell, which ignores it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_ctrl_c_while_a_module_is_imported(tmp_path):
     """Before the command line is ready an import ends with 130; then the exception waits for its end."""
     (tmp_path / "slow.py").write_text(
@@ -101,7 +106,9 @@ def test_ctrl_c_while_a_module_is_imported(tmp_path):
     told = {}
     for ready in (True, False):
         command = [sys.executable, "-c", script.format(ready=ready)]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        done = subprocess.run(
+            command, cwd=tmp_path, capture_output=True, text=True, timeout=60, preexec_fn=hear_ctrl_c
+        )
         told[ready] = done.returncode, done.stdout, done.stderr
     assert told == {True: (0, "whole\nstopped slow\n", ""), False: (130, "", "neve: stopped\n")}
 
@@ -109,7 +116,9 @@ def test_ctrl_c_while_a_module_is_imported(tmp_path):
 def test_a_library_does_not_touch_the_signals():
     """Only the command line hears Ctrl-C itself."""
     script = "import signal, neve; print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, preexec_fn=hear_ctrl_c
+    )
     assert done.stdout == "True\n"
     assert not stopping.is_command_line()
 
@@ -125,7 +134,13 @@ def test_ctrl_c_at_any_moment(scene_file, tmp_path):
         line = [sys.executable, "-c", script, "run", str(scene_file), "--out", str(tmp_path / str(number))]
         env = os.environ | {"NEVE_FAKE_PAUSE": "10"}
         process = subprocess.Popen(
-            line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env, start_new_session=True
+            line,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=env,
+            start_new_session=True,
+            preexec_fn=hear_ctrl_c,
         )
         assert process.stdout.readline() == "up\n"
         time.sleep(random.uniform(0.0, 0.4))

@@ -87,7 +87,7 @@ def test_command(fake, scene_file, tmp_path, capsys):
     assert json.loads(call("--json", "--torn", "0.001")[1])["powder"] == pytest.approx(1.0)
     every = json.loads(call("--json", "--least", "1", "--torn", "1e9", "--link", "1e-6")[1])
     assert every["fragments"] == 50
-    assert call("--link", "0")[0::2] == (2, "neve: --link: 0.0 is not greater than 0\n")
+    assert call("--link", "0")[0::2] == (2, "neve: --link: 0.0 is not a finite number greater than 0\n")
 
 
 def test_what_cannot_be_counted(fake, counted, tmp_path):

@@ -48,6 +48,8 @@ def add(lab, solid, mode, position=(0.0, 0.0, 0.0), turn=None):
     is_mesh = isinstance(solid, _core.geometry.SdfGrid)
     (lab.model.add_mesh_solid if is_mesh else lab.model.add_terrain_solid)(solid, mode, 0.3)
     still = np.zeros(3)
+    if hasattr(lab, "make_room"):
+        lab.make_room()
     lab.model.place_solid(0, np.asarray(position, float), np.eye(3) if turn is None else turn, still, still)
 
 

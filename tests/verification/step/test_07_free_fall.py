@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from verification.scenes import box, march, scene, simulate, wide
 
-G, DT, N = 9.81, 1e-3, 200
+G, DT, N = 9.81, 5e-4, 200
 
 
 def test_free_fall(spline, transfer, precision, eps):
