@@ -30,12 +30,14 @@ template <class A>
 struct numeric_limits;
 template <>
 struct numeric_limits<float> {
+  static constexpr int digits = 24;
   static constexpr float min() { return 1.17549435e-38f; }
   static constexpr float max() { return 3.40282347e+38f; }
   static constexpr float epsilon() { return 1.1920929e-7f; }
 };
 template <>
 struct numeric_limits<double> {
+  static constexpr int digits = 53;
   static constexpr double min() { return 2.2250738585072014e-308; }
   static constexpr double max() { return 1.7976931348623157e+308; }
   static constexpr double epsilon() { return 2.2204460492503131e-16; }
