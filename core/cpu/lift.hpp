@@ -1,32 +1,13 @@
 // How far snow has left surfaces with play, between particles and nodes.
 #pragma once
 
-#include "cpu/fields.hpp"
+#include "cpu/each_batch.hpp"
 #include "cpu/grid/gather.hpp"
 #include "cpu/grid/scatter.hpp"
 #include "mpm/dispatch.hpp"
 #include "threads.hpp"
-#include "transfer/weights.hpp"
 
 namespace neve {
-
-namespace detail {
-
-// Call f(first particle, how many, stencils) for each batch of a home.
-template <class T, class Spline, class F>
-void each_batch(const Model<T>& model, const State<T>& state, const Home& home, F&& f) {
-  using R = Lanes<T>;
-  Stencils<T, Spline> st;
-  const auto frame = TileFrame<T>::template of<Spline>(model.dx, home.at);
-  for (std::uint32_t done = 0; done < home.count; done += width<R>) {
-    const std::size_t p = home.begin + done;
-    const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
-    st.template fill<GradientWeights>(frame, load_vector<R>(state.x, p, count));
-    f(p, count, st);
-  }
-}
-
-}  // namespace detail
 
 // (m s)_i = sum_p w_ip m_p s_p of a home; its particles' s are in `modes`, from column `first`.
 template <class T, class Spline>
