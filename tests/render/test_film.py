@@ -115,6 +115,20 @@ def test_a_killed_film_goes_on(tmp_path, filmed, resume):
     assert decoded(path) == list(range(15))
 
 
+def test_an_encoder_left_by_a_killed_process_changes_nothing(tmp_path):
+    """ffmpeg outlives the process that fed it for a while, and writes its part late."""
+    path = tmp_path / "preview.mp4"
+    killed = Film(path, 24, SIZE)
+    killed.add(picture(9))
+    film = Film(path, 24, SIZE)
+    film.add(picture(0))
+    killed._encoder._child.close()
+    for index in range(1, 8):
+        film.add(picture(index))
+    film.close()
+    assert decoded(path) == list(range(8))
+
+
 def test_a_stopped_film_shows_what_is_done_and_goes_on(tmp_path):
     """close(keep=True) leaves a film and its segments; nothing is missing later, and nothing is encoded
     twice."""

@@ -53,7 +53,10 @@ def browser():
         path = program(p.chromium)
         if path is None:
             pytest.skip("no browser was found: run `playwright install chromium`, or set NEVE_BROWSER")
-        started = p.chromium.launch(executable_path=path, args=ARGUMENTS)
+        try:
+            started = p.chromium.launch(executable_path=path, args=ARGUMENTS)
+        except playwright.Error:  # on a busy machine Chromium now and then ends while it starts: once more
+            started = p.chromium.launch(executable_path=path, args=ARGUMENTS)
         yield started
         started.close()
 

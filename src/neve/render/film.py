@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import secrets
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -163,7 +164,8 @@ class _Encoder:
 
     def __init__(self, folder: Path, first: int, fps: int | Fraction, size: tuple[int, int]) -> None:
         self.first, self.last = first, first - 1
-        self._folder, self._part = folder, folder / f"{first:06d}.part"
+        # A name of its own: the encoder of a process that was killed may still write.
+        self._folder, self._part = folder, folder / f"{first:06d}-{secrets.token_hex(4)}.part"
         width, height = size
         pad = "pad=ceil(iw/2)*2:ceil(ih/2)*2"
         command = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps)]

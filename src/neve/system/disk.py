@@ -160,11 +160,20 @@ def remove_files(folder: Path, names: Iterable[str]) -> None:
 
 
 def remove_tree(path: Path) -> None:
-    """Remove a file, a folder with all that is in it, or a link but not what it points to, if it is there."""
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        remove(path)
+    """Remove a file, a folder with all that is in it, or a link but not what it points to, if it is there.
+
+    What another process puts into the folder meanwhile is removed as well, unless it goes on.
+    """
+    for last in (False, False, True):
+        if not path.is_dir() or path.is_symlink():
+            remove(path)
+            return
+        try:
+            shutil.rmtree(path)
+            return
+        except OSError as error:
+            if last or error.errno != errno.ENOTEMPTY:
+                raise
 
 
 def remove_if_empty(folder: Path) -> None:

@@ -226,3 +226,20 @@ def test_png_holds_the_picture_to_the_bit(tmp_path):
     with Image.open(tmp_path / "a.png") as read:
         assert (np.asarray(read) == image).all()
     assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_a_folder_into_which_another_process_writes_is_removed(tmp_path, monkeypatch):
+    """A file appears between the removal of the last one and that of the folder."""
+    folder = tmp_path / "parts"
+    folder.mkdir()
+    late = iter(["late"])
+    removed = os.rmdir
+
+    def rmdir(path, *, dir_fd=None):
+        for name in late:
+            (folder / name).touch()
+        removed(path, dir_fd=dir_fd)
+
+    monkeypatch.setattr(os, "rmdir", rmdir)
+    disk.remove_tree(folder)
+    assert not folder.exists()
