@@ -21,7 +21,7 @@ PACKAGE = "neve"
 WITHOUT = {"__init__", "assets"}
 DAMPING = 0.9
 """Place of a room over the mean place of its neighbours [1]: below 1, so that all stays together."""
-MODULES = {"_core": "core/bind", "_render": "core/bind", "_cpu": "core/bind"}
+MODULES = {"_core": "core/bind", "_render": "core/bind", "_surface": "core/bind", "_cpu": "core/bind"}
 """Extension modules -> the room of the core that binds them."""
 INCLUDE = re.compile(r'^#include "(\w+)/', re.M)
 

@@ -2,8 +2,10 @@
 // occupied blocks, so one flake ten kilometres away costs one block.
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "math/bspline.hpp"
 #include "render/vec.hpp"
 
 namespace neve::render {
@@ -204,5 +206,61 @@ class Blocks {
   std::vector<float> values_;
   Vec3f low_{}, high_{};
 };
+
+// One axis of a quadratic B-spline: the first of three cells and their weights.
+struct Stencil {
+  std::int32_t first;
+  float w[Quadratic::nodes];
+
+  // q: position in cells, cell centres at i + 1/2
+  explicit Stencil(float q) : first(begin(q)) {
+    float slopes[Quadratic::nodes];
+    Quadratic::weights(q - std::floor(q), w, slopes);
+  }
+  static std::int32_t begin(float q) { return std::int32_t(std::floor(q)) - 1; }
+};
+
+inline void add_point(float* block, Vec3f q, float amount) {
+  const Stencil sx(q.x), sy(q.y), sz(q.z);
+  float* v = block + Blocks::at(sx.first & Blocks::mask, sy.first & Blocks::mask, sz.first & Blocks::mask);
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      for (int c = 0; c < 3; ++c) v[Blocks::at(a, b, c)] += amount * sx.w[a] * sy.w[b] * sz.w[c];
+}
+
+// Spread an amount of each point over the cells around it with quadratic B-splines, whose weights sum to one.
+// x: positions [m]; amount(p): of point p. Points that are not finite are left out.
+template <class F>
+void scatter(Blocks& blocks, std::span<const Vec3f> x, F&& amount) {
+  // Cells are numbered with 32 bits; a point beyond this many cells is left out.
+  constexpr float far_cell = 1.0e9f;
+  const float inv_h = 1.0f / blocks.cell_size();
+  // Group the points by the block in which their stencil begins; a group writes into its block only.
+  std::vector<std::int32_t> home(x.size(), -1);
+  std::vector<std::uint32_t> first(1, 0);
+  Int3 last{INT32_MAX, 0, 0};
+  int block = -1;
+  for (std::size_t p = 0; p < x.size(); ++p) {
+    const Vec3f q = x[p] * inv_h;
+    if (!(std::abs(q.x) < far_cell && std::abs(q.y) < far_cell && std::abs(q.z) < far_cell)) continue;
+    const Int3 at{Stencil::begin(q.x) >> Blocks::shift, Stencil::begin(q.y) >> Blocks::shift,
+                  Stencil::begin(q.z) >> Blocks::shift};
+    if (!(at == last)) block = blocks.require(at);
+    last = at;
+    home[p] = block;
+    if (std::size_t(block) + 2 > first.size()) first.resize(std::size_t(block) + 2, 0);
+    ++first[std::size_t(block) + 1];
+  }
+  for (std::size_t b = 1; b < first.size(); ++b) first[b] += first[b - 1];
+  std::vector<std::uint32_t> order(first.back()), next(first);
+  for (std::uint32_t p = 0; p < x.size(); ++p)
+    if (home[p] >= 0) order[next[std::size_t(home[p])]++] = p;
+  const int n = blocks.count();
+#pragma omp parallel for schedule(dynamic, 64)
+  for (int b = 0; b < n; ++b)
+    for (std::uint32_t o = first[std::size_t(b)]; o < first[std::size_t(b) + 1]; ++o)
+      add_point(blocks.values(b), x[order[o]] * inv_h, amount(order[o]));
+  blocks.fold();
+}
 
 }  // namespace neve::render

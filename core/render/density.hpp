@@ -4,7 +4,6 @@
 
 #include <span>
 
-#include "math/bspline.hpp"
 #include "render/blocks.hpp"
 
 namespace neve::render {
@@ -18,7 +17,8 @@ class Density {
   // volume: of one particle [m3]; cell_size [m]. Non-finite particles are left out.
   Density(std::span<const Vec3f> x, float volume, float cell_size) {
     for (int l = 0; l < levels; ++l) level_.emplace_back(cell_size * float(1 << l));
-    scatter(x, volume / (cell_size * cell_size * cell_size));
+    const float fraction = volume / (cell_size * cell_size * cell_size);
+    scatter(level_[0], x, [fraction](std::size_t) { return fraction; });
     for (int l = 1; l < levels; ++l) coarsen(level_[std::size_t(l - 1)], level_[std::size_t(l)]);
     for (Blocks& blocks : level_) blocks.close();
   }
@@ -58,60 +58,6 @@ class Density {
   }
 
  private:
-  // Cells are numbered with 32 bits; a particle beyond this many cells is drawn but throws no shadow.
-  static constexpr float far_cell = 1.0e9f;
-
-  struct Stencil {  // one axis: the first of three cells and their weights
-    std::int32_t first;
-    float w[Quadratic::nodes];
-  };
-  static std::int32_t begin(float q) { return std::int32_t(std::floor(q)) - 1; }
-  static Stencil stencil(float q) {  // q: position in cells, cell centres at i + 1/2
-    Stencil out;
-    float slopes[Quadratic::nodes];
-    out.first = begin(q);
-    Quadratic::weights(q - std::floor(q), out.w, slopes);
-    return out;
-  }
-
-  void scatter(std::span<const Vec3f> x, float fraction) {
-    Blocks& blocks = level_[0];
-    const float inv_h = 1.0f / blocks.cell_size();
-    // Group the particles by the block in which their stencil begins; a group writes into its block only.
-    std::vector<std::int32_t> home(x.size(), -1);
-    std::vector<std::uint32_t> first(1, 0);
-    Int3 last{INT32_MAX, 0, 0};
-    int block = -1;
-    for (std::size_t p = 0; p < x.size(); ++p) {
-      const Vec3f q = x[p] * inv_h;
-      if (!(std::abs(q.x) < far_cell && std::abs(q.y) < far_cell && std::abs(q.z) < far_cell)) continue;
-      const Int3 at{begin(q.x) >> Blocks::shift, begin(q.y) >> Blocks::shift, begin(q.z) >> Blocks::shift};
-      if (!(at == last)) block = blocks.require(at);
-      last = at;
-      home[p] = block;
-      if (std::size_t(block) + 2 > first.size()) first.resize(std::size_t(block) + 2, 0);
-      ++first[std::size_t(block) + 1];
-    }
-    for (std::size_t b = 1; b < first.size(); ++b) first[b] += first[b - 1];
-    std::vector<std::uint32_t> order(first.back()), next(first);
-    for (std::uint32_t p = 0; p < x.size(); ++p)
-      if (home[p] >= 0) order[next[std::size_t(home[p])]++] = p;
-    const int n = blocks.count();
-#pragma omp parallel for schedule(dynamic, 64)
-    for (int b = 0; b < n; ++b)
-      for (std::uint32_t o = first[std::size_t(b)]; o < first[std::size_t(b) + 1]; ++o)
-        add(blocks.values(b), x[order[o]] * inv_h, fraction);
-    blocks.fold();
-  }
-
-  static void add(float* block, Vec3f q, float fraction) {
-    const Stencil sx = stencil(q.x), sy = stencil(q.y), sz = stencil(q.z);
-    float* v = block + Blocks::at(sx.first & Blocks::mask, sy.first & Blocks::mask, sz.first & Blocks::mask);
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b)
-        for (int c = 0; c < 3; ++c) v[Blocks::at(a, b, c)] += fraction * sx.w[a] * sy.w[b] * sz.w[c];
-  }
-
   static void coarsen(const Blocks& fine, Blocks& coarse) {
     constexpr int half = Blocks::side / 2;
     for (int f = 0; f < fine.count(); ++f) {

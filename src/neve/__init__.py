@@ -47,7 +47,7 @@ __all__ = ["Scene", "Simulation", "load", "presets", "register_output"]
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return import_module("neve.io.version").version()
-    if name in ("_core", "_render") and _NO_BUILD:
+    if name in ("_core", "_render", "_surface") and _NO_BUILD:
         raise _NO_BUILD
     if name not in _HOME:
         raise AttributeError(f"module 'neve' has no attribute {name!r}")

@@ -14,7 +14,7 @@ LAYERS = [
     {"coupling"},  # what snow and solids do to each other
     {"mpm"},  # the step of one particle and one node, from values to values
     {"cpu/grid", "render"},  # where particles and nodes lie, and how data moves between them; what draws
-    {"cpu"},  # the stages of the step over all of them
+    {"cpu", "surface"},  # the stages of the step over all of them
     {"cpu/passes"},  # what is asked of all of them besides
     {"bind"},  # Python
 ]

@@ -8,13 +8,13 @@ import pytest
 from verification.scenes import ball, scene, simulate
 
 import neve
-from neve import _core, _cpu, _render
+from neve import _core, _cpu, _render, _surface
 from neve.mpm.state import FIELDS
 from neve.solver import Field
 
 STUBS = {
     name: ast.parse((Path(neve.__file__).parent / f"{name}.pyi").read_text(encoding="utf-8"))
-    for name in ("_core", "_render", "_cpu")
+    for name in ("_core", "_render", "_surface", "_cpu")
 }
 CONTRACT = STUBS["_core"]
 TAU = Field("tau", (6,), "Pa", "real", "Kirchhoff stress, which FIELDS leaves out")
@@ -73,7 +73,7 @@ def test_every_member_of_the_core_has_a_sentence():
     assert list(undocumented(CONTRACT.body)) == []
 
 
-@pytest.mark.parametrize("name", ["_render", "_cpu"])
+@pytest.mark.parametrize("name", ["_render", "_surface", "_cpu"])
 def test_every_function_of_the_other_stubs_has_a_sentence(name):
     """Each class, method and function says what it does."""
     assert list(undocumented(STUBS[name].body)) == []
@@ -85,7 +85,7 @@ def test_a_missing_sentence_is_seen():
     assert list(undocumented(ast.parse(text).body)) == ["A", "A.a", "A.f", "g"]
 
 
-@pytest.mark.parametrize("module", [_core, _render, _cpu], ids=lambda module: module.__name__)
+@pytest.mark.parametrize("module", [_core, _render, _surface, _cpu], ids=lambda module: module.__name__)
 def test_names_of_the_stub_are_those_of_the_module(module):
     """Each public name of a module stands in its stub, and the other way round."""
     stub = STUBS[module.__name__.rpartition(".")[2]]

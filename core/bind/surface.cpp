@@ -1,0 +1,126 @@
+// Python's door to surfaces: neve._surface.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/tuple.h>
+
+#include "surface/grains.hpp"
+#include "surface/nets.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace neve::surface;
+
+namespace {
+
+using Points = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Numbers = nb::ndarray<const float, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Names = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+
+std::vector<Vec3f> copy(const Points& x) {
+  std::vector<Vec3f> out(x.shape(0));
+  for (std::size_t p = 0; p < out.size(); ++p) out[p] = {x(p, 0), x(p, 1), x(p, 2)};
+  return out;
+}
+
+template <class T>
+auto array(std::vector<T>&& values, std::initializer_list<std::size_t> shape) {
+  auto* kept = new std::vector<T>(std::move(values));
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
+}
+
+void check(const Points& x, const Numbers& amounts, float cell_size) {
+  if (!(cell_size > 0 && cell_size < 1e9f)) throw nb::value_error("cell_size is above zero");
+  if (amounts.shape(0) != 1 && amounts.shape(0) != x.shape(0))
+    throw nb::value_error("amounts has one number, or one for each point");
+}
+
+void make_points(Field* self, const Points& x, const Numbers& amounts, float cell_size, int blurs) {
+  check(x, amounts, cell_size);
+  if (blurs < 0 || blurs > 8) throw nb::value_error("blurs: from 0 to 8");
+  const std::vector<Vec3f> points = copy(x);
+  nb::gil_scoped_release release;
+  new (self) Field(of_points(points, {amounts.data(), amounts.shape(0)}, cell_size, blurs));
+}
+
+Field balls(const Points& x, const Numbers& amounts, float radius, float cell_size) {
+  check(x, amounts, cell_size);
+  if (!(radius > 0 && radius <= 64 * cell_size)) throw nb::value_error("radius: above 0, up to 64 cells");
+  const std::vector<Vec3f> points = copy(x);
+  nb::gil_scoped_release release;
+  return of_balls(points, {amounts.data(), amounts.shape(0)}, radius, cell_size);
+}
+
+auto blocks(const Field& field) {
+  std::vector<std::int32_t> out;
+  out.reserve(3 * std::size_t(field.blocks.count()));
+  for (int b = 0; b < field.blocks.count(); ++b) {
+    const Int3 w = field.blocks.where(b);
+    out.insert(out.end(), {w.x, w.y, w.z});
+  }
+  return array(std::move(out), {std::size_t(field.blocks.count()), 3});
+}
+
+auto values(const Field& field) {
+  constexpr std::size_t side = Blocks::side;
+  const auto n = std::size_t(field.blocks.count());
+  std::vector<float> out;
+  out.reserve(n * side * side * side);
+  for (int b = 0; b < field.blocks.count(); ++b)
+    for (int i = 0; i < Blocks::side; ++i)
+      for (int j = 0; j < Blocks::side; ++j) {
+        const float* row = field.blocks.values(b) + Blocks::at(i, j, 0);
+        out.insert(out.end(), row, row + Blocks::side);
+      }
+  return array(std::move(out), {n, side, side, side});
+}
+
+auto sample(const Field& field, const Points& x) {
+  std::vector<float> out(x.shape(0));
+  for (std::size_t p = 0; p < out.size(); ++p) out[p] = field.sample({x(p, 0), x(p, 1), x(p, 2)});
+  return array(std::move(out), {x.shape(0)});
+}
+
+auto surface(const Field& field, float level) {
+  if (!(level > 0)) throw nb::value_error("level is above zero");
+  Triangles found;
+  {
+    nb::gil_scoped_release release;
+    found = Nets(field, level).take();
+  }
+  const std::size_t n = found.vertices.size() / 3, m = found.faces.size() / 3;
+  return nb::make_tuple(array(std::move(found.vertices), {n, 3}), array(std::move(found.normals), {n, 3}),
+                        array(std::move(found.faces), {m, 3}));
+}
+
+auto make_grains(const Points& x, const Names& id, const Numbers& lone, float spacing, int count) {
+  if (id.shape(0) != x.shape(0) || lone.shape(0) != x.shape(0))
+    throw nb::value_error("id and lone have one number for each particle");
+  if (!(spacing > 0) || count < 1 || count > 512) throw nb::value_error("spacing is above 0, count 1 to 512");
+  const std::vector<Vec3f> points = copy(x);
+  std::vector<Vec3f> found;
+  {
+    nb::gil_scoped_release release;
+    found = grains(points, {id.data(), id.shape(0)}, {lone.data(), lone.shape(0)}, spacing, count);
+  }
+  std::vector<float> out;
+  out.reserve(3 * found.size());
+  for (const Vec3f& p : found) out.insert(out.end(), {p.x, p.y, p.z});
+  return array(std::move(out), {found.size(), 3});
+}
+
+}  // namespace
+
+NB_MODULE(_surface, m) {
+  m.doc() = "Make fields, surfaces and grains of particles.";
+  nb::class_<Field>(m, "Field", "A scalar on a sparse grid of cells.")
+      .def("__init__", &make_points, "x"_a, "amounts"_a, "cell_size"_a, "blurs"_a = 0)
+      .def_static("balls", &balls, "x"_a, "amounts"_a, "radius"_a, "cell_size"_a)
+      .def_prop_ro("cell_size", [](const Field& field) { return field.blocks.cell_size(); })
+      .def_prop_ro("origin", [](const Field& f) { return std::tuple{f.origin.x, f.origin.y, f.origin.z}; })
+      .def("blocks", &blocks, "Places of the blocks, in blocks.")
+      .def("values", &values, "Values of the cells of each block.")
+      .def("sample", &sample, "x"_a, "Value at points, between the centres of cells.")
+      .def("surface", &surface, "level"_a, "Vertices, normals and faces of the surface of that value.");
+  m.def("grains", &make_grains, "x"_a, "id"_a, "lone"_a, "spacing"_a, "count"_a, "Grains of particles.");
+}
