@@ -20,7 +20,7 @@ class Field:
         """Spread the amounts over the cells with quadratic B-splines, whose weights sum to one."""
     @staticmethod
     def balls(x: NDArray[np.float32], amounts: NDArray[np.float32], radius: float, cell_size: float) -> Field:
-        """Add up amount * wyvill(distance / radius) of balls at the centres of cells; radius up to 64 cells."""
+        """Add up amount * wyvill(distance / radius) of balls at centres of cells; R up to 64 cells."""
     @property
     def cell_size(self) -> float:
         """Edge of a cell [m]."""

@@ -65,7 +65,7 @@ def test_no_snow_has_no_surface():
 
 
 def test_grains_of_a_particle_depend_on_it_alone():
-    """Reordered and moved particles (by cells of the loneliness) have the same grains, reordered and moved."""
+    """Reordered and moved particles (by whole cells) have the same grains, reordered and moved."""
     x = lattice((6, 6, 6), 0.1).astype(np.float32)
     id = np.arange(len(x)) * 7 + 3
     here = grains_of(x, id, 0.1, 8).x.reshape(-1, 8, 3) - x[:, None]

@@ -34,8 +34,8 @@ def b_spline(a):
 
 @pytest.mark.parametrize("blurs", [0, 1, 3])
 def test_blur_keeps_the_sum_and_adds_its_variance(blurs):
-    """The field of a point has variance h^2/4 of the B-spline and h^2/2 of each blur, along each axis, and its
-    mean where the point is."""
+    """The field of a point has variance h^2/4 of the B-spline and h^2/2 of each blur along each axis; its
+    mean is where the point is."""
     x, h = np.array([[0.31, -0.2, 0.77]], np.float32), 0.1
     dense, corner = volume_of(Field(x, np.ones(1, np.float32), h, blurs)).dense()
     assert dense.sum() == pytest.approx(1.0, rel=1e-6)

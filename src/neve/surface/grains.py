@@ -15,7 +15,7 @@ from neve.surface.volume import amounts, points
 Floats = NDArray[np.float32]
 
 ALONE, AMONG = 0.10, 0.35
-"""Share of its surroundings that other snow fills, up to which a particle is alone, and from which it is not."""
+"""Share of its room that other snow fills: a particle is alone below the first, not above the second."""
 
 OWN = (115 / 192) ** 3
 """What a particle finds of itself in its field, on average over places [1]: the integral of the quadratic

@@ -52,10 +52,7 @@ def snow_field(grains: Grains, weights: NDArray[Any] | None = None) -> Field:
 
     weights (n,): of each particle, about 1; its grains weigh as much. None: all 1.
     """
-    if weights is None:
-        each = amounts(1.0)
-    else:
-        each = np.repeat(np.asarray(weights, np.float32), grains.count)
+    each = amounts(1.0 if weights is None else np.repeat(weights, grains.count))
     return Field(grains.x, each, grains.size, BLURS)
 
 

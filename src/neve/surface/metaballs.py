@@ -1,7 +1,7 @@
 """Metaballs: snow as the sum of overlapping balls of density (Nishita et al. 1997).
 
-rho(x) = sum_k q_k f(|x - c_k| / R), f(a) = 1 - 22/9 a^2 + 17/9 a^4 - 4/9 a^6 up to a = 1, 0 beyond. The field is
-an implicit surface, where rho = T, and a volume that scatters light.
+rho(x) = sum_k q_k f(|x - c_k| / R), f(a) = 1 - 22/9 a^2 + 17/9 a^4 - 4/9 a^6 up to a = 1, 0 beyond. It is an
+implicit surface, where rho = T, and a volume that scatters light.
 
 Source: Nishita, Iwasaki, Dobashi and Nakamae 1997 (balls of density as snow); the sextic is that of Wyvill,
 McPheeters and Wyvill 1986, [M] the kernel that Nishita's group uses.
