@@ -126,7 +126,7 @@ auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volu
   if (J_P.shape(0) != 0 && J_P.shape(0) != x.shape(0))
     throw nb::value_error("J_P has one number per particle");
   if (!(volume > 0 && cell_size > 0)) throw nb::value_error("volume and cell_size are above zero");
-  if (solids.size() > 30000) throw nb::value_error("at most 30000 solids can be drawn");
+  if (solids.size() > most_solids) throw nb::value_error("too many solids to draw");
   const std::vector<Vec3f> points = copy(x);
   const Camera& camera = shared.painter.camera();
   std::vector<std::uint8_t> rgb(std::size_t(camera.width) * std::size_t(camera.height) * 3);
@@ -224,10 +224,11 @@ NB_MODULE(_render, m) {
   nb::class_<SharedPainter>(m, "Painter", "Draw one frame after the other with the same camera and light.")
       .def(
           "__init__",
-          [](SharedPainter* self, const Camera& camera, const Light& light) {
-            new (self) SharedPainter{Painter(camera, light), {}};
+          [](SharedPainter* self, const Camera& camera, const Light& light, std::uint32_t leaf) {
+            if (leaf < 1) throw nb::value_error("leaf is 1 or more");
+            new (self) SharedPainter{Painter(camera, light, leaf), {}};
           },
-          "camera"_a, "light"_a)
+          "camera"_a, "light"_a, "leaf"_a = neve::BvhBuilder::leaf_most)
       .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "solids"_a, "threads"_a = 0,
            "Draw particles and solids; return height x width x 3 bytes.");
 }

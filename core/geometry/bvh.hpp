@@ -59,7 +59,9 @@ class BvhBuilder {
   static constexpr int deepest =
       96;  // 40 levels by area, then halves of at most 2^32 triangles; and some room
 
-  explicit BvhBuilder(const std::vector<Bounds>& boxes) : boxes_(boxes), order(boxes.size()) {
+  // most: boxes of a leaf.
+  explicit BvhBuilder(const std::vector<Bounds>& boxes, std::uint32_t most = leaf_most)
+      : boxes_(boxes), most_(most), order(boxes.size()) {
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
     nodes.reserve(boxes.size());
     if (!boxes.empty()) build(0, std::uint32_t(boxes.size()), 0);
@@ -89,7 +91,7 @@ class BvhBuilder {
       bin.centres.add(boxes_[order[i]].middle());
     }
     nodes.push_back(node_of(box));
-    if (count <= leaf_most) {
+    if (count <= most_) {
       nodes[self].first = first, nodes[self].count = count;
       return;
     }
@@ -146,6 +148,7 @@ class BvhBuilder {
   }
 
   const std::vector<Bounds>& boxes_;
+  std::uint32_t most_;
 
  public:
   std::vector<std::uint32_t> order;  // triangles as the leaves hold them

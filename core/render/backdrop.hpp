@@ -12,7 +12,8 @@ namespace neve::render {
 
 class Backdrop {
  public:
-  Backdrop(const Camera& camera, const Light& light)
+  // leaf: as of SolidSet.
+  Backdrop(const Camera& camera, const Light& light, std::uint32_t leaf)
       : camera_(camera),
         light_(light),
         sky_(light),
@@ -22,10 +23,12 @@ class Backdrop {
         past_(size_),
         rows_((camera.height - 1) / cell + 2),
         columns_((camera.width - 1) / cell + 2),
-        node_(std::size_t(rows_) * std::size_t(columns_)) {}
+        node_(std::size_t(rows_) * std::size_t(columns_)),
+        set_(camera.eye, leaf) {}
 
   const Sky& sky() const { return sky_; }
-  const std::vector<Solid>& solids() const { return solids_; }
+  const SolidSet& set() const { return set_; }
+  const std::vector<Solid>& solids() const { return set_.solids(); }
 
   // Forget what solids at rest leave of sun and sky: they are not where they were.
   void forget() {
@@ -38,15 +41,15 @@ class Backdrop {
   // still, moving: the meshes that rest and the others.
   void place(const std::vector<Solid>& solids, const Raster& still, const Raster& moving) {
     std::vector<std::uint8_t> moved(solids.size(), 1);
-    any_ = !known_ || solids.size() != solids_.size();
+    any_ = !known_ || solids.size() != this->solids().size();
     bool plain = any_;  // whether a solid that is no mesh has moved
     for (std::size_t b = 0; b < solids.size(); ++b) {
-      moved[b] = b >= solids_.size() || !(solids[b] == solids_[b]);
+      moved[b] = b >= this->solids().size() || !(solids[b] == this->solids()[b]);
       any_ = any_ || moved[b];
       plain = plain || (moved[b] && !solids[b].mesh);
     }
-    solids_ = solids;
     if (!any_) return;
+    set_.assign(solids);
     const bool meshes = !still.empty() || !moving.empty();
     if (!known_) {
       still_front_.assign(meshes ? size_ : 0, Front{});
@@ -108,8 +111,9 @@ class Backdrop {
   }
 
  private:
+  using Nearest = SolidSet::Nearest;
   static constexpr int cell = 4;  // pixels between the nodes of the lattice
-  static constexpr std::int16_t unknown = -2;
+  static constexpr int unknown = -2;
   // Between nodes that differ by more than this the light is found pixel by pixel.
   static constexpr float smooth = 0.06f;
 
@@ -139,14 +143,14 @@ class Backdrop {
       case snow_sun: return sun_arrival(*snow_, light_, point);
       case snow_sky: return sky_arrival(*snow_, point, hit.normal);
       case static_sun:
-      case moving_sun: return sun_past(solids_, share == static_sun, self, point, hit, light_.sun);
-      default: return sky_past(solids_, share == static_sky, self, point, hit.normal);
+      case moving_sun: return sun_past(set_, share == static_sun, self, point, hit, light_.sun);
+      default: return sky_past(set_, share == static_sky, self, point, hit.normal);
     }
   }
   Vec3f light_along(int solid, float column, float row) const {
     const Vec3f ray = camera_.through(column, row);
     if (solid < 0) return sky_point(sky_, light_, ray).unshadowed;
-    const Solid& self = solids_[std::size_t(solid)];
+    const Solid& self = solids()[std::size_t(solid)];
     const Hit hit = meet(self, camera_.eye, ray);
     if (hit.t > 1e20f) return sky_point(sky_, light_, ray).unshadowed;
     const Vec3f point = camera_.eye + ray * hit.t;
@@ -176,20 +180,11 @@ class Backdrop {
                     front[pixel(r, c)] = std::min(front[pixel(r, c)], found);
                   });
   }
-  struct Nearest {
-    int solid = -1;
-    Hit hit;
-  };
   // Meet what is nearest along a ray; front: in the place of the meshes, where that is known.
   Nearest nearest(Vec3f ray, const Front* front) const {
-    Nearest found;
-    for (std::size_t b = 0; b < solids_.size(); ++b) {
-      if (front && solids_[b].mesh) continue;
-      const Hit hit = meet(solids_[b], camera_.eye, ray);
-      if (hit.t < found.hit.t) found = {int(b), hit};
-    }
+    Nearest found = set_.nearest(ray, !front);
     if (front && front->depth < found.hit.t) {
-      const Hit hit = meet_triangle(solids_[front->solid], front->triangle, camera_.eye, ray);
+      const Hit hit = meet_triangle(solids()[front->solid], front->triangle, camera_.eye, ray);
       found = {int(front->solid), hit};
       found.hit.t = front->depth;
     }
@@ -221,18 +216,18 @@ class Backdrop {
       if (!plain && (front_.empty() || all_same(c))) continue;
       const Nearest found = nearest(r, c);
       const std::size_t p = pixel(r, c);
-      const bool mesh = found.solid >= 0 && solids_[std::size_t(found.solid)].mesh;
+      const bool mesh = found.solid >= 0 && solids()[std::size_t(found.solid)].mesh;
       if (found.solid == solid_[p] && (found.solid < 0 || !(moved[std::size_t(found.solid)] || mesh)))
         continue;
-      solid_[p] = std::int16_t(found.solid);
+      solid_[p] = found.solid;
       past_[p] = {};
       const Vec3f ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
       if (found.solid < 0)
         point_[p] = sky_point(sky_, light_, ray);
       else if (mesh && edge(r, c, front_[p]))
-        point_[p] = blended(solids_[std::size_t(found.solid)], found.hit, r, c);
+        point_[p] = blended(solids()[std::size_t(found.solid)], found.hit, r, c);
       else
-        point_[p] = set_point(solids_[std::size_t(found.solid)], found.hit, camera_, light_, sky_, ray);
+        point_[p] = set_point(solids()[std::size_t(found.solid)], found.hit, camera_, light_, sky_, ray);
     }
   }
 
@@ -242,7 +237,7 @@ class Backdrop {
       if (i < 0 || j < 0 || i >= camera_.height || j >= camera_.width) return false;
       const Front& there = front_[pixel(i, j)];
       if (there.solid != here.solid || there.triangle == here.triangle || there.depth > 1e20f) return false;
-      const Solid& solid = solids_[here.solid];
+      const Solid& solid = solids()[here.solid];
       const Triangle& mine = solid.mesh->triangles()[here.triangle];
       const Point a = mine.area_vector(), b = solid.mesh->triangles()[there.triangle].area_vector();
       const double square = dot(a, a);
@@ -264,7 +259,7 @@ class Backdrop {
     for (int i = std::max(r - 1, 0); i <= std::min(r + 1, camera_.height - 1); ++i)
       for (int j = std::max(c - 1, 0); j <= std::min(c + 1, camera_.width - 1); ++j) {
         const Front& front = front_[pixel(i, j)];
-        if (front.depth < 1e20f && &solids_[front.solid] == &self &&
+        if (front.depth < 1e20f && &solids()[front.solid] == &self &&
             std::find(triangles, triangles + count, front.triangle) == triangles + count)
           triangles[count++] = front.triangle;
       }
@@ -298,14 +293,14 @@ class Backdrop {
     if (!node.placed) {
       const Nearest found = nearest(i * cell, j * cell);
       const bool same = found.solid >= 0 && found.solid == node.solid &&
-                        solids_[std::size_t(found.solid)].is_static && found.hit == node.hit;
+                        solids()[std::size_t(found.solid)].is_static && found.hit == node.hit;
       if (!same) node.arrival[static_sun] = node.arrival[static_sky] = -1;
       const Vec3f ray = camera_.through(float(j * cell) + 0.5f, float(i * cell) + 0.5f);
       node.point = camera_.eye + ray * found.hit.t, node.hit = found.hit, node.solid = found.solid;
       node.placed = true;
     }
     if (node.solid < 0) return;
-    const Solid& self = solids_[std::size_t(node.solid)];
+    const Solid& self = solids()[std::size_t(node.solid)];
     for (Share s : {snow_sun, snow_sky, static_sun, static_sky, moving_sun, moving_sky}) {
       const bool kept = (s == static_sun || s == static_sky) && node.arrival[s] >= 0;
       if (!kept) node.arrival[s] = arrival(s, self, node.point, node.hit);
@@ -321,7 +316,7 @@ class Backdrop {
     const bool same = std::all_of(nodes.begin(), nodes.end(),
                                   [solid](const Node* n) { return n->shown && n->solid == solid; });
     const float a = float(r % cell) / cell, b = float(c % cell) / cell;
-    const Solid& self = solids_[std::size_t(solid)];
+    const Solid& self = solids()[std::size_t(solid)];
     const Vec3f ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
     Hit hit;
     Arrival here;
@@ -365,14 +360,14 @@ class Backdrop {
   Light light_;
   Sky sky_;
   std::size_t size_;
-  std::vector<std::int16_t> solid_;
+  std::vector<int> solid_;
   std::vector<SetPoint> point_;
   mutable std::vector<Past> past_;  // what solids at rest leave to pixels that show one of them
   int rows_, columns_;              // of the lattice
   std::vector<Node> node_;
   bool known_ = false;  // whether still_front_ is that of the solids
   bool any_ = false;    // whether anything has moved since the frame before
-  std::vector<Solid> solids_;
+  SolidSet set_;
   std::vector<Front> still_front_, front_;  // of the meshes at rest and of all; empty without any
   const Density* snow_ = nullptr;
 };

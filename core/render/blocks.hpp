@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "math/bspline.hpp"
-#include "render/vec.hpp"
+#include "render/view/vec.hpp"
 
 namespace neve::render {
 

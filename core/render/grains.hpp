@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "render/camera.hpp"
 #include "render/light.hpp"
+#include "render/view/camera.hpp"
 
 namespace neve::render {
 

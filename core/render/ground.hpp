@@ -1,9 +1,9 @@
 // The set around the snow: how ground, solids and sky look in sun and haze.
 #pragma once
 
-#include "render/camera.hpp"
 #include "render/light.hpp"
-#include "render/surface_material.hpp"
+#include "render/solids/surface_material.hpp"
+#include "render/view/camera.hpp"
 
 namespace neve::render {
 

@@ -1,10 +1,8 @@
 // Sun and sky through the snow: how much of each arrives at a point.
 #pragma once
 
-#include <span>
-
 #include "render/density.hpp"
-#include "render/solids.hpp"
+#include "render/solids/solid_set.hpp"
 
 namespace neve::render {
 
@@ -107,38 +105,49 @@ inline float ground_light(const Density& snow, Vec3f p, Vec3f normal, float star
 
 // Share of the sun left to a grain of snow by all solids. clear: how far off meshes begin to count [m]: grains
 // sink into them a little.
-inline float sun_past(std::span<const Solid> solids, Vec3f p, Vec3f sun, float clear) {
+inline float sun_past(const SolidSet& set, Vec3f p, Vec3f sun, float clear) {
   float seen = 1.0f;
-  for (const Solid& solid : solids) seen *= sun_past(solid, p, sun, clear);
+  set.each_toward_sun(p, sun, [&](const Solid& solid) {
+    seen *= sun_past(solid, p, sun, clear);
+    return true;
+  });
   return seen;
 }
 
 // Share of the sun left to a point of `self` by all solids that rest, or by all others. Only meshes throw shadows on
 // themselves.
-inline float sun_past(std::span<const Solid> solids, bool is_static, const Solid& self, Vec3f p,
-                      const Hit& hit, Vec3f sun) {
-  if (dot(hit.normal, sun) <= 0) return 1.0f;  // it has none to lose
+inline float sun_past(const SolidSet& set, bool is_static, const Solid& self, Vec3f p, const Hit& hit,
+                      Vec3f sun) {
+  // it has none to lose
+  if (dot(hit.normal, sun) <= 0 || set.none(is_static)) return 1.0f;
   float seen = 1.0f;
-  for (const Solid& solid : solids)
-    if (solid.is_static == is_static && (&solid != &self || solid.mesh) && seen > 0.001f)
+  set.each_toward_sun(p + hit.lift, sun, [&](const Solid& solid) {
+    if (solid.is_static == is_static && (&solid != &self || solid.mesh))
       seen *= sun_past(solid, p + hit.lift, sun, &solid == &self ? 1e-3f * solid.mesh->shade() : 0.0f);
+    return seen > 0.001f;
+  });
   return seen;
 }
 
 // Share of the sky left to a grain of snow by all solids.
-inline float sky_past(std::span<const Solid> solids, Vec3f p, Vec3f normal) {
+inline float sky_past(const SolidSet& set, Vec3f p, Vec3f normal) {
   float seen = 1.0f;
-  for (const Solid& solid : solids) seen *= sky_past(solid, p, normal);
+  set.each_around(p, [&](const Solid& solid) {
+    seen *= sky_past(solid, p, normal);
+    return true;
+  });
   return seen;
 }
 
 // Share of the sky left to a point of `self` by all solids that rest, or by all others.
-inline float sky_past(std::span<const Solid> solids, bool is_static, const Solid& self, Vec3f p,
-                      Vec3f normal) {
+inline float sky_past(const SolidSet& set, bool is_static, const Solid& self, Vec3f p, Vec3f normal) {
+  if (set.none(is_static)) return 1.0f;
   float seen = 1.0f;
-  for (const Solid& solid : solids)
+  set.each_around(p, [&](const Solid& solid) {
     if (solid.is_static == is_static)
       seen *= &solid == &self ? sky_past_self(solid, p, normal) : sky_past(solid, p, normal);
+    return true;
+  });
   return seen;
 }
 

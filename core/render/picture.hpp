@@ -2,9 +2,9 @@
 #pragma once
 
 #include "render/backdrop.hpp"
-#include "render/film_curve.hpp"
 #include "render/snow.hpp"
 #include "render/splat.hpp"
+#include "render/view/film_curve.hpp"
 
 namespace neve::render {
 
@@ -19,10 +19,11 @@ struct Particles {
 // what stays the same from one to the next is kept to save time.
 class Painter {
  public:
-  Painter(const Camera& camera, const Light& light)
+  // leaf: solids in a leaf of the tree over them, which changes the time that a picture takes and nothing else.
+  Painter(const Camera& camera, const Light& light, std::uint32_t leaf)
       : camera_(camera),
         light_(light),
-        backdrop_(camera, light),
+        backdrop_(camera, light, leaf),
         meshes_(camera),
         still_(camera),
         samples_(camera) {}
@@ -44,7 +45,7 @@ class Painter {
     draw_samples(samples_, still_, solids, moving, grains_, camera_);
     backdrop_.place(solids, meshes_, moving);
     backdrop_.illuminate(snow, samples_);
-    light_visible(snow, solids, particles.x);
+    light_visible(snow, particles.x);
     develop(rgb);
   }
 
@@ -56,7 +57,7 @@ class Painter {
                       });
   }
 
-  void light_visible(const Density& snow, std::span<const Solid> solids, std::span<const Vec3f> x) {
+  void light_visible(const Density& snow, std::span<const Vec3f> x) {
     std::vector<std::uint8_t> seen(x.size(), 0);
 #pragma omp parallel for schedule(static)
     for (int r = 0; r < samples_.height; ++r) {
@@ -68,7 +69,7 @@ class Painter {
     lit_.resize(x.size());
 #pragma omp parallel for schedule(dynamic, 256)
     for (std::size_t p = 0; p < x.size(); ++p)
-      if (seen[p]) lit_[p] = light_particle(snow, solids, light_, x[p]);
+      if (seen[p]) lit_[p] = light_particle(snow, backdrop_.set(), light_, x[p]);
   }
 
   void develop(std::uint8_t* rgb) const {

@@ -21,19 +21,19 @@ inline Vec3f snow_normal(const Density& snow, Vec3f p) {
   return normalize(slope * -1.0f + Vec3f{0, 0, 0.03f});
 }
 
-inline Lit light_particle(const Density& snow, std::span<const Solid> solids, const Light& light, Vec3f p) {
+inline Lit light_particle(const Density& snow, const SolidSet& set, const Light& light, Vec3f p) {
   const float h = snow.cell_size();
   Lit lit;
   lit.normal = snow_normal(snow, p);
   // Light is asked for just above the surface, and higher for grains that lie deeper.
   const float cover = snow.sample(p);
   const Vec3f above = p + lit.normal * (h * (0.8f + 0.6f * saturate(cover - 0.3f)));
-  const float past = sun_past(solids, p, light.sun, h);
+  const float past = sun_past(set, p, light.sun, h);
   const SunPath path = sun_path(snow, above, light.sun, 0.25f, 1.8f);
   const float direct = std::exp(-path.far - (0.55f - 0.3f * saturate(cover)) * path.near),
               through = std::exp(-0.38f * (path.near + path.far));
   lit.sun = light.sun_color * (direct * past);
-  const float sky = sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(solids, p, lit.normal);
+  const float sky = sky_light(snow, above, lit.normal, 0.35f, 0.5f) * sky_past(set, p, lit.normal);
   // Snow gives back nearly all light, so its hollows light themselves.
   const float bright = sky / (1.0f - 0.60f * (1.0f - saturate(sky)));
   lit.around = light.sky_color * Vec3f{0.68f, 0.79f, 0.94f} * bright;

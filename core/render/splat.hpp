@@ -5,12 +5,13 @@
 #include <bit>
 
 #include "render/grains.hpp"
-#include "render/raster.hpp"
+#include "render/solids/raster.hpp"
 
 namespace neve::render {
 
 using Key = std::uint64_t;
-constexpr std::uint32_t first_solid = 0xffff0000u;  // indices from here on are solids
+constexpr std::uint32_t first_solid = 0xff000000u;  // indices from here on are solids
+constexpr std::size_t most_solids = 0xffffffu - 1;
 constexpr Key nothing = ~Key(0);
 // Smaller grains are drawn this large [samples], enough to meet a sample wherever they are, and faded
 // instead.
@@ -62,16 +63,57 @@ inline void splat_grain(Samples& samples, const Grain& grain, std::uint32_t inde
   }
 }
 
-// Cast a ray at the solids that rest, or at the others, but not at meshes, through every sample of a row.
-inline void cast_row(Samples& samples, std::span<const Solid> solids, bool is_static, const Camera& camera,
-                     int r) {
+// Whether a bounded solid lies wholly behind the eye or beyond an edge of the film, give or take a hundredth.
+inline bool is_beside(const Solid& solid, const Camera& camera) {
+  const Vec3f to = solid.middle - camera.eye;
+  const float ahead = dot(to, camera.forward), bound = 1.01f * solid.bound + 0.01f * length(to);
+  const auto beyond = [&](float off, int pixels) {  // of the planes through the eye and two edges
+    const float tangent = 0.5f * float(pixels) / camera.focal;
+    return std::abs(off) - tangent * ahead > bound * std::sqrt(1 + tangent * tangent);
+  };
+  return ahead < -bound || beyond(dot(to, camera.right), camera.width) ||
+         beyond(dot(to, camera.down), camera.height);
+}
+
+// Where a solid that is no mesh may be seen.
+struct OnFilm {
+  std::uint32_t solid;
+  Vec3f at{};       // column and row of its middle [px], depth [m]
+  float wide = -1;  // radius of a disc that holds it [px]; below zero: anywhere
+};
+
+// Return the solids that rest, or the others, but no meshes, that may be seen in rows [first, last) of samples.
+inline std::vector<OnFilm> on_film(std::span<const Solid> solids, bool is_static, const Camera& camera,
+                                   int first, int last) {
+  constexpr float pixel = 1.0f / Samples::per_axis;
+  const float top = (float(first) + 0.5f) * pixel, bottom = (float(last) - 0.5f) * pixel;
+  std::vector<OnFilm> found;
+  for (std::uint32_t b = 0; b < solids.size(); ++b) {
+    const Solid& solid = solids[b];
+    if (solid.is_static != is_static || solid.mesh) continue;
+    OnFilm seen{b};
+    if (!solid.is_plane()) {
+      seen.at = camera.project(solid.place.centre);
+      if (is_beside(solid, camera)) continue;
+      if (seen.at.z > 2.0f * solid.bound) {  // far enough for its ball to have a width on the film
+        seen.wide = 1.2f * camera.focal * solid.bound / (seen.at.z - solid.bound);
+        if (seen.at.y + seen.wide < top || seen.at.y - seen.wide > bottom) continue;
+      }
+    }
+    found.push_back(seen);
+  }
+  return found;
+}
+
+// Cast a ray at solids through every sample of a row.
+inline void cast_row(Samples& samples, std::span<const Solid> solids, std::span<const OnFilm> seen,
+                     const Camera& camera, int r) {
   constexpr float pixel = 1.0f / Samples::per_axis;
   Key* row = samples.row(r);
   const Vec3f start = camera.through(0.5f * pixel, (float(r) + 0.5f) * pixel),
               step = camera.right * (pixel / camera.focal);
-  for (std::uint32_t b = 0; b < solids.size(); ++b) {
+  for (const auto& [b, at, wide] : seen) {
     const Solid& solid = solids[b];
-    if (solid.is_static != is_static) continue;
     if (solid.is_plane()) {  // one division per sample
       const float height = dot(solid.place.rotation.c2, camera.eye - solid.place.centre),
                   fall = -dot(solid.place.rotation.c2, start);
@@ -84,11 +126,8 @@ inline void cast_row(Samples& samples, std::span<const Solid> solids, bool is_st
       }
       continue;
     }
-    if (solid.mesh) continue;
-    const Vec3f at = camera.project(solid.place.centre);
     float left = 0, right = float(samples.width);
-    if (at.z > 2.0f * solid.bound) {  // far enough for its ball to have a width on the film
-      const float wide = 1.2f * camera.focal * solid.bound / (at.z - solid.bound);
+    if (wide >= 0) {
       if (std::abs(at.y - (float(r) + 0.5f) * pixel) > wide) continue;
       left = std::clamp((at.x - wide) / pixel, 0.0f, right),
       right = std::clamp((at.x + wide) / pixel, 0.0f, right);
@@ -103,7 +142,8 @@ inline void cast_row(Samples& samples, std::span<const Solid> solids, bool is_st
 // Draw the solids that rest, or the others, into rows [first, last).
 inline void draw_solids(Samples& samples, std::span<const Solid> solids, bool is_static, const Raster& meshes,
                         const Camera& camera, int first, int last) {
-  for (int r = first; r < last; ++r) cast_row(samples, solids, is_static, camera, r);
+  const std::vector<OnFilm> seen = on_film(solids, is_static, camera, first, last);
+  for (int r = first; r < last; ++r) cast_row(samples, solids, seen, camera, r);
   meshes.draw(first, last, Samples::per_axis,
               [&](int r, int c, float depth, std::uint32_t solid, std::uint32_t) {
                 Key& key = samples.row(r)[c];

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "render/vec.hpp"
+#include "render/view/vec.hpp"
 
 namespace neve::surface {
 

@@ -95,8 +95,12 @@ class Density:
 class Painter:
     """Draw frames with the same camera and light. A frame depends on its own input only."""
 
-    def __init__(self, camera: Camera, light: Light) -> None:
-        """Keep copies of camera and light. Threads of Python may share a painter: they draw in turn."""
+    def __init__(self, camera: Camera, light: Light, leaf: int = 4) -> None:
+        """Keep copies of camera and light. Threads of Python may share a painter: they draw in turn.
+
+        leaf: solids that a leaf of the tree over them holds at most; pictures do not depend on it.
+        """
+
     def draw(
         self,
         x: NDArray[np.float32],
@@ -110,5 +114,5 @@ class Painter:
 
         x (n, 3) [m], those that are not finite are left out; J_P (n,) or (0,) [1]; volume: of one particle
         [m3]; cell_size: of the density that light passes through [m]; threads: 0 leaves the choice to OpenMP.
-        Errors: ValueError for sizes that do not fit or are not above zero, or more than 30000 solids.
+        Errors: ValueError for sizes that do not fit or are not above zero, or more than 1.6e7 solids.
         """

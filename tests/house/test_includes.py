@@ -13,7 +13,9 @@ LAYERS = [
     {"constitutive", "transfer", "geometry"},  # laws; particles and grid; shapes
     {"coupling"},  # what snow and solids do to each other
     {"mpm"},  # the step of one particle and one node, from values to values
-    {"cpu/grid", "render"},  # where particles and nodes lie, and how data moves between them; what draws
+    {"cpu/grid", "render/view"},  # where particles and nodes lie, and how data moves between them; the camera
+    {"render/solids"},  # solids on a picture
+    {"render"},  # what draws
     {"cpu", "surface"},  # the stages of the step over all of them
     {"cpu/passes"},  # what is asked of all of them besides
     {"bind"},  # Python

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "render/camera.hpp"
-#include "render/solids.hpp"
+#include "render/solids/solids.hpp"
+#include "render/view/camera.hpp"
 
 namespace neve::render {
 

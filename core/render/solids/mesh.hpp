@@ -5,7 +5,7 @@
 #include <span>
 
 #include "geometry/height_field.hpp"
-#include "render/triangles.hpp"
+#include "render/solids/triangles.hpp"
 #include "threads.hpp"
 
 namespace neve::render {

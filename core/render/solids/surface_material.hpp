@@ -2,7 +2,7 @@
 // nothing is stored and nothing shimmers from frame to frame.
 #pragma once
 
-#include "render/solids.hpp"
+#include "render/solids/solids.hpp"
 
 namespace neve::render {
 

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "render/vec.hpp"
+#include "render/view/vec.hpp"
 
 namespace neve::render {
 

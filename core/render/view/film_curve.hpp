@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "render/vec.hpp"
+#include "render/view/vec.hpp"
 
 namespace neve::render {
 

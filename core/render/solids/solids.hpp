@@ -5,7 +5,7 @@
 #include <span>
 
 #include "geometry/shape_rays.hpp"
-#include "render/mesh.hpp"
+#include "render/solids/mesh.hpp"
 
 namespace neve::render {
 

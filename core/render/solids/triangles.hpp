@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "geometry/triangle_mesh.hpp"
-#include "render/vec.hpp"
+#include "render/view/vec.hpp"
 
 namespace neve::render {
 
