@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from neve.reproducible import norms, product
+from neve.scene.schema import surfaces
 from neve.scene.values.fields import (
     ZERO,
     Angle3,
@@ -49,6 +51,9 @@ class Shape(Part):
     endless: ClassVar[bool] = False
     place_key: ClassVar[str] = "center"
     geom: ClassVar[str] = ""
+
+    unit_surface: ClassVar[Callable[[], surfaces.Surface]] = staticmethod(surfaces.cube)
+    """Its triangles with half extents of 1; of an endless one a part of it."""
 
     if TYPE_CHECKING:  # the key of each shape, which holds no word but its own
         shape: str
@@ -130,6 +135,7 @@ class Plane(Shape):
     endless = True
     place_key = "point"
     geom = "PLANE"
+    unit_surface = staticmethod(surfaces.square)
 
     shape: Literal["plane"] = entry("plane", "The half-space below an endless plane.")
     point: Point3 = entry(ZERO, "A point of the plane.", "m")
@@ -181,6 +187,7 @@ class Sphere(Shape):
     """Fill a ball."""
 
     geom = "SPHERE"
+    unit_surface = staticmethod(surfaces.ball)
 
     shape: Literal["sphere"] = entry("sphere", "A ball.")
     center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the ball.", "m")
@@ -240,6 +247,7 @@ class Cylinder(Shape):
     """Fill a cylinder around its own z axis; half extents: radius, radius, half of the height."""
 
     geom = "CYLINDER"
+    unit_surface = staticmethod(surfaces.tube)
 
     shape: Literal["cylinder"] = entry("cylinder", "A cylinder around its own z axis.")
     center: Point3 = entry((0.0, 0.0, 0.5), "Centre of the cylinder, halfway up.", "m")

@@ -1,0 +1,153 @@
+"""The folder of an export: what is in it, so that an export can go on, begin anew, and touch nothing else."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from neve.export.format import replacing, writing
+from neve.io.errors import RunError, cannot_read
+from neve.io.run_folder import RunFolder
+from neve.system import disk
+
+CARD = "export.json"
+"""Its presence makes a folder an export."""
+LAYOUT = 1
+PAUSE = 2.0
+"""Wall time between two writes of the card [s]; a kill costs what was exported since, no more."""
+
+
+class ExportFolder:
+    """Keep a record of an export in its folder: options, files, and which frames are there.
+
+    Only files of the record are ever deleted, and no other file is written over.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.card = path / CARD
+        self._options: dict[str, Any] = {}
+        self._files: set[str] = set()
+        self._frames: dict[int, tuple[float, int]] = {}
+        self._written = 0.0
+
+    def open(self, options: Mapping[str, Any], force: bool) -> None:
+        """Make the folder ready for an export with these `options`: new, continued, or emptied by `force`.
+
+        Errors: RunError: as of `check`, or the disk refuses.
+        """
+        found = self.check(options, force)
+        with writing(self.path):
+            disk.make_folder(self.path)
+            disk.sweep(self.path)
+            if found is not None and force:
+                disk.remove_files(self.path, [*found["files"], CARD])
+                found = None
+        self._options = dict(options)
+        if found is not None:
+            self._files = set(found["files"])
+            self._frames = {int(k): (float(t), int(mark)) for k, (t, mark) in found["frames"].items()}
+        self.save()
+
+    def check(self, options: Mapping[str, Any], force: bool) -> dict[str, Any] | None:
+        """Return the record of the export that lies here, None if there is none; change nothing.
+
+        Errors: RunError: the folder holds an export with other options, or other files.
+        """
+        if os.path.lexists(self.path) and not self.path.is_dir():
+            raise RunError(f"{self.path} is a file, and an export needs a folder: choose another --out.")
+        found = self._read()
+        if found is None:
+            self._refuse_strangers()
+        elif not force and found["options"] != dict(options):
+            raise RunError(
+                f"{self.path} holds an export with {_difference(found['options'], options)}: replace it with"
+                " --force, or choose another --out."
+            )
+        return found
+
+    def has(self, frame: int, mark: int, names: Iterable[str]) -> bool:
+        """Return whether a frame is here, made from the frame file with this `mark` (see `neve.io.npz`)."""
+        known = self._frames.get(frame)
+        return known is not None and known[1] == mark and all(self._lies(name) for name in names)
+
+    def times(self) -> dict[int, float]:
+        """Return the times [s] of the frames that are here, by number, in order."""
+        return {frame: self._frames[frame][0] for frame in sorted(self._frames)}
+
+    def announce(self, names: Iterable[str]) -> None:
+        """Take note of files that are about to be written."""
+        self._files |= {*names}
+
+    def add(self, frame: int, time_: float, mark: int) -> None:
+        """Take note that the files of a frame are there."""
+        self._frames[frame] = (time_, mark)
+        if time.monotonic() > self._written + PAUSE:
+            self.save()
+
+    def drop_after(self, last: int, names: Callable[[int], Iterable[str]]) -> None:
+        """Remove the frames later than `last`; names: of the files of a frame. Errors: RunError."""
+        gone = {name for frame in self._frames if frame > last for name in names(frame)}
+        with writing(self.path):
+            disk.remove_files(self.path, gone)
+        self._files -= gone
+        self._frames = {frame: known for frame, known in self._frames.items() if frame <= last}
+
+    def save(self) -> None:
+        """Write the record. Errors: RunError."""
+        card = {
+            "layout": LAYOUT,
+            "options": self._options,
+            "files": sorted(self._files),
+            "frames": {str(k): list(self._frames[k]) for k in sorted(self._frames)},
+        }
+        with replacing(self.card) as file:
+            file.write(json.dumps(card).encode())
+        self._written = time.monotonic()
+
+    def _read(self) -> dict[str, Any] | None:
+        """Return the record that lies here; None if there is none. Errors: RunError."""
+        try:
+            found = json.loads(disk.read_bytes(self.card))
+            if found["layout"] != LAYOUT:
+                raise RunError(f"{self.card} is of another version of Neve: choose another --out.")
+            names = [name for name in found["files"] if os.path.basename(name) != name or name in ("", "..")]
+            entries = [(int(k), float(t), int(mark)) for k, (t, mark) in found["frames"].items()]
+            if names or not isinstance(found["options"], dict) or any(k < 0 for k, _, _ in entries):
+                raise ValueError(found)
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise cannot_read(self.card, error) from error
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise RunError(f"{self.card} is damaged: remove it, or choose another --out.") from error
+        return dict(found)
+
+    def _refuse_strangers(self) -> None:
+        try:
+            names = [path.name for path in self._contents() if not disk.is_temporary(path.name)]
+        except OSError as error:
+            raise cannot_read(self.path, error) from error
+        if names:
+            what = "a run" if RunFolder(self.path).is_run() else "files that are no export"
+            raise RunError(f"{self.path} holds {what}: choose another --out.")
+
+    def _contents(self) -> Iterator[Path]:
+        return self.path.iterdir() if self.path.is_dir() else iter(())
+
+    def _lies(self, name: str) -> bool:
+        path = self.path / name
+        return path.is_file() and not path.is_symlink()
+
+
+def _difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
+    """Say in which option two exports differ first, as the old one has it."""
+    for name in (*old, *new):
+        if old.get(name) != new.get(name):
+            value = old.get(name)
+            return f"{name} = {', '.join(map(str, value)) if isinstance(value, list) else value}"
+    return "other options"

@@ -1,0 +1,172 @@
+"""Export the frames of a run folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from neve.build import solids as solids_of
+from neve.export.axes import Axes, Up
+from neve.export.folder import ExportFolder
+from neve.export.format import Format, Job
+from neve.export.moment import FOR_LIFE, Life, check_names, columns_of, moment_of
+from neve.export.registry import FORMATS
+from neve.io.checkpoint import read_checkpoint
+from neve.io.errors import RunError, cannot_read
+from neve.io.frames import Frame, frame_numbers, frame_path, read_frame
+from neve.io.npz import mark_of
+from neve.io.run_folder import RunFolder
+
+if TYPE_CHECKING:
+    from neve.colliders.solid import Solid
+    from neve.scene.schema.scene import Scene
+
+Progress = Callable[[int, int, int], None]
+"""Called after a frame is written: how many are there, how many are asked for, and its particles."""
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Hold what a user chooses of an export.
+
+    fields: of particles, None for those that the run has; up: axis, None for what is usual for the format;
+    scale: units of the file in a metre
+    """
+
+    to: str
+    fields: tuple[str, ...] | None = None
+    up: Up | None = None
+    scale: float = 1.0
+
+    @property
+    def format(self) -> type[Format]:
+        """The class of the format. Errors: ValueError."""
+        found: type[Format] = FORMATS.get(self.to)
+        return found
+
+    @property
+    def axes(self) -> Axes:
+        """Axes and unit of the files."""
+        return Axes(self.up or self.format.up, self.scale)
+
+    def job(self, folder: Path, scene: Scene, solids: Sequence[Solid], radius: float | None = None) -> Job:
+        """Return what is the same in all moments; radius: of a particle [m], None for the scene's."""
+        spacing = scene.numerics.spacing if radius is None else 2.0 * radius
+        return Job(
+            folder,
+            tuple(solids),
+            self.axes,
+            scene.run.fps,
+            spacing * self.scale,
+            scene.numerics.dx * self.scale,
+            scene.about,
+        )
+
+    def names(self, first: Frame, life: Sequence[str]) -> tuple[str, ...]:
+        """Return the fields to write, given a frame and what particles keep for life. Errors: RunError."""
+        have = tuple(columns_of(first))
+        if self.fields is None:
+            return have if self.format.takes_fields else ()
+        if not self.format.takes_fields:
+            raise RunError(f"--fields: the format {self.to} has no fields of particles; leave it out.")
+        check_names(self.fields, (*have, *life), "--fields")
+        return self.fields
+
+    def options(self, names: Sequence[str]) -> dict[str, Any]:
+        """Return what two exports must have in common for one to go on with the other."""
+        return {"to": self.to, "fields": list(names), "up": self.axes.up, "scale": self.scale}
+
+
+def export_run(
+    path: Path | str,
+    choices: Choices,
+    out: Path | str | None = None,
+    frames: slice | None = None,
+    force: bool = False,
+    progress: Progress = lambda done, of, particles: None,
+) -> tuple[Path, int]:
+    """Export frames of the run folder `path`; return the folder of the files and how many frames are new.
+
+    out: the folder, by default one in the run folder, named as the format
+    frames: numbers from start to stop, without stop, by step; None for all
+    force: begin anew; else what is there, from the same frames and with the same choices, is kept
+
+    Memory follows the largest frame, not their number.
+
+    Errors: RunError, SceneError, ValueError: no run, no such frame, field or format, the disk refuses.
+    """
+    from neve.scene.reading.load import load
+
+    run = RunFolder(path)
+    if not run.is_run():
+        raise RunError(f"{run.path} holds no Neve run, so there is nothing to export.")
+    wanted = _chosen(run, frames)
+    scene = load(run.path)
+    first = read_frame(run.frames, wanted[0])
+    life = _life(run, choices)
+    names = choices.names(first, () if life is None else tuple(life.columns))
+    if choices.format.weighs and (life is None or "m" not in life.columns):
+        raise RunError(f"the particles of {run.path} have no mass, which the format {choices.to} needs.")
+    target = Path(out) if out is not None else run.path / choices.to
+    job = choices.job(target, scene, solids_of(scene))
+    format = choices.format(job)
+    folder = ExportFolder(target)
+    folder.check(choices.options(names), force)
+    with RunFolder(target).lock():
+        folder.open(choices.options(names), force)
+        new = 0
+        try:
+            folder.announce(format.shared_names())
+            with format:
+                for done, number in enumerate(wanted, 1):
+                    particles = _export(run, number, format, folder, names, life)
+                    if particles is not None:
+                        new += 1
+                        progress(done, len(wanted), particles)
+                format.close(folder.times())
+        finally:
+            folder.save()
+    return target, new
+
+
+def _export(
+    run: RunFolder, number: int, format: Format, folder: ExportFolder, names: Sequence[str], life: Life | None
+) -> int | None:
+    """Export one frame and return its number of particles; None if it is there already."""
+    source = frame_path(run.frames, number)
+    try:
+        mark = mark_of(source) or 0
+    except OSError as error:
+        raise cannot_read(source, error) from error
+    files = format.names(number)
+    if folder.has(number, mark, files):
+        return None
+    moment = moment_of(number, read_frame(run.frames, number), format.job.axes, names, life, format.weighs)
+    folder.announce(files)
+    format.write(moment)
+    folder.add(number, moment.time, mark)
+    return len(moment.x)
+
+
+def _chosen(run: RunFolder, frames: slice | None) -> list[int]:
+    """Return the numbers of the frames to export. Errors: RunError if there are none."""
+    have = frame_numbers(run.frames)
+    if not have:
+        raise RunError(f"{run.frames} holds no frames, so there is nothing to export.")
+    if frames is None:
+        return have
+    wanted = range(*frames.indices(have[-1] + 1))
+    chosen = [number for number in have if number in wanted]
+    if not chosen:
+        raise RunError(f"--frames: the run has frames {have[0]} to {have[-1]}, and none of those asked for.")
+    return chosen
+
+
+def _life(run: RunFolder, choices: Choices) -> Life | None:
+    """Return what the checkpoint knows of the particles, if it is needed or asked for."""
+    if not choices.format.weighs and not {*FOR_LIFE} & {*(choices.fields or ())}:
+        return None
+    arrays = read_checkpoint(run.checkpoint).arrays
+    return Life(arrays["id"], {name: arrays[name] for name in FOR_LIFE if name in arrays})

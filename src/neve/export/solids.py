@@ -1,0 +1,65 @@
+"""The surfaces of solids as triangles, in their own frames."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.colliders.solid import Solid
+
+Floats = NDArray[np.float32]
+Faces = NDArray[np.int32]
+
+FAR = 20.0
+"""Half of the side of the square that stands for an endless plane [m]."""
+MOST_HEIGHTS = 512
+"""Samples of a height map along each side at most: a larger one is thinned."""
+
+
+class SolidSurface(NamedTuple):
+    """Hold the triangles of a solid in its own frame.
+
+    name: of the solid, such as "bodies.1". vertices (n, 3), in the unit of the file. faces (m, 3): rows of
+    vertices, anticlockwise from outside. color: red, green and blue, linear, or None
+    """
+
+    name: str
+    vertices: Floats
+    faces: Faces
+    color: tuple[float, float, float] | None
+
+
+def surfaces(solids: tuple[Solid, ...], scale: float) -> list[tuple[int, SolidSurface]]:
+    """Return the surface of each solid that can be seen, with its place in the list; scale: units in 1 m."""
+    found = []
+    for i, solid in enumerate(solids):
+        if solid.visible:
+            vertices, faces = triangles(solid)
+            scaled = np.asarray(vertices * scale, np.float32)
+            found.append((i, SolidSurface(solid.name, scaled, faces, solid.color)))
+    return found
+
+
+def triangles(solid: Solid) -> tuple[NDArray[np.float64], Faces]:
+    """Return corners (n, 3) [m] and triangles (m, 3) of a solid in its own frame.
+
+    An endless plane is a square of 2 FAR; of a terrain it is what its map shows.
+    """
+    if solid.mesh is not None:
+        return np.asarray(solid.mesh.vertices, np.float64), solid.mesh.faces
+    if solid.terrain is not None:
+        return _heights(solid.terrain.heights, solid.terrain.size)
+    vertices, faces = solid.form.unit_surface()
+    return vertices * (np.full(3, FAR) if solid.endless else solid.half), faces
+
+
+def _heights(heights: NDArray[np.float32], size: tuple[float, float]) -> tuple[NDArray[np.float64], Faces]:
+    rows = [np.unique(np.linspace(0, n - 1, min(n, MOST_HEIGHTS)).astype(int)) for n in heights.shape]
+    z = heights[np.ix_(*rows)].astype(np.float64)
+    x, y = ((r / (n - 1) - 0.5) * length for r, n, length in zip(rows, heights.shape, size, strict=True))
+    corners = np.stack([*np.meshgrid(x, y, indexing="ij"), z], axis=-1).reshape(-1, 3)
+    i = np.arange(z.size, dtype=np.int32).reshape(z.shape)
+    a, b, c, d = (part.ravel() for part in (i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]))
+    return corners, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])

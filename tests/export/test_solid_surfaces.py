@@ -1,0 +1,67 @@
+"""Surfaces of solids: closed, seen from outside, of the right volume."""
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+
+from neve.build import solids
+from neve.export.solids import FAR, surfaces, triangles
+from neve.scene.reading.load import load
+from neve.scene.schema.shapes import FORMULAS
+from neve.scene.schema.surfaces import COLUMNS, ROWS
+
+CLOSED = [shape for shape in FORMULAS if not shape.endless]
+
+VOLUMES = {
+    "box": 8.0,
+    # a prism over a polygon of n corners: n/2 sin(2 pi / n) times the height 2
+    "cylinder": COLUMNS * math.sin(2 * math.pi / COLUMNS),
+}
+
+
+@pytest.mark.parametrize("shape", CLOSED, ids=lambda shape: shape.__name__)
+def test_a_shape_of_a_formula_has_a_closed_surface(shape):
+    """Watertight, outward, with half extents of 1, and the volume of its polyhedron."""
+    vertices, faces = shape.unit_surface()
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    np.testing.assert_allclose(mesh.bounds, [[-1, -1, -1], [1, 1, 1]], atol=1e-12)
+    word = shape.model_fields["shape"].default
+    if word in VOLUMES:
+        assert mesh.volume == pytest.approx(VOLUMES[word], rel=1e-12)
+    else:  # a ball, but for the sagittas of rows and columns
+        full = shape.volume_of(np.ones(3))
+        short = 1 - (math.pi / ROWS) ** 2 / 4 - (math.pi / COLUMNS) ** 2
+        assert short * full < mesh.volume <= full * (1 + 1e-12)
+
+
+def test_solids_of_a_scene(finished):
+    """Each that can be seen, in order, in the unit of the file; a plane is a square that faces its normal."""
+    found = surfaces(solids(load(finished)), 100.0)
+    assert [surface.name for _, surface in found] == ["colliders.0", "colliders.1", "bodies.0"]
+    plane, box, _ = (surface for _, surface in found)
+    assert np.abs(plane.vertices).max() == 100.0 * FAR
+    a, b, c = plane.vertices[plane.faces[0]]
+    assert np.cross(b - a, c - a)[2] > 0
+    np.testing.assert_allclose(box.vertices.max(axis=0), [30.0, 50.0, 70.0], rtol=1e-6)
+
+
+def test_a_terrain_is_its_map(tmp_path):
+    """Heights on their places; seen from above all triangles turn anticlockwise."""
+    heights = np.random.default_rng(1).random((5, 4))
+    np.save(tmp_path / "map.npy", heights)
+    (tmp_path / "scene.toml").write_text(
+        '[[sources]]\nshape = "sphere"\ncenter = [0.0, 0.0, 3.0]\n[[colliders]]\nshape = "terrain"\n'
+        'file = "map.npy"\nsize = [8.0, 3.0]\n'
+    )
+    (terrain,) = solids(load(tmp_path / "scene.toml"))
+    vertices, faces = triangles(terrain)
+    assert vertices[0].tolist() == [-4.0, -1.5, pytest.approx(heights[0, 0])]
+    assert vertices[-1].tolist() == [4.0, 1.5, pytest.approx(heights[-1, -1])]
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    areas = np.cross(b - a, c - a)[:, 2] / 2
+    assert areas.min() > 0
+    assert areas.sum() == pytest.approx(24.0)
