@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from neve.export.format import replacing, writing
+from neve.export.format import is_temporary, replacing, sweep, writing
 from neve.io.errors import RunError, cannot_read
 from neve.io.run_folder import RunFolder
 from neve.system import disk
@@ -43,7 +43,7 @@ class ExportFolder:
         found = self.check(options, force)
         with writing(self.path):
             disk.make_folder(self.path)
-            disk.sweep(self.path)
+            sweep(self.path)
             if found is not None and force:
                 disk.remove_files(self.path, [*found["files"], CARD])
                 found = None
@@ -129,7 +129,7 @@ class ExportFolder:
 
     def _refuse_strangers(self) -> None:
         try:
-            names = [path.name for path in self._contents() if not disk.is_temporary(path.name)]
+            names = [path.name for path in self._contents() if not is_temporary(path.name)]
         except OSError as error:
             raise cannot_read(self.path, error) from error
         if names:

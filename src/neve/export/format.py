@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from neve.io.errors import RunError, reason
 from neve.system import disk
 
 NAME = "snow"
+_PART = re.compile(r"\..+\.\d+-\d+\.part\.\w+", re.DOTALL)
 """How the names of all files of snow begin."""
 
 
@@ -125,6 +127,19 @@ def made_by_library(path: Path) -> Iterator[Path]:
             disk.move(place, temporary)
         finally:
             disk.remove(place)
+
+
+def sweep(folder: Path) -> None:
+    """Remove the temporary files that a killed export left in `folder`. Errors: OSError."""
+    disk.sweep(folder)
+    for path in folder.iterdir():
+        if is_temporary(path.name):
+            disk.remove(path)
+
+
+def is_temporary(name: str) -> bool:
+    """Tell whether `name` is that of a file that was not finished."""
+    return disk.is_temporary(name) or _PART.fullmatch(name) is not None
 
 
 @contextlib.contextmanager

@@ -8,10 +8,12 @@ FORMATS = Registry(
     "the format",
     {
         "ply": "neve.export.formats.ply:Ply",
+        "usd": "neve.export.formats.usd:Usd",
         "vtk": "neve.export.formats.vtk:Vtk",
     },
     {
         "ply": "points with all fields, binary",
+        "usd": "points and solids as a USD stage, a layer for each frame",
         "vtk": "points and solids for ParaView, with .pvd files of their times",
     },
 )
