@@ -8,7 +8,8 @@
 // there, closest in the energy norm, (p - p_trial)^2 / (2 K) + (q - q_trial)^2 / (6 mu). An ellipse holds p = q = 0, so
 // that whatever p0 is found, no energy is made. Compaction (J_P falls) hardens, expansion softens, down to a p0 of
 // 1e-6 K. J_P is bounded inside the hardening as in snow_plasticity.hpp. (A return at constant p, as some programs
-// have it, shows no softening in shear.)
+// have it, shows no softening in shear.) p0 hardens to 10 K at most: a pressure of that size is a strain that no snow
+// reaches, but what rounding leaves of it, eps p0, would bear tension that the tip of the ellipse forbids.
 //
 // Projection. In units of the half-axes a = (1 + beta) p0 / 2 and b = M a / sqrt(1 + 2 beta) the ellipse is the
 // circle P^2 + Q^2 = 1, and the closest point is x = P / (1 + t), y = Q / (1 + t / k), k = b^2 K / (3 mu a^2), where
@@ -114,14 +115,14 @@ struct CamClay : HenckyFlow {
             splat<R>(T(given.ln_J_P_max))};
   }
 
-  // The bounds of w. The upper one, 80, is where the numbers of float32 end.
+  // The bounds of w, from p0 = 1e-6 K to 10 K.
   template <class R>
   struct Hardening {
     R start, least, most;  // w before the step, as if without bounds
 
     static Hardening of(R J_P, const Parameters<R>& q) {
       using T = scalar_t<R>;
-      const R low = splat<R>(T(1e-6)), high = splat<R>(T(80));
+      const R low = splat<R>(T(1e-6)), high = splat<R>(T(2.998222950297970));
       const R past = log1p(max(R(J_P - T(1)), splat<R>(T(least_stretch - 1))));
       return {q.start - q.xi * past, clamp(R(q.start - q.xi * q.ln_J_P_max), low, high),
               clamp(R(q.start - q.xi * q.ln_J_P_min), low, high)};

@@ -10,7 +10,9 @@
 // J_ice = m / (V0 917 kg/m3) is the particle's own; but every snow may be pressed to nine tenths of its volume, even if it
 // is given the density of ice or a higher one.
 //
-// K = 8.9 GPa: from memory, of elastic constants of ice Ih near -10 C; the density is that at 0 C. z_s is our choice.
+// K = 8.9 GPa follows from the elastic constants of ice Ih at -16 C, c11, c12, c13, c33 = 13.93, 7.08, 5.77, 15.01 GPa
+// (Gammon et al. 1983, abstract): (2 (c11 + c12) + 4 c13 + c33) / 9; it is 8.7 GPa at -3 C. The density is that at 0 C.
+// z_s is our choice.
 #pragma once
 
 #include "constitutive/law.hpp"

@@ -79,8 +79,9 @@ struct ElasticConstants {
 };
 template <class C>
 constexpr Constant<C> rho0_of(double usual, const char* source) {
-  return {"rho0",        &C::rho0,      usual,  "kg/m3",   {0, 2000, true},
-          {1.0, 2000.0}, Role::elastic, source, "Density."};
+  return {"rho0",        &C::rho0,  usual,
+          "kg/m3",       {1, 2000}, {1.0, 2000.0},
+          Role::elastic, source,    "Density, at least about that of air, in which lighter snow would rise."};
 }
 template <class C>
 constexpr Constant<C> E0_of(double usual, const char* source) {

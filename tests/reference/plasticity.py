@@ -87,13 +87,14 @@ def drucker_prager(F_trial, J_P, snow, elasticity):
 
 
 def cam_clay_exponents(snow):
-    """The least and largest w in p0 = K sinh(w)."""
+    """The least and largest w in p0 = K sinh(w): p0 from 1e-6 K to 10 K."""
     at_rest = np.arcsinh(snow.strength * snow.p0 / snow.K)  # -xi alpha0
-    return tuple(np.clip(at_rest - snow.xi * np.log(J), 1e-6, 80) for J in (snow.J_P_max, snow.J_P_min))
+    bounds = (at_rest - snow.xi * np.log(J) for J in (snow.J_P_max, snow.J_P_min))
+    return tuple(np.clip(w, 1e-6, np.arcsinh(10.0)) for w in bounds)
 
 
 def cam_clay_size(J_P, snow):
-    """p0 = K sinh(xi max(-alpha, 0)), alpha = alpha0 + ln J_P, never below 1e-6 K [Pa]."""
+    """p0 = K sinh(xi max(-alpha, 0)), alpha = alpha0 + ln J_P, from 1e-6 K to 10 K [Pa]."""
     w = np.arcsinh(snow.strength * snow.p0 / snow.K) - snow.xi * np.log(J_P)
     return snow.K * np.sinh(np.clip(w, *cam_clay_exponents(snow)))
 
