@@ -9,11 +9,13 @@ FORMATS = Registry(
     {
         "ply": "neve.export.formats.ply:Ply",
         "usd": "neve.export.formats.usd:Usd",
+        "vdb": "neve.export.formats.vdb:Vdb",
         "vtk": "neve.export.formats.vtk:Vtk",
     },
     {
         "ply": "points with all fields, binary",
         "usd": "points and solids as a USD stage, a layer for each frame",
+        "vdb": "density and velocity as OpenVDB volumes",
         "vtk": "points and solids for ParaView, with .pvd files of their times",
     },
 )

@@ -1,0 +1,66 @@
+"""Density and velocity of the snow of a moment on a sparse grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.export.moment import Moment
+
+Floats = NDArray[np.float32]
+
+SIDE = 4
+"""Cells of a block along each axis."""
+
+
+@dataclass(frozen=True)
+class SnowGrid:
+    """Hold density and velocity at the centres of cells, in blocks of 4x4x4; elsewhere there is no snow.
+
+    Cell (i, j, k) of block b has its centre at first + (4 blocks[b] + (i, j, k)) cell.
+
+    Attributes:
+        blocks: (b, 3)
+        density: [kg/m3, per cube of the file's unit], (b, 4, 4, 4); 0 where there is no snow
+        velocity: mass-weighted mean [units/s], (b, 4, 4, 4, 3)
+        first: centre of cell (0, 0, 0) of block (0, 0, 0). cell: edge of a cell, in units of the file
+    """
+
+    blocks: NDArray[np.int32]
+    density: Floats
+    velocity: Floats
+    first: NDArray[np.float64]
+    cell: float
+
+
+def snow_grid(moment: Moment, cell: float, scale: float) -> SnowGrid:
+    """Spread mass and momentum over cells by quadratic B-splines: rho = sum m w / V, u = sum m v w / sum m w.
+
+    scale: units of the file in a metre; densities are per cubic metre whatever it is.
+    """
+    from neve._surface import Field
+    from neve.surface.volume import points
+
+    x = points(moment.x)
+    weight = (moment.mass * (scale / cell) ** 3).astype(np.float32)
+    field = Field(x, np.ascontiguousarray(weight), cell)
+    blocks, density = field.blocks(), field.values()
+    names = _names(blocks)
+    order = np.argsort(names)
+    velocity = np.zeros((*density.shape, 3), np.float32)
+    for k in range(3):
+        flow = Field(x, np.ascontiguousarray(weight * moment.v[:, k]), cell)
+        row = order[
+            np.searchsorted(names, _names(flow.blocks()), sorter=order)
+        ]  # blocks at rest are left out
+        velocity[row, ..., k] = flow.values()
+    np.divide(velocity, density[..., None], out=velocity, where=density[..., None] > 0)
+    return SnowGrid(blocks, density, velocity, np.asarray(field.origin) + 0.5 * cell, cell)
+
+
+def _names(blocks: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Return a number for each block, by its place."""
+    x, y, z = (blocks.astype(np.int64) + 2**20).T
+    return np.asarray((x << 42) | (y << 21) | z)
