@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from neve.colliders.solid import Solid, solid_of
+from neve.scene.checks.joined import joined_warnings
 from neve.scene.schema.scene import Scene, Snow
 
 if TYPE_CHECKING:
@@ -18,7 +19,9 @@ def coupled(scene: Scene) -> tuple[tuple[Solid, ...], CoupledBodies | None]:
 
     Errors: SceneError for a mesh or a height map that cannot be used.
     """
-    around = tuple(solid_of(c, f"colliders.{i}", scene.numerics.dx) for i, c in enumerate(scene.colliders))
+    with joined_warnings():
+        dx = scene.numerics.dx
+        around = tuple(solid_of(c, f"colliders.{i}", dx) for i, c in enumerate(scene.colliders))
     if not (scene.bodies or scene.robots):
         return around, None
     from neve.rigid.bodies import RigidBodies

@@ -6,10 +6,19 @@ import sys
 import numpy as np
 import pytest
 
-from neve import _core
+from neve import Simulation, _core
+from neve.mpm import initial
 from neve.sampling import fill
-from neve.sampling.room import MOST, PARTICLE_BYTES
+from neve.sampling.room import (
+    MOST,
+    PARTICLE_BYTES,
+    STATE_BYTES,
+    expected,
+    require_room,
+    require_room_for_all,
+)
 from neve.scene.errors import SceneError
+from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Scene
 from neve.system import memory
 
@@ -72,6 +81,42 @@ def test_memory_is_asked_for_before_it_is_taken(monkeypatch):
     )
     monkeypatch.setattr(memory, "free", lambda: None)
     assert memory.lacking(1e18) is None
+
+
+def test_sources_that_fit_one_by_one_may_not_fit_together(monkeypatch):
+    """Ten boxes of 1e6 particles: 10 GB are enough for the largest, 1 GB is not enough for all."""
+    box = {"shape": "box", "size": [0.5, 0.5, 0.5]}
+    many = {"numerics": {"dx": 0.01}, "sources": [box | {"center": [i, 0.0, 0.0]} for i in range(10)]}
+    whole = Scene.model_validate(many)
+    monkeypatch.setattr(memory, "free", lambda: 10**9)
+    assert 0.9e6 < expected(whole.sources[0], whole.numerics) < 1.1e6
+    require_room(np.full(3, 0.5), 0.125, whole.numerics, "sources.0")
+    monkeypatch.setattr(initial, "fill", lambda *_: pytest.fail("a source was filled"))
+    with pytest.raises(
+        SceneError, match=r"all sources together would take 1e\+07 particles .* 1 GB are free"
+    ):
+        initial.build(whole)
+
+
+def test_particles_are_asked_for_again_when_their_number_is_known(monkeypatch):
+    """What stands in files counts as well: after filling, the arrays of the simulation are asked for."""
+    numerics = scene(0.1, shape="box").numerics
+    bytes_each = STATE_BYTES["float32"]
+    monkeypatch.setattr(memory, "free", lambda: int(1e6 * bytes_each))
+    require_room_for_all(0.9e6, numerics, held=True)
+    with pytest.raises(SceneError, match="needs about"):
+        require_room_for_all(1e6, numerics, held=True)
+    with pytest.raises(SceneError, match=r"more than 2\.1e\+09"):
+        require_room_for_all(3e9, numerics)
+
+
+@pytest.mark.parametrize("precision", STATE_BYTES)
+def test_a_simulation_takes_no_more_memory_than_is_asked_for(precision):
+    """Arrays of the state and what steps need besides, for each particle."""
+    box = {"shape": "box", "size": [1.0, 1.0, 1.0]}
+    sim = Simulation(scene_from({"numerics": {"dx": 0.05, "precision": precision}, "sources": [box]}))
+    sim.advance(1e-4)
+    assert 0.5 * STATE_BYTES[precision] < sim.bytes / sim.count < 1.1 * STATE_BYTES[precision]
 
 
 def test_what_is_free_is_known_here():

@@ -6,7 +6,9 @@ import contextlib
 import json
 import logging
 import math
+import os
 import warnings
+import weakref
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -37,7 +39,37 @@ def read_mesh(mesh: Mesh, name: str) -> Triangles:
     `name`: used in messages. Warns with SceneWarning of a mesh with small holes: they are closed.
     Errors: SceneError, one sentence: unreadable, empty, no area, not finite, or open without a `thickness`.
     """
-    vertices, faces = _read(where(mesh.file, "meshes"), _key(mesh, name))
+    path = where(mesh.file, "meshes")
+    made_of = (_mark(path), mesh.up, mesh.metres)
+    surface = _in_use.get(made_of)
+    if surface is None:
+        _in_use[made_of] = surface = _surface(path, mesh, name)
+    if mesh.thickness == 0:
+        _require_inside(surface, mesh, name)
+    return surface
+
+
+_in_use: weakref.WeakValueDictionary[object, Triangles] = weakref.WeakValueDictionary()
+"""What was read of a file and is still in use: a thousand colliders of one file are read once."""
+
+
+def _mark(path: Path) -> tuple[object, ...]:
+    """Return what tells a file from a changed one; an object like no other if nothing does.
+
+    A .gltf file names others, which may change by themselves.
+    """
+    try:
+        about = os.stat(path)
+    except (OSError, ValueError):
+        return (object(),)
+    if path.suffix.lower() == ".gltf":
+        return (object(),)
+    return (str(path), about.st_dev, about.st_ino, about.st_size, about.st_mtime_ns, about.st_ctime_ns)
+
+
+def _surface(path: Path, mesh: Mesh, name: str) -> Triangles:
+    """Return the surface in the file at `path` [m], whether it has an inside or not. Errors: SceneError."""
+    vertices, faces = _read(path, _key(mesh, name))
     if not len(faces):
         raise SceneError(
             f"{_key(mesh, name)} holds no triangles: it is empty, or not the kind of file that its name says"
@@ -53,8 +85,6 @@ def read_mesh(mesh: Mesh, name: str) -> Triangles:
     surface = tidied(vertices * mesh.metres, faces)
     if not len(surface.faces):
         raise SceneError(f"{_key(mesh, name)} has no area: all of its triangles are points or lines")
-    if mesh.thickness == 0:
-        _require_inside(surface, mesh, name)
     return surface
 
 
@@ -79,8 +109,9 @@ def _require_inside(surface: Triangles, mesh: Mesh, name: str) -> None:
     holes = surface.open_edges
     if not holes:
         return
-    share = doubtful_share(surface)
-    if share > DOUBTFUL_SHARE:
+    if surface not in _doubt:
+        _doubt[surface] = doubtful_share(surface)
+    if _doubt[surface] > DOUBTFUL_SHARE:
         raise SceneError(
             f"{_key(mesh, name)} is open ({holes} edges have a face on one side only), so that it has no "
             f"inside: close it, or set {name}.thickness to make a solid of its faces"
@@ -91,6 +122,9 @@ def _require_inside(surface: Triangles, mesh: Mesh, name: str) -> None:
         SceneWarning,
         stacklevel=2,
     )
+
+
+_doubt: weakref.WeakKeyDictionary[Triangles, float] = weakref.WeakKeyDictionary()
 
 
 def doubtful_share(surface: Triangles) -> float:

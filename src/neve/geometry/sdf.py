@@ -9,7 +9,7 @@ import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,11 +140,22 @@ def _grid(key: str, surface: Triangles, spacing: float, band: float, thickness: 
 
 def _key(surface: Triangles, spacing: float, band: float, thickness: float) -> str:
     """Return the SHA-256 of all that the grid follows from."""
-    digest = hashlib.sha256(f"neve sdf {FORMAT}".encode())
-    for values in (surface.vertices, surface.faces, np.array([spacing, band, thickness])):
+    if surface not in _digests:
+        _digests[surface] = _fed(
+            hashlib.sha256(f"neve sdf {FORMAT}".encode()), surface.vertices, surface.faces
+        )
+    whole = _fed(_digests[surface].copy(), np.array([spacing, band, thickness]))
+    return str(whole.hexdigest())
+
+
+_digests: weakref.WeakKeyDictionary[Triangles, Any] = weakref.WeakKeyDictionary()
+
+
+def _fed(digest: Any, *arrays: NDArray[Any]) -> Any:
+    for values in arrays:
         digest.update(f"{values.dtype}{values.shape}".encode())
         digest.update(np.ascontiguousarray(values).data)
-    return digest.hexdigest()
+    return digest
 
 
 def grid_bytes(surface: Triangles, spacing: float, band: float, thickness: float = 0.0) -> float:
@@ -218,6 +229,15 @@ def thinnest(surface: Triangles) -> float:
 
     From points on the surface rays go inward; the thickness is their way to the next face.
     """
+    if surface not in _thin:
+        _thin[surface] = _thinnest(surface)
+    return _thin[surface]
+
+
+_thin: weakref.WeakKeyDictionary[Triangles, float] = weakref.WeakKeyDictionary()
+
+
+def _thinnest(surface: Triangles) -> float:
     area = norms(surface.area_vectors)
     rng = np.random.default_rng(0)
     chosen = rng.choice(len(area), RAYS, p=area / area.sum())

@@ -7,7 +7,7 @@ import json
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -48,7 +48,13 @@ def assets_of(scene: Scene) -> list[Asset]:
 
     Errors: RunError for a file that cannot be read.
     """
-    return [_asset(file) for file in named_files(scene) if not file.is_own]
+    once: dict[str, Asset] = {}
+    found = []
+    for file in named_files(scene):
+        if not file.is_own:
+            known = once.get(file.name) or once.setdefault(file.name, _asset(file))
+            found.append(replace(known, key=file.key))
+    return found
 
 
 def portable(scene: Scene, assets: Sequence[Asset]) -> str:

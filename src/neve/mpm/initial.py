@@ -11,6 +11,8 @@ from neve.build import coupled, material_table
 from neve.mpm.model import Model
 from neve.sampling import Samples, fill
 from neve.sampling.carving import carved
+from neve.sampling.room import expected, require_room_for_all
+from neve.scene.checks.joined import joined_warnings
 from neve.scene.schema.scene import Scene
 
 if TYPE_CHECKING:
@@ -35,25 +37,26 @@ def build(scene: Scene) -> tuple[Model, State]:
 def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> State:
     """Return the particles of the sources of these indices, without those inside a solid of `model`.
 
-    Errors: SceneError for a source that cannot be used, or that starts wholly inside solids.
+    Errors: SceneError for a source that cannot be used, or that starts wholly inside solids, and for more
+    particles than there is memory for.
     """
     sources = [scene.sources[i] for i in indices]
-    samples = [
-        carved(
-            fill(scene.completed(s), scene.numerics, i),
-            model.solids,
-            model.distance,
-            model.numerics.dx,
-            f"sources.{i}",
-        )
-        for i, s in zip(indices, sources, strict=True)
-    ]
-    state = model.core.State(sum(len(s.x) for s in samples), model.native.more_modes)
+    if len(sources) > 1:
+        require_room_for_all(sum(expected(s, scene.numerics) for s in sources), scene.numerics)
+    with joined_warnings():
+        samples = [
+            _free_of_solids(fill(scene.completed(s), scene.numerics, i), model, f"sources.{i}")
+            for i, s in zip(indices, sources, strict=True)
+        ]
+    count = sum(len(s.x) for s in samples)
+    require_room_for_all(count, scene.numerics, held=True)
+    state = model.core.State(count, model.native.more_modes)
+    rows_of = {snow: row for row, snow in enumerate(model.snows)}
     begin = 0
     for source, s in zip(sources, samples, strict=True):
         snow = scene.snow_of(source)
         rows = slice(begin, begin + len(s.x))
-        _place(state, rows, s, model.snows.index(snow), snow.rho0)
+        _place(state, rows, s, rows_of[snow], snow.rho0)
         if model.native.keeps_C:
             state.C[rows] = _spin_matrix(source.spin)
         begin = rows.stop
@@ -64,6 +67,13 @@ def make_model(scene: Scene) -> Model:
     """Return the constants of the scene's run, without sampling any snow."""
     solids, rigid = coupled(scene)
     return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, solids, rigid)
+
+
+def _free_of_solids(samples: Samples, model: Model, name: str) -> Samples:
+    """Return `samples` of the source `name` without those inside a solid of `model`."""
+    near = model.near(samples.x.min(axis=0), samples.x.max(axis=0))
+    solids = [model.solids[i] for i in near]
+    return carved(samples, solids, lambda k, x: model.distance(near[k], x), model.numerics.dx, name)
 
 
 def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) -> None:

@@ -62,6 +62,8 @@ class Model:
         for i, solid in enumerate(self.solids):
             if solid.motion == "dynamic":
                 self.native.make_dynamic(i)
+        self._reach = np.array([solid.reach for solid in self.solids])
+        self._centres = np.zeros((len(self.solids), 3))
         self.limit_compression(1.0)
         for i, collider in enumerate(self.colliders):
             self._place(i, pose(collider, 0.0))
@@ -71,6 +73,11 @@ class Model:
         """Return the signed distance of points x (n, 3) [m] from the surface of solid i, (n,) [m]."""
         phi, _ = self.native.surface(i, np.ascontiguousarray(x))
         return phi
+
+    def near(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[int]:
+        """Return which solids may reach into the box from `low` to `high` [m] (3,), and some near."""
+        gap = np.maximum(np.maximum(low - self._centres, self._centres - high), 0.0)
+        return np.flatnonzero(np.sum(gap * gap, axis=1) <= (self._reach + self.numerics.dx) ** 2).tolist()
 
     def poses(self, time: float) -> list[Pose]:
         """Return the pose of each solid at `time` [s]."""
@@ -92,6 +99,7 @@ class Model:
             self.native.set_body_dynamics(self.rigid.mobility(), self.rigid.free_acceleration())
 
     def _place(self, i: int, p: Pose) -> None:
+        self._centres[i] = p.position
         self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
         self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p))
 

@@ -20,6 +20,7 @@ from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import build, version
 from neve.run.interrupt import Interrupt
+from neve.run.large import in_words
 from neve.run.outputs.context import Begins, FrameContext, Output, Resumes, RunContext
 from neve.run.outputs.registry import BUILT_IN, entries, kinds, own_schedule, schedule_of, usual_files
 from neve.run.progress import Progress, Warnings, follow, warnings_to
@@ -116,6 +117,8 @@ def _run(
     toml = portable(scene, assets)
     asked = entries(scene)
     with folder.lock():
+        if large := in_words(scene):
+            follow(folder.path.name, 0, 1, quiet).say(f"{folder.path.name}: making ready {large}")
         checkpoint = read_checkpoint(folder.checkpoint) if resume and folder.has_begun() else None
         if checkpoint is not None:
             check_same(folder.checkpoint, checkpoint.scene, toml)

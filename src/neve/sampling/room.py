@@ -6,13 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Numerics
+from neve.scene.schema.scene import Numerics, Source
 from neve.system.memory import lacking
 
 MOST = 2**28
 """Points that may be placed in the box around a source."""
 POINT_BYTES, PARTICLE_BYTES = 25, 240
 """Memory for each point of the box, and for each particle until the simulation has its own arrays [bytes]."""
+MOST_PARTICLES = 2**31 - 1
+"""Particles of all sources together."""
+SAMPLE_BYTES = 80
+"""Memory for each particle while the sources are filled one after the other [bytes]."""
+STATE_BYTES = {"float32": 200, "float64": 400}
+"""Memory for each particle of a simulation [bytes]."""
 
 
 def require_room(size: NDArray[np.float64], volume: float, numerics: Numerics, name: str) -> None:
@@ -34,3 +40,23 @@ def require_room(size: NDArray[np.float64], volume: float, numerics: Numerics, n
         raise SceneError(f"{stated}, more than {MOST:.2g}; use a larger dx or a smaller source")
     if found := lacking(points * POINT_BYTES + particles * PARTICLE_BYTES):
         raise SceneError(f"{stated}, which {found}; use a larger dx or a smaller source")
+
+
+def expected(source: Source, numerics: Numerics) -> float:
+    """Return about how many particles `source` takes; 0 where only a file or a font tells."""
+    volume = source.volume_of(np.array(source.half_extents()))
+    return float(volume / numerics.spacing**3)
+
+
+def require_room_for_all(particles: float, numerics: Numerics, held: bool = False) -> None:
+    """Refuse sources that would together take too many particles, or more memory than is free.
+
+    held: whether they are placed, so that memory is needed for the simulation's own arrays alone.
+
+    Errors: SceneError.
+    """
+    stated = f"all sources together would take {particles:.2g} particles with numerics.dx = {numerics.dx:g}"
+    if particles > MOST_PARTICLES:
+        raise SceneError(f"{stated}, more than {MOST_PARTICLES:.2g}; use a larger dx or less snow")
+    if found := lacking(particles * (STATE_BYTES[numerics.precision] + (0 if held else SAMPLE_BYTES))):
+        raise SceneError(f"{stated}, which {found}; use a larger dx or less snow")

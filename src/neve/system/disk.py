@@ -207,10 +207,13 @@ def linked(root: Path, path: Path) -> Path | None:
     return None
 
 
-def read_bytes(path: Path) -> bytes:
-    """Return what is in the regular file `path`; a pipe or a device, which may never end, is refused."""
+def read_bytes(path: Path, most: int = -1) -> bytes:
+    """Return what is in the regular file `path`, or its first `most` bytes.
+
+    A pipe or a device, which may never end, is refused.
+    """
     with open_regular(path) as file:
-        return file.read()
+        return file.read(most)
 
 
 def open_regular(path: Path) -> BinaryIO:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from neve.scene.checks.joined import joined
 from neve.scene.checks.unused import unused
 from neve.scene.schema.scene import Body, Collider, Scene, Source
 from neve.scene.values.elastic import p_wave_modulus
@@ -21,7 +22,10 @@ SEAM_CELLS = 1
 
 
 def advice(scene: Scene) -> list[str]:
-    """Return a sentence for each doubtful value of `scene`, with a better value; nothing if all is well."""
+    """Return a sentence for each doubtful value of `scene`, with a better value; nothing if all is well.
+
+    Sentences that are alike are joined (see `neve.scene.checks.joined`).
+    """
     found = []
     for i, source in enumerate(scene.sources):
         name, whole = f"sources.{i}", scene.completed(source)
@@ -35,7 +39,7 @@ def advice(scene: Scene) -> list[str]:
         found += _thin_solid(scene, collider, f"colliders.{i}")
     for i, body in enumerate(scene.bodies):
         found += _thin_solid(scene, body, f"bodies.{i}")
-    return [*found, *unused(scene)]
+    return joined([*found, *unused(scene)])
 
 
 def fastest(scene: Scene, source: Source) -> float:

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from neve.scene.errors import SceneError
 from neve.scene.reading import files
 from neve.scene.reading.overrides import override
-from neve.scene.reading.presets import PRESETS, no_such_scene, preset_names, presets, read_toml
+from neve.scene.reading.presets import PRESETS, no_such_scene, preset_names, presets, read_toml, require_few
 from neve.scene.reading.validation_errors import problems
 from neve.scene.schema.scene import Scene
 from neve.spelling import hint, nearest
@@ -63,6 +63,7 @@ def scene_from(
     files.resolve(tables, Path(folder))
     changed = [(override(tables, text), text) for text in overrides]
     files.resolve(tables, Path.cwd())
+    require_few({name: len(value) for name, value in tables.items() if isinstance(value, list)}, where)
     try:
         scene = Scene.model_validate(tables)
     except ValidationError as error:

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from neve.scene.errors import SceneError
 from neve.spelling import hint, nearest
+from neve.system import disk
+
+MOST_ENTRIES = 10_000
+"""Entries of each list of a scene: sources, colliders, bodies and so on."""
+MOST_BYTES = 16_000_000
+"""Bytes of a scene file: 10,000 entries with all their keys take some 7 MB."""
+_HEADING = re.compile(r"^[ \t]*\[\[[ \t]*([A-Za-z_]+)[ \t]*\]\]", re.MULTILINE)
 
 PRESETS = Path(__file__).parents[1] / "presets"
 
@@ -42,7 +51,14 @@ def preset_names() -> str:
 def read_toml(path: Path, where: str) -> dict[str, Any]:
     """Return the tables of a TOML file; `where` names it in errors. Errors: SceneError, one sentence."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        content = disk.read_bytes(path, MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
+            raise SceneError(
+                f"{where}: a scene file has at most {MOST_BYTES / 1e6:g} MB, and this one has more"
+            )
+        text = content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+        require_few(Counter(_HEADING.findall(text)), where)
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         match = re.fullmatch(r"(.*) \(at (.*)\)", str(error), re.DOTALL)
         what, place = match.groups() if match else (str(error), "some line")
@@ -53,3 +69,13 @@ def read_toml(path: Path, where: str) -> dict[str, Any]:
         raise SceneError(f"{where}: byte {error.start} is not UTF-8 text; save the file as UTF-8") from None
     except OSError as error:
         raise SceneError(f"{where}: the file cannot be read: {error.strerror}") from None
+
+
+def require_few(entries: Mapping[str, int], where: str) -> None:
+    """Refuse a scene with a list of more than MOST_ENTRIES entries. Errors: SceneError."""
+    for name, count in entries.items():
+        if count > MOST_ENTRIES:
+            raise SceneError(
+                f"{where}: {name} has {count:,} entries, more than {MOST_ENTRIES:,}: "
+                "join what can be one mesh or one larger source"
+            )
