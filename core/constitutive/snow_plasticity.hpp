@@ -211,11 +211,11 @@ struct SnowPlasticity {
     using T = scalar_t<R>;
     const R zero = splat<R>(0);
     const Response<R> at = Elasticity::respond(kept, q.mu0, q.lam0);
-    R side = zero, dissipated = zero;
+    R side = zero, dissipated = zero;  // times the product of the stretches
     for (int k = 0; k < 3; ++k) {
       const R flow = trial[k] - kept[k], work = flow * (at.isotropic + at.axial[k]);
       side = select(work < zero, flow, side);
-      dissipated = dissipated + work / (T(1) + kept[k]);
+      dissipated = dissipated + work * ((T(1) + kept[(k + 1) % 3]) * (T(1) + kept[(k + 2) % 3]));
     }
     const auto against = dissipated < zero;
     if (!any(against)) return at;

@@ -1,8 +1,8 @@
 // What is wrong with a state before a step is taken on it: users write into it.
 #pragma once
 
-#include "constitutive/ice.hpp"
 #include "cpu/fields.hpp"
+#include "cpu/material.hpp"
 #include "mpm/model.hpp"
 #include "threads.hpp"
 
@@ -18,6 +18,16 @@ struct Inspection {
   double crowding =
       0;  // the largest density of snow that flows over that of ice, or the most its own may become [1]
   std::int64_t densest = -1;
+
+  // The crowding of rows from p on.
+  template <class R>
+  void see_densest(const R& crowded, std::size_t p) {
+    if (!any(crowded > splat<R>(scalar_t<R>(crowding)))) return;
+    for (int l = 0; l < width<R>; ++l) {
+      if (crowded[l] > scalar_t<R>(crowding))
+        crowding = crowded[l], densest = static_cast<std::int64_t>(p) + l;
+    }
+  }
 
   void merge(const Inspection& o) {
     if (o.id < id) id = o.id, row = o.row, field = o.field;
@@ -66,23 +76,69 @@ const char* impossible(const Model<T>& model, const State<T>& state, std::size_t
   return nullptr;
 }
 
+// Whether a pack is all right beyond doubt, at a glance: of what is not, impossible() tells.
+template <class T>
+bool sound(const Model<T>& model, const State<T>& state, std::size_t p, int count) {
+  using R = Lanes<T>;
+  R differ{};  // 0, or not a number
+  const auto see = [&](const Columns<T>& f) {
+    for (int k = 0; k < f.components(); ++k) {
+      const R a = load<R>(f.column(k) + p, count);
+      differ = differ + (a - a);
+    }
+  };
+  see(state.x), see(state.v), see(state.C), see(state.modes), see(state.F_E), see(state.strength);
+  R least = load<R>(state.J_P.column(0) + p, count);
+  for (const Field<T, 1>* f : {&state.J_P, &state.m, &state.V0, &state.stiffness}) {
+    see(*f);
+    least = min(least, load<R>(f->column(0) + p, count));
+  }
+  const Mat3<R> F = load_matrix<R>(state.F_E, p, count);
+  const R norm2 = dot(F.c0, F.c0) + dot(F.c1, F.c1) + dot(F.c2, F.c2);
+  const R zero = splat<R>(0), rounding = norm2 * sqrt(norm2) * (T(16) * std::numeric_limits<T>::epsilon());
+  const auto good = (differ == zero) & (least > zero) &
+                    (load<R>(state.strength.column(0) + p, count) >= zero) & (determinant(F) > rounding);
+  const R bad = select(good, zero, splat<R>(1));
+  if (any(first_lanes<R>(count) & (bad > zero))) return false;
+  for (int l = 0; l < count; ++l) {
+    if (state.material[p + static_cast<std::size_t>(l)] >= model.snows.size()) return false;
+  }
+  return true;
+}
+
+// The density of snow that flows over that of ice, or over the most that it may become; 0 for other snow.
+template <class T>
+Lanes<T> crowding(const Model<T>& model, const State<T>& state, std::size_t p, int count) {
+  using R = Lanes<T>;
+  const PackIce<T> pack(model, state, p, count);
+  const R J = determinant(load_matrix<R>(state.F_E, p, count)) * load<R>(state.J_P.column(0) + p, count);
+  return pack.mark * pack.ice.J_ice / select(pack.mark > R{}, J, splat<R>(1));
+}
+
 }  // namespace detail
 
 template <class T>
 Inspection inspect(const Model<T>& model, const State<T>& state) {
+  constexpr int wide = width<Lanes<T>>;
   constexpr std::size_t chunk = 1024;
   return merge_each<Inspection>((state.count + chunk - 1) / chunk, [&](std::size_t c) {
     Inspection found;
-    for (std::size_t p = c * chunk; p < std::min(state.count, (c + 1) * chunk); ++p) {
-      Inspection one;
-      if (const char* field = detail::impossible(model, state, p)) {
-        one.id = state.id[p], one.row = static_cast<std::int64_t>(p), one.field = field;
-      } else if (model.snows[state.material[p]].plastic) {
-        const double m = state.m.column(0)[p], V0 = state.V0.column(0)[p], J_P = state.J_P.column(0)[p];
-        one.crowding = Ice<double>::of(m, V0).J_ice / (detail::stretch_of(state, p) * J_P);
-        one.densest = static_cast<std::int64_t>(p);
+    const std::size_t end = std::min(state.count, (c + 1) * chunk);
+    for (std::size_t p = c * chunk; p < end; p += wide) {
+      const int count = std::min(wide, static_cast<int>(end - p));
+      if (detail::sound(model, state, p, count)) {
+        found.see_densest(detail::crowding(model, state, p, count), p);
+        continue;
       }
-      found.merge(one);
+      for (std::size_t q = p; q < p + static_cast<std::size_t>(count); ++q) {
+        if (const char* field = detail::impossible(model, state, q)) {
+          Inspection one;
+          one.id = state.id[q], one.row = static_cast<std::int64_t>(q), one.field = field;
+          found.merge(one);
+        } else {
+          found.see_densest(detail::crowding(model, state, q, 1), q);
+        }
+      }
     }
     return found;
   });
