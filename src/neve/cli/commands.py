@@ -1,4 +1,4 @@
-"""The command line: list, run, view, drive, export, fragments, bench, validate, fuzz, info, cite.
+"""The command line: list, run, view, drive, render, export, fragments, bench, validate, fuzz, info, cite.
 
 Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
 (one sentence on standard error), 130 is Ctrl-C, 141 a reader of the output that has gone. Everything but
@@ -30,6 +30,7 @@ from neve.cli.console import (
     whole_number,
 )
 from neve.cli.export import export
+from neve.cli.render import render
 from neve.system import stopping, streams
 
 
@@ -278,6 +279,7 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
     return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
 
 
+cli.add_command(render)
 cli.add_command(export)
 cli.add_command(fuzz)
 

@@ -18,6 +18,7 @@ USER_ERRORS = (
     ("neve.scene.errors", "SceneError"),
     ("neve.io.errors", "RunError"),
     ("neve.render.film", "FilmError"),
+    ("neve.render.path_tracing.engine", "RenderError"),
     ("neve.solver", "Blowup"),
     ("neve.viewer.show", "ViewError"),
     ("neve.drive.serve", "DriveError"),

@@ -1,0 +1,1 @@
+"""Path-traced pictures and films of finished runs."""

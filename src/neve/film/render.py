@@ -1,0 +1,196 @@
+"""Render the frames of a run folder: a picture each, and a film of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.build import solids as solids_of
+from neve.geometry.pose import Pose
+from neve.io.atomic import replacing, writing
+from neve.io.errors import RunError
+from neve.io.frames import Frame, frame_numbers, frame_path, frame_rate, read_frame
+from neve.io.npz import mark_of
+from neve.io.run_folder import RunFolder
+from neve.render.path_tracing.develop import coded, has_denoiser
+from neve.render.path_tracing.engine import mitsuba
+from neve.render.path_tracing.picture import Choices, PathTracer
+from neve.system import disk
+
+if TYPE_CHECKING:
+    from neve.colliders.solid import Solid
+    from neve.scene.schema.scene import Scene
+
+FOLDER = "render"
+FILM = "render.mp4"
+FORMAT = 1
+"""Changes when the same choices give another picture."""
+KEY = "neve-render"
+"""Name of the text in a picture that says what it was made from."""
+CHANGEABLE = ("camera", "light")
+"""Tables of the scene that may be changed once the snow has moved."""
+
+Progress = Callable[[int, int], None]
+"""Called after each picture: how many are there, and how many are asked for."""
+
+
+def render_run(
+    path: Path | str,
+    choices: Choices = Choices(),  # noqa: B008 (a constant)
+    out: Path | str | None = None,
+    frames: slice | None = None,
+    changes: Sequence[str] = (),
+    exr: bool = False,
+    force: bool = False,
+    threads: int = 0,
+    progress: Progress = lambda done, of: None,
+) -> tuple[Path, int]:
+    """Render frames of the run folder `path`; return what was made and how many pictures are new.
+
+    A picture that is there already, of the same frame with the same choices, is kept unless `force`. With
+    more than one frame a film is made of them at the end. Returns the film, or the picture of a single frame.
+
+    out: folder of the pictures, by default "render" in the run folder
+    frames: numbers from start to stop, without stop, by step; None for all
+    changes: of camera and light, such as "camera.fov=30"
+    exr: write the linear light of each frame as OpenEXR, too
+
+    Errors: RunError, SceneError, RenderError, FilmError, one sentence.
+    """
+    from neve.scene.reading.load import load
+
+    run = RunFolder(path)
+    if not run.is_run():
+        raise RunError(f"{run.path} holds no Neve run, so there is nothing to render.")
+    for change in changes:
+        if change.partition(".")[0] not in CHANGEABLE:
+            raise RunError(
+                f"--set {change}: a run that is there can change its {' and '.join(CHANGEABLE)} alone."
+            )
+    numbers = _chosen(run, frames)
+    scene = load(run.path, changes)
+    mitsuba()  # whoever lacks it is told before anything is written
+    target = Path(out) if out is not None else run.path / FOLDER
+    with writing(target):
+        disk.make_folder(target)
+    job = _Job(run, scene, choices, target, exr, threads)
+    new = 0
+    with RunFolder(target).lock():
+        for done, number in enumerate(numbers):
+            new += job.picture(number, force)
+            progress(done + 1, len(numbers))
+        if len(numbers) == 1:
+            return job.path(numbers[0]), new
+        return job.film(numbers), new
+
+
+class _Job:
+    """Render frames of one run with one set of choices."""
+
+    def __init__(
+        self, run: RunFolder, scene: Scene, choices: Choices, target: Path, exr: bool, threads: int
+    ) -> None:
+        self._run, self._scene, self._choices, self._target = run, scene, choices, target
+        self._exr, self._threads = exr, threads
+        self._solids: tuple[Solid, ...] = solids_of(scene)
+        self._tracer: PathTracer | None = None
+
+    def path(self, number: int) -> Path:
+        return self._target / f"{number:06d}.png"
+
+    def picture(self, number: int, force: bool) -> bool:
+        """Make the picture of a frame; return whether it is new."""
+        path, key = self.path(number), self._key(number)
+        linear = path.with_suffix(".exr")
+        if not force and _key_of(path) == key and (linear.exists() or not self._exr):
+            return False
+        light = self._light(read_frame(self._run.frames, number), number)
+        if self._exr:
+            with writing(linear), disk.temporary_of(linear) as temporary:
+                mitsuba().Bitmap(light).write(str(temporary.with_suffix(".exr")))
+                temporary.with_suffix(".exr").replace(temporary)
+        _write_png(path, coded(light), key)
+        return True
+
+    def film(self, numbers: Sequence[int]) -> Path:
+        """Join the pictures to a film that plays as fast as the snow moved."""
+        from neve.render.film import Film
+
+        path = self._target / FILM
+        film = Film(path, frame_rate(numbers, self._scene.run.fps), self._choices.all.size)
+        for number in numbers:
+            film.add(_read_png(self.path(number)))
+        film.close()
+        return path
+
+    def _light(self, content: Frame, number: int) -> NDArray[np.float32]:
+        if self._tracer is None:
+            first = read_frame(self._run.frames, frame_numbers(self._run.frames)[0])
+            self._tracer = PathTracer(self._scene, self._choices, first.id, first.x, self._threads)
+        poses = zip(self._solids, content.solid_position, content.solid_rotation, strict=False)
+        placed = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in poses]
+        return self._tracer.draw(content.x, content.id, placed, number)
+
+    def _key(self, number: int) -> str:
+        """Return a word for all that the picture of a frame depends on."""
+        scene, quality = self._scene, self._choices.all
+        parts: dict[str, Any] = {
+            "format": FORMAT,
+            "frame": mark_of(frame_path(self._run.frames, number)),
+            "number": number,
+            "camera": scene.camera.model_dump(mode="json"),
+            "light": scene.light.model_dump(mode="json"),
+            "choices": [*vars(quality).values(), self._choices.kind, self._choices.aperture],
+            "denoise": self._choices.denoise and has_denoiser(),
+        }
+        return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
+
+
+def _chosen(run: RunFolder, frames: slice | None) -> list[int]:
+    """Return the numbers of the frames to render. Errors: RunError if there are none."""
+    have = frame_numbers(run.frames)
+    if not have:
+        raise RunError(f"{run.frames} holds no frames, so there is nothing to render.")
+    if frames is None:
+        return have
+    stop = have[-1] + 1 if frames.stop is None else frames.stop
+    found = sorted({*have} & {*range(frames.start or 0, stop, frames.step or 1)})
+    if not found:
+        raise RunError(f"{run.frames} holds the frames {have[0]} to {have[-1]}, and none of those asked for.")
+    return found
+
+
+def _write_png(path: Path, image: NDArray[np.uint8], key: str) -> None:
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    info = PngInfo()
+    info.add_text(KEY, key)
+    with replacing(path) as file:
+        Image.fromarray(image).save(file, format="png", pnginfo=info)
+
+
+def _key_of(path: Path) -> str | None:
+    """Return what a picture says of itself; None for one that is missing, damaged or of another maker."""
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            image.load()
+            found = getattr(image, "text", {}).get(KEY)
+    except (OSError, SyntaxError, ValueError):
+        return None
+    return found if isinstance(found, str) else None
+
+
+def _read_png(path: Path) -> NDArray[np.uint8]:
+    from PIL import Image
+
+    with writing(path), Image.open(path) as image:
+        return np.asarray(image.convert("RGB"))

@@ -1,0 +1,166 @@
+"""From light to a picture: denoise, let light spread in the snow, add glints, expose and code."""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.render.path_tracing.daylight import LUMINANCE, exposure
+from neve.render.path_tracing.snow import unit
+
+if TYPE_CHECKING:
+    from neve.render.path_tracing.lens import Lens
+    from neve.render.path_tracing.looks import Kind
+    from neve.render.path_tracing.tracer import Layers
+    from neve.scene.schema.scene import Light
+
+Floats = NDArray[np.float32]
+
+SPREAD = 0.5
+"""Radius to which light spreads in snow, in grid spacings of the snow."""
+COLORS = (0.75, 0.90, 1.15)
+"""Factors of that radius for red, green and blue: blue goes furthest in ice."""
+SHARE = 0.75
+"""Share of the light that spreads."""
+GRAIN = {"diffuse": 0.35, "other": 0.22}
+"""Share of what the denoiser took that is put back: a grain of the film in place of plaster."""
+TAPS = 28
+GLINTS = 6e-4
+"""Share of flakes that glint: one in some thousand pixels."""
+SNOW_WHITE = 0.72
+"""Albedo from which what is seen counts as snow."""
+
+
+def has_denoiser() -> bool:
+    """Say whether Open Image Denoise is installed (`pip install 'neve[film]'`)."""
+    return importlib.util.find_spec("mitsuba_oidn") is not None
+
+
+def denoised(image: Floats, albedo: Floats | None = None, normal: Floats | None = None) -> Floats:
+    """Return an image (h, w, 3) without noise, by Open Image Denoise."""
+    import mitsuba_oidn
+
+    more = {} if albedo is None or normal is None else {"albedo": _whole(albedo), "normal": _whole(normal)}
+    return np.asarray(mitsuba_oidn.denoise(_whole(image), hdr=True, **more), np.float32)
+
+
+def develop(layers: Layers, lens: Lens, light: Light, kind: Kind, dx: float, clean: bool) -> Floats:
+    """Return exposed linear light (h, w, 3), 1 is white. dx: of the snow's grid [m]; clean: denoise."""
+    if layers.albedo is None or layers.normal is None or layers.depth is None or layers.sky is None:
+        total = _clamped(layers.sun)
+        seen = _cleaned(total, None, None, GRAIN["other"]) if clean else total
+    else:
+        seen = np.zeros_like(layers.sun)
+        snow = np.clip((layers.albedo.min(axis=2) - SNOW_WHITE) / 0.1, 0.0, 1.0)
+        wide = SPREAD * dx * kind.clarity * lens.focal
+        radius = np.asarray(wide / np.maximum(layers.depth, 1e-3 * lens.distance), np.float32)
+        for part in (layers.sun, layers.sky):
+            whole = _clamped(part)
+            smooth = denoised(whole, layers.albedo, layers.normal) if clean else whole
+            seen += spread(smooth, snow, layers.depth, radius, SPREAD * dx) + GRAIN["diffuse"] * (
+                whole - smooth
+            )
+    scale, balance = exposure(light)
+    out = np.maximum(seen, 0.0) * (scale * balance).astype(np.float32)
+    if layers.flakes is not None and kind.sparkle:
+        _glint(out, layers, lens, light, kind.sparkle)
+    return np.asarray(out, np.float32)
+
+
+def spread(light: Floats, snow: Floats, depth: Floats, radius: Floats, thick: float) -> Floats:
+    """Return the light of a picture after it has spread within the snow: a blur of each colour's own radius.
+
+    Weights are Gaussian in the picture and in depth, so that light stays on one piece of snow.
+    snow (h, w): share of each pixel that is snow; radius (h, w) [px]; thick [m]
+    """
+    if not np.any(snow > 0.0):
+        return light
+    height, width = depth.shape
+    rows, columns = np.mgrid[0:height, 0:width].astype(np.float32)
+    turn = np.float32(2.399963) * np.arange(TAPS, dtype=np.float32)
+    far = np.sqrt(-2.0 * np.log1p(-(np.arange(TAPS, dtype=np.float32) + 0.5) / TAPS))
+    out = light.copy()
+    reach = np.minimum(radius, 0.05 * width)
+    for c in range(3):
+        total, weights = light[..., c] * 0.05, np.full_like(depth, 0.05)
+        for k in range(TAPS):
+            r = np.clip(
+                rows + np.float32(COLORS[c] * far[k] * np.sin(turn[k])) * reach, 0, height - 1
+            ).astype(np.int32)
+            q = np.clip(
+                columns + np.float32(COLORS[c] * far[k] * np.cos(turn[k])) * reach, 0, width - 1
+            ).astype(np.int32)
+            near = np.exp(-(((depth[r, q] - depth) / (3.0 * thick)) ** 2)) * snow[r, q]
+            total += near * light[r, q, c]
+            weights += near
+        share = SHARE * snow
+        out[..., c] = light[..., c] * (1.0 - share) + share * total / weights
+    return out
+
+
+def coded(light: Floats) -> NDArray[np.uint8]:
+    """Return light (h, w, 3), 1 is white, as sRGB: linear up to 0.7, then a shoulder that never ends."""
+    bright = light @ LUMINANCE.astype(np.float32)
+    bent = np.where(bright > 0.7, 1.0 - 0.3 * np.exp(-(bright - 0.7) / 0.3), bright)
+    shown = light * (bent / np.maximum(bright, 1e-6))[..., None]
+    # What is beyond one colour's reach goes over to the others, or a low sun paints snow yellow.
+    over = np.maximum(shown.max(axis=2) - 1.0, 0.0)[..., None]
+    shown = np.clip(shown + 0.5 * over, 0.0, 1.0)
+    low = 12.92 * shown
+    high = 1.055 * np.power(np.maximum(shown, 1e-8), 1 / 2.4) - 0.055
+    return np.asarray(255.0 * np.where(shown <= 0.0031308, low, high) + 0.5, np.uint8)
+
+
+def _cleaned(image: Floats, albedo: Floats | None, normal: Floats | None, grain: float) -> Floats:
+    smooth = denoised(image, albedo, normal)
+    return smooth + grain * (image - smooth)
+
+
+def _clamped(image: Floats) -> Floats:
+    """Return the image without the brightest sparks: at most 1.3 of the 99.7th percentile."""
+    most = 1.3 * np.percentile(image.max(axis=2), 99.7)
+    peak = np.maximum(image.max(axis=2, keepdims=True), 1e-12)
+    return np.asarray(image * np.minimum(most / peak, 1.0), np.float32)
+
+
+def _glint(out: Floats, layers: Layers, lens: Lens, light: Light, strength: float) -> None:
+    """Brighten the pixels of flakes that mirror the sun: the same ones in every frame, after the denoiser.
+
+    A flake glints if its random facet is within some degrees of halfway between sun and eye; where snow lies
+    in shadow the light of its pixel is low, and so is the glint.
+    """
+    from neve.render.lighting import sun_direction
+
+    flakes = layers.flakes
+    assert flakes is not None
+    chosen = np.flatnonzero(unit(flakes.names, 11) < 60.0 * GLINTS)
+    names, centres = flakes.names[chosen], flakes.centres[chosen]
+    z = 2.0 * unit(names, 12) - 1.0
+    turn, flat = 2.0 * np.pi * unit(names, 13), np.sqrt(np.maximum(1.0 - z * z, 0.0))
+    facet = np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
+    toward = lens.eye - centres
+    half = toward / np.linalg.norm(toward, axis=1, keepdims=True) + np.asarray(sun_direction(light))
+    half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-9)
+    mirrored = np.abs((facet * half).sum(axis=1))
+    bright = np.clip((mirrored - 0.97) / 0.03, 0.0, 1.0) ** 2
+    column, row, depth = lens.project(centres)
+    seen = (
+        (bright > 0) & (depth > 0) & (column >= 0) & (row >= 0) & (column < lens.width) & (row < lens.height)
+    )
+    r, q = row[seen].astype(np.int64), column[seen].astype(np.int64)
+    if layers.depth is not None:
+        front = np.abs(layers.depth[r, q] - np.linalg.norm(toward[seen], axis=1)) < 0.01 * depth[seen]
+        r, q, bright = r[front], q[front], bright[seen][front]
+    else:
+        bright = bright[seen]
+    lit = out[r, q] @ LUMINANCE.astype(np.float32)
+    np.maximum.at(
+        out, (r, q), (np.clip(lit - 0.25, 0.0, 1.0) * (1.0 + 1.6 * strength * bright))[:, None] + 0.25
+    )
+
+
+def _whole(image: NDArray[Any]) -> Floats:
+    return np.ascontiguousarray(image, np.float32)

@@ -1,0 +1,87 @@
+"""The door to Mitsuba 3, which is loaded when the first picture is asked for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+VARIANT = "scalar_rgb"
+"""As fast here as the variant for LLVM, which ends the whole process with the LLVM of some systems."""
+
+
+class RenderError(RuntimeError):
+    """One sentence for the user: why there is no picture."""
+
+
+def mitsuba(threads: int = 0) -> Any:
+    """Return the module of Mitsuba, ready to render on `threads` threads (0: all).
+
+    Errors: RenderError if it is not installed, or cannot be loaded here.
+    """
+    try:
+        import drjit
+        import mitsuba as mi
+    except ImportError as error:
+        raise RenderError(
+            f"path-traced pictures need Mitsuba 3 ({error}): install it with pip install 'neve[film]'."
+        ) from error
+    if mi.variant() != VARIANT:
+        mi.set_variant(VARIANT)
+    if threads:
+        drjit.set_thread_count(threads)
+    return mi
+
+
+def triangles(
+    name: str,
+    vertices: NDArray[Any],
+    faces: NDArray[Any],
+    properties: dict[str, Any],
+    normals: NDArray[Any] | None = None,
+    places: NDArray[Any] | None = None,
+    colors: NDArray[Any] | None = None,
+) -> Any:
+    """Return a mesh of Mitsuba.
+
+    vertices (n, 3) [m]; faces (m, 3); properties: "bsdf" and "interior", loaded or as dictionaries;
+    normals (n, 3); places (n, 2): texture coordinates; colors (n, 3): reflectance at each vertex, as the
+    attribute "vertex_color".
+    """
+    mi = mitsuba()
+    held = mi.Properties()
+    for key, value in properties.items():
+        held[key] = mi.load_dict(value) if isinstance(value, dict) else value
+    mesh = mi.Mesh(name, len(vertices), len(faces), held, normals is not None, places is not None)
+    if colors is not None:
+        mesh.add_attribute("vertex_color", 3, _flat(colors))
+    parameters = mi.traverse(mesh)
+    parameters["vertex_positions"] = _flat(vertices)
+    parameters["faces"] = np.ascontiguousarray(faces, np.uint32).ravel()
+    if normals is not None:
+        parameters["vertex_normals"] = _flat(normals)
+    if places is not None:
+        parameters["vertex_texcoords"] = _flat(places)
+    parameters.update()
+    return mesh
+
+
+def bitmap(values: NDArray[Any], interpolated: bool = True) -> dict[str, Any]:
+    """Return a texture that repeats, of linear values (h, w, 3) or (h, w, 1)."""
+    return {
+        "type": "bitmap",
+        "bitmap": mitsuba().Bitmap(np.ascontiguousarray(values, np.float32)),
+        "raw": True,
+        "wrap_mode": "repeat",
+        "filter_type": "bilinear" if interpolated else "nearest",
+    }
+
+
+def rgb(color: tuple[float, ...] | NDArray[Any]) -> dict[str, Any]:
+    """Return a colour as Mitsuba reads it."""
+    return {"type": "rgb", "value": [float(c) for c in color]}
+
+
+def _flat(values: NDArray[Any]) -> NDArray[np.float32]:
+    return np.ascontiguousarray(values, np.float32).ravel()

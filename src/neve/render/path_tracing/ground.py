@@ -1,0 +1,105 @@
+"""Endless ground: bare earth with clods and stones, as fine as the picture shows it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.render.path_tracing.engine import triangles
+from neve.render.path_tracing.lens import Lens
+from neve.render.path_tracing.textures import fractal
+
+Array = NDArray[np.float64]
+
+CLODS = 14.0
+"""Size of the largest clods in grid spacings of the snow."""
+DEPTH = 0.9
+"""Depth of the relief in grid spacings; it lies below the plane, so that snow rests on its peaks."""
+SOIL, DRY, STONE = (np.array(c) for c in ((0.070, 0.058, 0.048), (0.150, 0.130, 0.108), (0.20, 0.19, 0.18)))
+FAR = 3e3
+"""How far it reaches in distances from the camera to its target."""
+
+
+def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -> Any:
+    """Return the mesh of a plane through `position` whose normal is the last column of `rotation`.
+
+    Its vertices lie where every second pixel of the picture meets the plane, closer to each other than what
+    can be seen, and coarsely around; the relief is a function of the place alone. dx [m]: of the snow's grid.
+    """
+    eye = (lens.eye - position) @ rotation
+    forward = lens.axes[2] @ rotation
+    u, v = _grid(lens, eye, forward)
+    far = np.hypot(u - eye[0], v - eye[1])
+    pixel = np.hypot(far, eye[2]) / lens.focal * np.sqrt(np.hypot(far, eye[2]) / max(abs(eye[2]), 1e-6))
+    height, color = relief(u, v, pixel, dx)
+    local = np.stack([u, v, height], axis=-1)
+    vertices = local.reshape(-1, 3) @ rotation.T + position
+    return triangles(name, vertices, _sides(*u.shape), {"bsdf": _earth()}, colors=color.reshape(-1, 3))
+
+
+def relief(u: Array, v: Array, pixel: Array, dx: float) -> tuple[Array, Array]:
+    """Return height [m], at most 0, and reflectance (..., 3) of the earth at places u, v [m]."""
+    clods = fractal(u, v, CLODS * dx, 9, 0.58, pixel, 11)
+    ridged = 1.0 - np.abs(fractal(u, v, 0.5 * CLODS * dx, 8, 0.6, pixel, 57))
+    stones = np.clip(fractal(u, v, 2.2 * dx, 3, 0.35, pixel, 91) - 0.52, 0.0, 0.4) * 2.5
+    up = 0.45 * clods + 0.55 * ridged
+    height = DEPTH * dx * (np.minimum(0.42 * up, 0.9) - 1.0 + 0.45 * stones)
+    tint = fractal(u, v, 40.0 * dx, 5, 0.55, pixel, 131)
+    damp = np.clip(0.5 + 0.5 * tint + 0.35 * up - 0.3, 0.0, 1.0)[..., None]
+    color = SOIL + (DRY - SOIL) * damp
+    color = (
+        color + (STONE * (1.0 + 0.2 * tint[..., None]) - color) * np.clip(2.0 * stones, 0.0, 1.0)[..., None]
+    )
+    grit = fractal(u, v, 0.8 * dx, 3, 0.8, pixel, 177)[..., None]
+    return np.minimum(height, 0.0), np.clip(color * (1.0 + 0.35 * grit), 0.01, 0.8)
+
+
+def _grid(lens: Lens, eye: Array, forward: Array) -> tuple[Array, Array]:
+    """Return places (rows, columns) on the plane: rays around the foot of the camera, fine where it looks."""
+    step = 2.0 / lens.focal
+    side = 1 if eye[2] >= 0 else -1
+    across, along = 0.5 * lens.width / lens.focal, 0.5 * lens.height / lens.focal
+    pitch = math.atan2(-side * forward[2], math.hypot(forward[0], forward[1]))  # below the horizon
+    low, high = (
+        pitch - math.atan(along) - 0.02,
+        pitch + math.hypot(math.atan(along), 0.3 * math.atan(across)) + 0.02,
+    )
+    distance = lens.distance
+    nearest = abs(eye[2]) / (FAR * distance)  # slope to the end of the ground
+    fine = np.arange(max(low, nearest + 0.5 * step), min(high, 1.55), step)
+    steep = np.linspace(min(max(high, nearest + step), 1.55), 1.5707, 24)
+    flat = (
+        np.geomspace(nearest, max(low, nearest + 0.5 * step), 24)[:-1]
+        if low > nearest
+        else np.array([nearest])
+    )
+    down = np.unique(np.concatenate([flat, fine, steep]))
+    heading = math.atan2(forward[1], forward[0])
+    half = math.atan(across / max(math.cos(min(abs(pitch) + math.atan(along), 1.4)), 0.1)) + 0.05
+    if half > 2.5:
+        turn = np.arange(-math.pi, math.pi, step)
+    else:
+        turn = np.concatenate([np.arange(-half, half, step), np.linspace(half, 2 * math.pi - half, 40)])
+    radius = abs(eye[2]) / np.tan(down)
+    angle = heading + np.append(turn, turn[0])
+    return (
+        eye[0] + radius[:, None] * np.cos(angle)[None, :],
+        eye[1] + radius[:, None] * np.sin(angle)[None, :],
+    )
+
+
+def _sides(rows: int, columns: int) -> NDArray[np.uint32]:
+    """Return the triangles of a grid of vertices, row by row."""
+    first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)[None, :]).ravel()
+    a, b, c, d = first, first + 1, first + columns, first + columns + 1
+    return np.concatenate([np.stack([a, b, d], 1), np.stack([a, d, c], 1)]).astype(np.uint32)
+
+
+def _earth() -> dict[str, Any]:
+    return {
+        "type": "twosided",
+        "bsdf": {"type": "diffuse", "reflectance": {"type": "mesh_attribute", "name": "vertex_color"}},
+    }

@@ -1,0 +1,84 @@
+"""The camera of a picture: where rays go, and where points appear."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from neve.scene.schema.scene import Camera
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Lens:
+    """Hold a camera and the size of its picture [px]; aperture: radius of the lens [m], 0 for a pinhole."""
+
+    camera: Camera
+    width: int
+    height: int
+    aperture: float = 0.0
+
+    @property
+    def eye(self) -> Array:
+        """Where it stands [m], (3,)."""
+        return np.asarray(self.camera.position, np.float64)
+
+    @property
+    def axes(self) -> tuple[Array, Array, Array]:
+        """Unit vectors right, up and forward of the picture."""
+        forward = np.asarray(self.camera.target, np.float64) - self.eye
+        self_distance = np.linalg.norm(forward)
+        forward = forward / self_distance
+        right = np.cross(forward, np.asarray(self.camera.up, np.float64))
+        right /= np.linalg.norm(right)
+        return right, np.cross(right, forward), forward
+
+    @property
+    def focal(self) -> float:
+        """Focal length [px]: a pixel at distance d is d / focal wide."""
+        return 0.5 * self.height / math.tan(math.radians(0.5 * self.camera.fov))
+
+    @property
+    def distance(self) -> float:
+        """From the camera to its target [m]."""
+        return float(np.linalg.norm(np.asarray(self.camera.target) - self.eye))
+
+    @property
+    def pixel(self) -> float:
+        """Footprint of a pixel at the target [m]."""
+        return self.distance / self.focal
+
+    def project(self, x: NDArray[Any]) -> tuple[Array, Array, Array]:
+        """Return column, row [px] and depth [m] of points (n, 3); pixel 0, 0 has its middle at 1/2, 1/2."""
+        right, up, forward = self.axes
+        d = np.asarray(x, np.float64) - self.eye
+        depth = d @ forward
+        scale = self.focal / np.where(depth > 1e-9, depth, np.inf)
+        return 0.5 * self.width + (d @ right) * scale, 0.5 * self.height - (d @ up) * scale, depth
+
+    def sensor(self, mi: Any, film: dict[str, Any], samples: int, seed: int) -> dict[str, Any]:
+        """Return the sensor of Mitsuba."""
+        transform = mi.ScalarTransform4f().look_at(
+            [*map(float, self.camera.position)],
+            [*map(float, self.camera.target)],
+            [*map(float, self.camera.up)],
+        )
+        out = {
+            "type": "thinlens" if self.aperture else "perspective",
+            "fov": float(self.camera.fov),
+            "fov_axis": "y",
+            "near_clip": 1e-3 * self.distance,
+            "far_clip": 1e5,
+            "to_world": transform,
+            "film": film,
+            "sampler": {"type": "independent", "sample_count": samples, "seed": seed},
+        }
+        if self.aperture:
+            out |= {"aperture_radius": self.aperture, "focus_distance": self.distance}
+        return out

@@ -1,0 +1,116 @@
+"""What snow is made of to light, and how well a picture is drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Hold the look of a kind of snow.
+
+    albedo: of one scattering in its volume, red, green and blue. diffuse: reflectance of its surface.
+    clarity: mean free path of light over that of fresh snow. flakes, flake_size: how many there are, and how
+    large, over fresh snow. wet: whether a film of water lies on it. sparkle: strength of glints. sun, sky:
+    factors of both lights.
+    """
+
+    albedo: Triple = (0.985, 0.990, 0.995)
+    diffuse: Triple = (0.950, 0.965, 0.985)
+    clarity: float = 1.0
+    flakes: float = 1.0
+    flake_size: float = 1.0
+    wet: bool = False
+    sparkle: float = 1.0
+    sun: float = 1.0
+    sky: float = 1.0
+
+
+KINDS = {
+    "fresh": Kind(),
+    "packed": Kind(
+        albedo=(0.975, 0.984, 0.993),
+        diffuse=(0.90, 0.925, 0.955),
+        clarity=1.4,
+        flakes=0.35,
+        flake_size=0.8,
+        sparkle=0.5,
+    ),
+    "wet": Kind(
+        albedo=(0.955, 0.972, 0.984),
+        diffuse=(0.80, 0.84, 0.87),
+        clarity=2.2,
+        flakes=0.25,
+        flake_size=0.9,
+        wet=True,
+        sparkle=0.3,
+    ),
+    "blue_hour": Kind(sun=0.10, sky=1.35, sparkle=0.0),
+}
+"""Kinds of snow by their word: blue_hour is fresh snow when the sun has almost set."""
+
+
+@dataclass(frozen=True)
+class Medium:
+    """Hold how a volume of snow scatters light.
+
+    extinction sigma_t [1/m]; albedo omega: scattered share of what is lost; g: mean cosine of the angle of a
+    scattering (Henyey and Greenstein 1941)
+    """
+
+    extinction: float
+    albedo: Triple
+    g: float = 0.0
+
+
+REFERENCE = Medium(724.0, (0.9, 0.95, 1.0), 0.5)
+"""Stomakhin et al. 2013 [M]."""
+
+
+def similar(medium: Medium) -> Medium:
+    """Return an isotropic medium in which light spreads alike: sigma_s' = (1 - g) sigma_s, same sigma_a.
+
+    omega' = (1 - g) omega / (1 - g omega); one extinction must do for all colours: the mean of
+    sigma_t (1 - g omega). Source: similarity relation (van de Hulst 1980; Wyman et al. 1989).
+    """
+    left = [1.0 - medium.g * w for w in medium.albedo]
+    r, g, b = ((1.0 - medium.g) * w / share for w, share in zip(medium.albedo, left, strict=True))
+    return Medium(medium.extinction * sum(left) / 3.0, (r, g, b))
+
+
+def capped(medium: Medium, most: float) -> Medium:
+    """Return the medium with an extinction of at most `most` [1/m]; what is thick stays thick."""
+    return replace(medium, extinction=min(medium.extinction, most))
+
+
+LOOKS = ("diffuse", "medium", "fast", "reference")
+"""How light meets snow. diffuse: a white surface, with light that spreads in the picture; medium: a volume of
+snow, as fine as its grains; fast and reference: such a volume with the constants of Stomakhin et al. 2013,
+made isotropic or as published."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Hold what a picture may cost.
+
+    look: unless another is chosen. samples: paths for each pixel, of each pass. bounces: of light.
+    grains, flakes: how many may be drawn. across: size of a grain [px]. size: of the picture [px]
+    """
+
+    look: str
+    samples: int
+    bounces: int
+    grains: int
+    flakes: int
+    across: float
+    size: tuple[int, int]
+
+
+QUALITIES = {
+    "draft": Quality("diffuse", 4, 5, 1_600_000, 120_000, 1.8, (640, 360)),
+    "good": Quality("diffuse", 8, 10, 8_000_000, 1_000_000, 1.6, (1280, 720)),
+    "final": Quality("medium", 20, 256, 8_000_000, 1_000_000, 1.6, (1280, 720)),
+}
+"""How well pictures are drawn, by their word."""

@@ -1,0 +1,117 @@
+"""Draw frames by path tracing: the whole way from particles to light that is ready to be coded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.render.path_tracing.develop import develop
+from neve.render.path_tracing.lens import Lens
+from neve.render.path_tracing.looks import KINDS, QUALITIES, Quality
+from neve.render.path_tracing.snow import SnowGeometry, grain_count, lumps, snow_geometry
+from neve.render.path_tracing.tracer import Tracer
+
+if TYPE_CHECKING:
+    from neve.colliders.solid import Solid
+    from neve.geometry.pose import Pose
+    from neve.scene.schema.scene import Scene
+
+Floats = NDArray[np.float32]
+
+FLAKE_SIZE = {"diffuse": 0.45, "other": 0.38}
+"""Mean radius of a flake in grain sizes."""
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Hold what a user chooses of a picture; None: as the quality has it.
+
+    quality, look and kind: words of QUALITIES, LOOKS and KINDS. samples: paths for each pixel, of each pass.
+    size: (width, height) [px]. aperture: radius of the lens [m]. denoise: whether noise is removed.
+    """
+
+    quality: str = "good"
+    look: str | None = None
+    kind: str = "fresh"
+    samples: int | None = None
+    size: tuple[int, int] | None = None
+    aperture: float = 0.0
+    denoise: bool = True
+
+    @property
+    def all(self) -> Quality:
+        """The quality, with what was chosen besides."""
+        found = QUALITIES[self.quality]
+        return replace(
+            found,
+            look=self.look or found.look,
+            samples=self.samples or found.samples,
+            size=self.size or found.size,
+        )
+
+
+class PathTracer:
+    """Draw frames of one run.
+
+    What a particle is drawn as depends on its id and on its place in the first frame, how finely on the
+    scene and the number of particles then: nothing changes from one frame to the next but what moves.
+    """
+
+    def __init__(
+        self, scene: Scene, choices: Choices, first_id: NDArray[Any], first_x: NDArray[Any], threads: int = 0
+    ) -> None:
+        """Prepare. first_id (n,), first_x (n, 3) [m]: the particles of the first frame.
+
+        Errors: RenderError without Mitsuba.
+        """
+        self.quality = choices.all
+        self._scene, self._choices, self._kind = scene, choices, KINDS[choices.kind]
+        self._lens = Lens(scene.camera, *self.quality.size, aperture=choices.aperture)
+        spacing = scene.numerics.spacing
+        self.count = grain_count(
+            spacing, self._lens.pixel, len(first_x), self.quality.grains, self.quality.across
+        )
+        order = np.argsort(first_id)
+        self._names, self._weights = first_id[order], lumps(first_x, spacing)[order]
+        self._tracer = Tracer(scene, self._lens, self.quality, self.quality.look, self._kind, threads)
+
+    def draw(
+        self, x: NDArray[Any], id: NDArray[Any], solids: Sequence[tuple[Solid, Pose]], seed: int
+    ) -> Floats:
+        """Return exposed linear light (height, width, 3), 1 is white.
+
+        x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; seed: of the paths.
+        """
+        layers = self._tracer.trace(self.geometry(x, id), solids, self.quality.samples, seed)
+        return develop(
+            layers,
+            self._lens,
+            self._tracer.light,
+            self._kind,
+            self._scene.numerics.dx,
+            self._choices.denoise,
+        )
+
+    def geometry(self, x: NDArray[Any], id: NDArray[Any]) -> SnowGeometry:
+        """Return the snow of a frame as it is drawn."""
+        size = FLAKE_SIZE["diffuse" if self.quality.look == "diffuse" else "other"]
+        return snow_geometry(
+            x,
+            id,
+            self._weights_of(id),
+            self._scene.numerics.spacing,
+            self.count,
+            int(self.quality.flakes * self._kind.flakes),
+            size * self._kind.flake_size,
+        )
+
+    def _weights_of(self, id: NDArray[Any]) -> Floats:
+        """Return the weights of particles; those that came later weigh 1."""
+        if not len(self._names):
+            return np.ones(len(id), np.float32)
+        at = np.searchsorted(self._names, id).clip(max=len(self._names) - 1)
+        return np.where(self._names[at] == id, self._weights[at], np.float32(1.0))

@@ -1,0 +1,194 @@
+"""Trace the paths of light through a frame: geometry, materials, lights and passes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.render.lighting import is_ground
+from neve.render.path_tracing.daylight import emitters
+from neve.render.path_tracing.engine import mitsuba, rgb, triangles
+from neve.render.path_tracing.ground import ground
+from neve.render.path_tracing.lens import Lens
+from neve.render.path_tracing.looks import REFERENCE, Kind, Medium, Quality, capped, similar
+from neve.render.path_tracing.snow import Flakes, SnowGeometry
+from neve.render.path_tracing.solids import Materials, loaded, solid_shape
+
+if TYPE_CHECKING:
+    from neve.colliders.solid import Solid
+    from neve.geometry.pose import Pose
+    from neve.scene.schema.scene import Scene
+
+Floats = NDArray[np.float32]
+
+FREE_PATHS = 5.0
+"""Mean free paths of light in a grid spacing of the snow, in the looks "medium" and "fast": sigma_t dx."""
+MOST_EXTINCTION = 362.0
+"""Extinction that these have at most [1/m]: 724 (1 - 0.5), the paper's made isotropic."""
+
+
+@dataclass
+class Layers:
+    """Hold what the passes of a frame found, linear light, (height, width, 3) unless said.
+
+    sun, sky: light of each; of a look with one pass all is in `sun` and sky is None. albedo, normal (h, w,
+    3) and depth (h, w) [m] of what is seen, None where there is a volume
+    """
+
+    sun: Floats
+    sky: Floats | None = None
+    albedo: Floats | None = None
+    normal: Floats | None = None
+    depth: Floats | None = None
+    flakes: Flakes | None = field(default=None)
+
+
+class Tracer:
+    """Trace frames of a scene with one camera, light and look."""
+
+    def __init__(
+        self, scene: Scene, lens: Lens, quality: Quality, look: str, kind: Kind, threads: int = 0
+    ) -> None:
+        """Prepare what is the same in all frames. Errors: RenderError without Mitsuba."""
+        self._mi = mitsuba(threads)
+        self._scene, self._lens, self._quality, self._look, self._kind = scene, lens, quality, look, kind
+        self._materials = Materials()
+        self._kept: dict[str, Any] = {}
+        light = scene.light
+        self.light = light.model_copy(
+            update={
+                "sun_strength": light.sun_strength * kind.sun,
+                "sky_strength": light.sky_strength * kind.sky,
+            }
+        )
+
+    def trace(
+        self, snow: SnowGeometry, solids: Sequence[tuple[Solid, Pose]], samples: int, seed: int
+    ) -> Layers:
+        """Return the light of a frame. samples: paths a pixel, of each pass; seed: of random numbers."""
+        parts: dict[str, Any] = {"type": "scene", **emitters(self.light)}
+        for n, (solid, pose) in enumerate(solids):
+            if solid.visible:
+                parts[f"solid{n}"] = self._solid(solid, pose, n)
+        parts |= self._snow(snow)
+        parts["integrator"] = self._integrator()
+        film = {
+            "type": "hdrfilm",
+            "width": self._lens.width,
+            "height": self._lens.height,
+            # No sample counts for two pixels, or their noise is alike and the denoiser keeps it.
+            "rfilter": {"type": "tent", "radius": 0.5},
+            "pixel_format": "rgb",
+            "component_format": "float32",
+        }
+        parts["sensor"] = self._lens.sensor(self._mi, film, samples, seed)
+        scene = self._mi.load_dict(parts)
+        return self._passes(scene, snow.flakes, seed)
+
+    def _solid(self, solid: Solid, pose: Pose, n: int) -> Any:
+        """Return the mesh of a solid; one that stays where it is is made once."""
+        key = f"solid{n}"
+        if key in self._kept:
+            return self._kept[key]
+        if is_ground(solid) and solid.terrain is None:
+            shape = ground(self._lens, pose.position, pose.rotation, self._scene.numerics.dx, key)
+        else:
+            bsdf_key = f"bsdf {solid.finish} {solid.color}"
+            if bsdf_key not in self._kept:
+                self._kept[bsdf_key] = loaded(self._materials.of(solid))
+            shape = solid_shape(solid, pose.position, pose.rotation, self._kept[bsdf_key], key)
+        if solid.motion == "static":
+            self._kept[key] = shape
+        return shape
+
+    @property
+    def _is_volume(self) -> bool:
+        return self._look in ("medium", "fast", "reference")
+
+    def medium(self) -> Medium:
+        """Return how the snow scatters light, where it is a volume."""
+        most = min(FREE_PATHS / self._scene.numerics.dx, MOST_EXTINCTION) / self._kind.clarity
+        if self._look == "reference":
+            return REFERENCE
+        if self._look == "fast":
+            return capped(similar(REFERENCE), most)
+        return Medium(most, self._kind.albedo)
+
+    def _snow(self, snow: SnowGeometry) -> dict[str, Any]:
+        surface, flakes = snow.surface, snow.flakes
+        out: dict[str, Any] = {}
+        white: dict[str, Any] = {"type": "diffuse", "reflectance": rgb(self._kind.diffuse)}
+        if self._kind.wet:
+            white = {
+                "type": "roughplastic",
+                "diffuse_reflectance": rgb(self._kind.diffuse),
+                "alpha": 0.25,
+                "int_ior": 1.33,
+            }
+        if len(surface.faces):
+            held: dict[str, Any] = {"bsdf": self._load("white", {"type": "twosided", "bsdf": white})}
+            if self._is_volume:
+                held = {
+                    "bsdf": self._load("null", {"type": "null"}),
+                    "interior": self._load("snow", medium_of(self.medium())),
+                }
+            # Without normals of its own a surface as fine as this one is crisper, and its shadows end well.
+            out["snow"] = triangles("snow", surface.vertices, surface.faces, held)
+        if len(flakes.radii):
+            vertices, faces = flakes.triangles()
+            flake = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb(self._kind.diffuse)}}
+            out["flakes"] = triangles("flakes", vertices, faces, {"bsdf": self._load("flake", flake)})
+        return out
+
+    def _load(self, key: str, what: dict[str, Any]) -> Any:
+        if key not in self._kept:
+            self._kept[key] = self._mi.load_dict(what)
+        return self._kept[key]
+
+    def _integrator(self) -> dict[str, Any]:
+        bounces = self._quality.bounces
+        if self._is_volume:
+            return {"type": "volpath", "max_depth": max(bounces, 128), "rr_depth": 48}
+        path = {"type": "path", "max_depth": min(bounces, 12), "rr_depth": 4}
+        return {"type": "aov", "aovs": "albedo:albedo,nn:sh_normal,dd:depth", "img": path}
+
+    def _passes(self, scene: Any, flakes: Flakes, seed: int) -> Layers:
+        if self._is_volume:
+            return Layers(self._render(scene, seed), flakes=flakes)
+        parameters = self._mi.traverse(scene)
+        sky, sun = parameters["sky.scale"], parameters["sun.irradiance.value"]
+        # One light is sampled at each hit: apart, with all samples for each, both are far less noisy.
+        parameters["sky.scale"], parameters["sky.sampling_weight"] = 0.0, 0.0
+        parameters.update()
+        first = self._render(scene, 2 * seed)
+        parameters["sky.scale"], parameters["sky.sampling_weight"] = sky, 1.0
+        parameters["sun.irradiance.value"], parameters["sun.sampling_weight"] = 0.0 * sun, 0.0
+        parameters.update()
+        second = self._render(scene, 2 * seed + 1)
+        return Layers(
+            first[..., :3],
+            second[..., :3],
+            0.5 * (first[..., 3:6] + second[..., 3:6]),
+            0.5 * (first[..., 6:9] + second[..., 6:9]),
+            0.5 * (first[..., 9] + second[..., 9]),
+            flakes,
+        )
+
+    def _render(self, scene: Any, seed: int) -> Floats:
+        image = np.array(self._mi.render(scene, seed=seed), np.float32)
+        return np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0)
+
+
+def medium_of(medium: Medium) -> dict[str, Any]:
+    """Return a medium as Mitsuba reads it."""
+    phase: dict[str, Any] = {"type": "hg", "g": medium.g} if medium.g else {"type": "isotropic"}
+    return {
+        "type": "homogeneous",
+        "sigma_t": float(medium.extinction),
+        "albedo": rgb(medium.albedo),
+        "phase": phase,
+    }

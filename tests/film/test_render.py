@@ -1,0 +1,120 @@
+"""`neve render`: what it refuses, what it keeps, and that a picture shows the snow."""
+
+import importlib.util
+import shutil
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from neve.cli import main
+from neve.run import run_scene
+from neve.scene.schema.scene import Camera, Collider, Numerics, Run, Scene, Source
+
+needs_mitsuba = pytest.mark.skipif(
+    importlib.util.find_spec("mitsuba") is None, reason="pip install 'neve[film]'"
+)
+SMALL = ("--size", "48x32", "--quality", "draft", "--spp", "1", "--quiet")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A short run: a ball of snow above the ground."""
+    folder = tmp_path_factory.mktemp("film") / "run"
+    scene = Scene(
+        sources=(Source.of("sphere", center=(0.0, 0.0, 0.6), radius=0.4),),
+        colliders=(Collider.of("plane"), Collider.of("box", center=(0.0, 1.0, 0.4), size=(1.0, 0.2, 0.8))),
+        numerics=Numerics(dx=0.1),
+        camera=Camera(position=(0.0, -4.0, 1.0), target=(0.0, 0.0, 0.5), fov=30),
+        run=Run(duration=0.1, fps=20, film=False),
+    )
+    run_scene(scene, folder, threads=1, quiet=True)
+    return folder
+
+
+@pytest.fixture
+def folder(made, tmp_path):
+    """A copy of it."""
+    shutil.copytree(made, tmp_path / "run")
+    return tmp_path / "run"
+
+
+def code(*arguments):
+    """Exit code of a command line."""
+    with pytest.raises(SystemExit) as end:
+        main([str(a) for a in arguments])
+    return end.value.code
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--size", "big"), "--size: big is not of the form 1280x720"),
+        (("--size", "8x8"), "each side has 16 to 16384 pixels"),
+        (("--frame", "1", "--frames", "0:2"), "choose one of the two"),
+        (("--frames", "90:"), "holds the frames 0 to 2, and none of those asked for"),
+        (("--set", "snow.xi=3"), "can change its camera and light alone"),
+        (("--set", "camera.fov=0"), "camera.fov"),
+        (("--aperture", "-1"), "is not a radius"),
+        (("--spp", "0"), "--spp: 0 is not a whole number of 1 or more"),
+    ],
+)
+def test_wrong_arguments_are_one_sentence(folder, capsys, arguments, said):
+    """Exit code 2, one line that says what is allowed, and nothing written."""
+    assert code("render", folder, *arguments) == 2
+    told = capsys.readouterr().err
+    assert said in told
+    assert told.count("\n") == 1
+    assert not (folder / "render").exists()
+
+
+def test_no_run_is_one_sentence(tmp_path, capsys):
+    """A folder that is no run."""
+    assert code("render", tmp_path) == 2
+    assert "holds no Neve run" in capsys.readouterr().err
+
+
+def test_without_mitsuba_it_says_what_to_install(folder, capsys, monkeypatch):
+    """Mitsuba is optional: without it the command says how to get it."""
+    monkeypatch.setitem(__import__("sys").modules, "mitsuba", None)
+    assert code("render", folder, "--frame", "0", *SMALL) == 2
+    assert "pip install 'neve[film]'" in capsys.readouterr().err
+    assert not (folder / "render").exists()
+
+
+@needs_mitsuba
+def test_pictures_are_kept_and_made_again_where_they_must(folder, capsys):
+    """The same command makes nothing anew; a lost picture, another camera and --force do."""
+    assert code("render", folder, *SMALL) == 0
+    assert "render.mp4: 3 new pictures" in capsys.readouterr().out
+    before = (folder / "render/000001.png").read_bytes()
+    (folder / "render/000002.png").unlink()
+    for arguments, new in (
+        ((), 1),
+        (("--frame", "1", "--force"), 1),
+        (("--frame", "0", "--set", "camera.fov=31"), 1),
+        ((), 1),
+    ):
+        assert code("render", folder, *SMALL, *arguments) == 0
+        assert f": {new} new pictures" in capsys.readouterr().out
+    assert (folder / "render/000001.png").read_bytes() == before
+
+
+@needs_mitsuba
+@pytest.mark.parametrize("look", ["diffuse", "medium"])
+def test_snow_is_where_the_camera_puts_it(folder, look):
+    """The ball is bright and the sky above it is not; light that is written as EXR is what the PNG shows."""
+    out = folder / "shown"
+    assert (
+        code("render", folder, *SMALL, "--look", look, "--frame", "0", "--spp", "8", "--exr", "--out", out)
+        == 0
+    )
+    image = np.asarray(Image.open(out / "000000.png")).astype(float)
+    assert image.shape == (32, 48, 3)
+    ball, earth = image[12:15, 21:27].mean(), image[28:, :8].mean()
+    assert ball > 1.5 * earth
+    import mitsuba
+
+    light = np.array(mitsuba.Bitmap(str(out / "000000.exr")))[..., :3]
+    assert light.shape == (32, 48, 3)
+    assert np.corrcoef(light.mean(axis=2).ravel(), image.mean(axis=2).ravel())[0, 1] > 0.8
