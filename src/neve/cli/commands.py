@@ -1,8 +1,8 @@
 """The command line: list, run, view, drive, render, export, fragments, bench, validate, fuzz, info, cite.
 
 Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
-(one sentence on standard error), 130 is Ctrl-C, 141 a reader of the output that has gone. Everything but
-click is imported inside the command that needs it, so that `neve --help` is instant.
+(one sentence on standard error), 130 is Ctrl-C, 143 SIGTERM, 129 SIGHUP, 141 a reader of the output that has
+gone. Everything but click is imported inside the command that needs it, so that `neve --help` is instant.
 """
 
 from __future__ import annotations
@@ -333,7 +333,7 @@ def cite(scene: str) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
     streams.make_whole()
-    with stopping.ready():
+    with stopping.Ready():
         code = output_code(_code_of(arguments))
     sys.exit(code)
 
@@ -344,7 +344,7 @@ def _code_of(arguments: Sequence[str] | None) -> int:
     except (click.Abort, KeyboardInterrupt) as stop:
         cause = stop.__cause__ if isinstance(stop, click.Abort) else stop
         report(str(cause) if cause is not None and str(cause) else "stopped")
-        return stopping.STOPPED
+        return stopping.code()
     except click.ClickException as error:
         report(usage(error))
         return 2

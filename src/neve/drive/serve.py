@@ -17,6 +17,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from neve.serving import address, content_type, is_local, port_error, ports
+from neve.system import stopping
 
 PAGE = Path(__file__).parent / "page"
 PORT = 8440
@@ -44,6 +45,7 @@ def drive(
             webbrowser.open(url)
         with contextlib.suppress(KeyboardInterrupt):  # the way to end it
             server.serve_forever()
+    stopping.check()
 
 
 @contextlib.contextmanager

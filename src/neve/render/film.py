@@ -25,7 +25,7 @@ from typing import IO, Any
 import numpy as np
 import numpy.typing as npt
 
-from neve.system import disk
+from neve.system import disk, stopping
 
 SEGMENT = re.compile(r"(\d{6,})-(\d{6,})\.h264")
 # A minute of drawing at most is lost with a segment, and a key frame every two seconds costs little.
@@ -188,7 +188,7 @@ class _Encoder:
 
 
 class _Child:
-    """An ffmpeg that reads from a pipe and does not hear Ctrl-C, so that the frames it holds are not lost."""
+    """An ffmpeg that reads from a pipe; no signal but a kill ends it, so the frames it holds are not lost."""
 
     def __init__(self, arguments: list[str]) -> None:
         import imageio_ffmpeg  # type: ignore[import-untyped]
@@ -202,13 +202,14 @@ class _Child:
         apart: dict[str, Any] = {"start_new_session": True}
         if sys.platform == "win32":
             apart = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
-        self._process = subprocess.Popen(
-            [program, "-nostdin", "-hide_banner", "-loglevel", "error", "-y", *arguments],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            **apart,
-        )
+        with stopping.Deaf():
+            self._process = subprocess.Popen(
+                [program, "-nostdin", "-hide_banner", "-loglevel", "error", "-y", *arguments],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                **apart,
+            )
 
     def write(self, data: bytes | memoryview) -> None:
         pipe: IO[bytes] | None = self._process.stdin

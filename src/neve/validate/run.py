@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.connection import wait
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -15,6 +18,7 @@ from neve.io.atomic import write_text
 from neve.io.errors import RunError
 from neve.io.version import version
 from neve.spelling import hint, nearest
+from neve.system import stopping
 from neve.validate.registry import CASES
 from neve.validate.report.page import page
 from neve.validate.report.plots import require_matplotlib
@@ -109,13 +113,32 @@ def _run(names: Sequence[str], threads: int) -> Iterator[tuple[str, Result, floa
     if threads == 1 or len(names) == 1:
         yield from (_timed(name) for name in names)
         return
-    with ProcessPoolExecutor(min(threads, len(names)), mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(_timed, name) for name in names]
+    spawn, others = get_context("spawn"), active_children()
+    with ProcessPoolExecutor(
+        min(threads, len(names)), mp_context=spawn, initializer=_end_with_parent
+    ) as pool:
         try:
+            with stopping.Deaf():
+                futures = [pool.submit(_timed, name) for name in names]
             for future in as_completed(futures):
                 yield future.result()
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+        except BaseException:
+            for process in active_children():
+                if process not in others:
+                    process.kill()
+            raise
+
+
+def _end_with_parent() -> None:
+    """Let this process end when the one that has started it does, however that ends."""
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _timed(name: str) -> tuple[str, Result, float]:

@@ -46,8 +46,9 @@ def view(
             "write into its folder; without --host only this machine can."
         )
     server.eager = True
-    with stopping.as_usual():
-        asyncio.run(_serve(server, host, port, browse, tell))
+    with stopping.Held() as held, contextlib.suppress(asyncio.CancelledError):
+        asyncio.run(_serve(server, held, host, port, browse, tell))
+    stopping.check()
 
 
 def write_replay(run: str, path: str) -> None:
@@ -106,8 +107,16 @@ def _is_run(run: object) -> bool:
 
 
 async def _serve(
-    server: Server, host: str, port: int | None, browse: bool, tell: Callable[[str], None]
+    server: Server,
+    held: stopping.Held,
+    host: str,
+    port: int | None,
+    browse: bool,
+    tell: Callable[[str], None],
 ) -> None:
+    loop, task = asyncio.get_running_loop(), asyncio.current_task()
+    assert task is not None
+    held.then(lambda: loop.call_soon_threadsafe(task.cancel))
     for number in (tries := list(ports(port, PORT))):
         try:
             async with server.serve(number) as socket:

@@ -98,7 +98,7 @@ def test_ctrl_c_while_a_module_is_imported(tmp_path):
     )
     script = (
         "import sys; sys.argv[0] = 'neve'; import neve, contextlib; from neve.system import stopping\n"
-        "with stopping.ready() if {ready} else contextlib.nullcontext():\n"
+        "with stopping.Ready() if {ready} else contextlib.nullcontext():\n"
         "    try:\n"
         "        import slow, time; time.sleep(5)\n"
         "    except KeyboardInterrupt: print('stopped', slow.__name__)"
@@ -123,15 +123,16 @@ def test_a_library_does_not_touch_the_signals():
     assert not stopping.is_command_line()
 
 
-def test_ctrl_c_at_any_moment(scene_file, tmp_path):
-    """From the moment when Python has started, Ctrl-C ends with 130 and no traceback."""
+@pytest.mark.parametrize(("number", "expected"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_at_any_moment(scene_file, tmp_path, number, expected):
+    """From the moment when Python has started, Ctrl-C and SIGTERM end with their codes and no traceback."""
     script = (
         "import sys; sys.argv[0] = 'neve'; import neve; print('up', flush=True)\n"
         f"import neve.cli; sys.path.insert(0, {str(FAKE.parent)!r})\n"
         "import fake_neve; fake_neve.install(); neve.cli.main()"
     )
-    for number in range(6):
-        line = [sys.executable, "-c", script, "run", str(scene_file), "--out", str(tmp_path / str(number))]
+    for turn in range(4):
+        line = [sys.executable, "-c", script, "run", str(scene_file), "--out", str(tmp_path / str(turn))]
         env = os.environ | {"NEVE_FAKE_PAUSE": "10"}
         process = subprocess.Popen(
             line,
@@ -144,9 +145,34 @@ def test_ctrl_c_at_any_moment(scene_file, tmp_path):
         )
         assert process.stdout.readline() == "up\n"
         time.sleep(random.uniform(0.0, 0.4))
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         time.sleep(0.1)
         process.send_signal(signal.SIGINT)  # the first one finishes the frame
         _, err = process.communicate(timeout=60)
-        assert process.returncode == 130, err
+        assert process.returncode == expected, err
         assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(("number", "codes"), [(signal.SIGINT, {0, 130}), (signal.SIGTERM, {143})])
+def test_a_server_ends_at_any_moment(scene_file, number, codes):
+    """While `neve view` reads, opens its socket or serves: no traceback; Ctrl-C is the usual end."""
+    line = [sys.executable, "-c", "import sys; sys.argv[0] = 'neve'; import neve; print('up', flush=True)"]
+    line[-1] += "; import neve.cli; neve.cli.main()"
+    for wait in (random.uniform(0.1, 1.0), None):
+        process = subprocess.Popen(
+            [*line, "view", str(scene_file), "--set", "numerics.dx=0.2", "--port", "0"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=hear_ctrl_c,
+        )
+        assert process.stdout.readline() == "up\n"
+        if wait is None:
+            assert process.stdout.readline().endswith("Ctrl-C ends.\n")
+        else:
+            time.sleep(wait)
+        process.send_signal(number)
+        _, err = process.communicate(timeout=60)
+        assert process.returncode in codes - ({130} if wait is None else set()), err
+        assert "Traceback" not in err
+        assert "Warning" not in err

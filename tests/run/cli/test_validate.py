@@ -1,7 +1,13 @@
 """`neve validate`: what passes and fails, the page that holds everything, the same bytes every time."""
 
+import contextlib
 import json
 import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -89,6 +95,40 @@ def test_json(call, tmp_path):
     }  # fmt: skip
     assert "good" in err
     assert not (tmp_path / "validation.html").exists()
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for processes in /proc")
+@pytest.mark.parametrize(("number", "expected"), [(signal.SIGTERM, 143), (signal.SIGKILL, -signal.SIGKILL)])
+def test_cases_end_with_the_command(tmp_path, number, expected):
+    """A signal to the command alone ends the processes in which it runs cases, however it ends."""
+    command = [sys.executable, "-m", "neve.cli", "validate", "--threads", "2", "discs", "repose", "--json"]
+    process = subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
+    )
+    wait_until(lambda: len(session(process.pid)) >= 3)
+    process.send_signal(number)
+    told = process.communicate(timeout=60)[1]
+    assert process.returncode == expected
+    assert number == signal.SIGKILL or b"Traceback" not in told, told
+    wait_until(lambda: not session(process.pid))
+
+
+def session(leader):
+    """The numbers of the processes of a session."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, _, number = stat.read_text().rpartition(")")[2].split()[:4]
+            if int(number) == leader and state != "Z":
+                found.append(int(stat.parent.name))
+    return found
+
+
+def wait_until(true):
+    deadline = time.monotonic() + 60
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
 
 
 def test_unknown_case(call):

@@ -2,7 +2,8 @@
 
 In the manner of SQLite's I/O error tests: the calls of the system that change the disk are counted, and in
 the n-th of all runs the n-th of them fails. Afterwards each file is the old one or the new one, whole;
-the error is one sentence; and the resumed run has the bytes of one that met no fault.
+the error is one sentence; and the resumed run has the bytes of one that met no fault. The same for a second
+Ctrl-C, which is an exception wherever it comes: right after the n-th call here.
 """
 
 import csv
@@ -34,7 +35,10 @@ WRITES = ("open", "write", "fsync", "replace", "mkdir")
 
 
 class Faulty:
-    """The module `os`, in which call number `n` of those in `calls` fails: with an error, or half done."""
+    """The module `os`, in which call number `n` of those in `calls` fails, is half done or stopped.
+
+    Nothing waits for a real disk (fsync), which is not what is tested here.
+    """
 
     def __init__(self, n, fault, calls):
         self.left, self.fault, self.calls, self.met = n, fault, calls, ""
@@ -44,11 +48,18 @@ class Faulty:
         return self.counted(name, real) if name in self.calls else real
 
     def counted(self, name, real):
+        real = real if name != "fsync" else lambda handle: None
+
         def call(*arguments, **words):
             self.left -= 1
             if self.left != 0:
                 return real(*arguments, **words)
             self.met = name
+            if self.fault == "stop":
+                done = real(*arguments, **words)
+                if name == "open":  # the signal is heard once the number of the file is kept
+                    os.close(done)
+                raise KeyboardInterrupt
             if self.fault == "short":
                 handle, data = arguments
                 return real(handle, memoryview(data)[: max(1, len(data) // 2)])
@@ -72,7 +83,7 @@ def faults(monkeypatch, fault, calls, do):
             error = None
             try:
                 do(n)
-            except (RunError, FilmError) as refused:
+            except (RunError, FilmError, KeyboardInterrupt) as refused:
                 error = refused
         if not system.met:
             assert error is None
@@ -85,7 +96,7 @@ def sentence(error):
     return str(error).endswith(".") and "\n" not in str(error) and "Errno" not in str(error)
 
 
-@pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EIO, errno.EACCES])
+@pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EIO, errno.EACCES, "stop"])
 def test_a_file_is_the_old_one_or_the_new_one(tmp_path, monkeypatch, fault):
     """Whatever call fails while a file is replaced: the old bytes or the new, and nothing beside them."""
     path = tmp_path / "file"
@@ -98,8 +109,9 @@ def test_a_file_is_the_old_one_or_the_new_one(tmp_path, monkeypatch, fault):
     met = set()
     for _, call, error in faults(monkeypatch, fault, CHANGES, write):
         met.add(call)
-        assert path.read_bytes() in ((b"old", new) if error is None else (b"old",))
-        assert error is None or sentence(error)
+        stopped = isinstance(error, KeyboardInterrupt)
+        assert path.read_bytes() in ((b"old", new) if error is None or stopped else (b"old",))
+        assert error is None or stopped or sentence(error)
         assert [p.name for p in tmp_path.iterdir()] == ["file"]
     assert met >= {"open", "write", "fsync", "replace", "close"}
 
@@ -122,7 +134,7 @@ def test_writes_that_are_cut_short_go_on(tmp_path, monkeypatch, fault):
     assert met >= 2
 
 
-@pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EIO])
+@pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EIO, "stop"])
 def test_a_row_is_added_or_not(tmp_path, monkeypatch, fault):
     """Whatever call fails while rows are added: all of them are there or none."""
     path = tmp_path / "table"
@@ -147,7 +159,8 @@ def content(folder):
     return found | {"log.csv": timeless}
 
 
-def test_a_run_goes_on_after_any_fault(fake, scene_file, tmp_path, monkeypatch):
+@pytest.mark.parametrize("fault", [(errno.ENOSPC, errno.EIO), "stop"], ids=["refused", "stopped"])
+def test_a_run_goes_on_after_any_fault(fake, scene_file, tmp_path, monkeypatch, fault):
     """The n-th write of a run fails, for all n: one sentence, whole files, and the same bytes afterwards."""
     text = scene_file.read_text().replace("[run]", "[run]\nfragments = true\nfilm = false")
     scene_file.write_text(text.replace("0.4", "0.05"))
@@ -159,7 +172,8 @@ def test_a_run_goes_on_after_any_fault(fake, scene_file, tmp_path, monkeypatch):
         run_scene(scene, tmp_path / str(n), quiet=True)
 
     count = 0
-    for count, call, error in faults(monkeypatch, (errno.ENOSPC, errno.EIO), WRITES, go):
+    monkeypatch.setattr(disk, "os", Faulty(0, None, ("fsync",)))
+    for count, call, error in faults(monkeypatch, fault, WRITES, go):
         out = tmp_path / str(count)
         assert not list(out.rglob("*.tmp"))
         for number in frame_numbers(out / "frames"):
@@ -167,7 +181,7 @@ def test_a_run_goes_on_after_any_fault(fake, scene_file, tmp_path, monkeypatch):
         if (out / "checkpoint").exists():
             read_checkpoint(out / "checkpoint")
         if error is not None:
-            assert sentence(error), call
+            assert isinstance(error, KeyboardInterrupt) or sentence(error), call
             run_scene(scene, out, resume=(out / "run.json").exists(), quiet=True)
         assert content(out) == straight, (count, call)
     assert count > 60

@@ -108,8 +108,9 @@ def test_most_refused_is_no_campaign():
     assert not holds([held, held, Outcome(0, 1, "failed")])
 
 
-def test_ctrl_c_ends_with_what_was_seen(tmp_path):
-    """Exit code 130, a summary, no traceback, no process and no folder left; the file has what was done."""
+@pytest.mark.parametrize(("number", "expected"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_ends_with_what_was_seen(tmp_path, number, expected):
+    """128 + the signal, a summary, no traceback, process or folder left; the file has what was done."""
     command = [sys.executable, "-m", "neve.cli", "fuzz", "--jobs", "1", "--out", "out.jsonl"]
     process = subprocess.Popen(
         command,
@@ -122,9 +123,9 @@ def test_ctrl_c_ends_with_what_was_seen(tmp_path):
     )
     assert process.stdout.readline().startswith("0/0 ")
     time.sleep(0.1)
-    process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=30)
-    assert process.returncode == 130
+    process.send_signal(number)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == expected
     assert " scenes: " in out
     assert err.lstrip("\n").startswith("neve: stopped: ")  # after the end of the terminal's line of ^C
     assert err.strip("\n").count("\n") == 0
@@ -135,10 +136,15 @@ def test_ctrl_c_ends_with_what_was_seen(tmp_path):
 
 @pytest.mark.parametrize("campaign", CAMPAIGNS.values(), ids=CAMPAIGNS)
 def test_campaigns_are_there(campaign):
-    """What an entry names can be imported, and the same trial has the same outcome but for its seconds."""
+    """What an entry names can be imported, and a trial has an outcome: the same again, but for its seconds.
+
+    Those of killed runs, which are many processes, depend on when a process was killed.
+    """
     trial = named(campaign.trial)
-    assert trial(5, 0) == trial(5, 0)
-    assert campaign.summary is None or named(campaign.summary)([trial(5, 0)])
+    outcome = trial(5, 53 if campaign.name == "kills" else 0)  # killed once, then hurt; no film
+    assert outcome.verdict in ("held", "refused"), outcome
+    assert campaign.name == "kills" or trial(5, 0) == outcome
+    assert campaign.summary is None or named(campaign.summary)([outcome])
 
 
 @pytest.mark.parametrize(

@@ -292,20 +292,26 @@ def test_further_outputs_follow_their_schedule(fake, scene, tmp_path):
     assert (watch.seen, watch.ended) == ([(0, 0), (3, 12), (6, 24)], 8)
 
 
-def test_ctrl_c_finishes_the_frame(fake, scene_file, tmp_path):
-    """SIGINT: exit code 130, the checkpoint is at the last frame, resuming gives the straight run's bits."""
+@pytest.mark.parametrize(
+    ("sent", "expected"), [(["SIGINT"], 130), (["SIGTERM", "SIGTERM"], 143), (["SIGHUP", "SIGTERM"], 129)]
+)
+def test_a_signal_finishes_the_frame(fake, scene_file, tmp_path, sent, expected):
+    """Exit code 128 + the first signal, the checkpoint is at the last frame, the resumed bits are those of
+    a straight run. A second SIGTERM, which `timeout` sends, is no hurry."""
     out, straight = tmp_path / "stopped", tmp_path / "straight"
-    process = start(out, scene_file, pause=0.3)
+    scene_file.write_text(scene_file.read_text().replace("duration = 0.4", "duration = 400"))
+    process = start(out, scene_file, pause=0.1)
     wait_for(out / "frames/000001.npz", process)
-    process.send_signal(signal.SIGINT)
+    for name in sent:
+        process.send_signal(getattr(signal, name))
     code, told = end(process)
-    assert (code, "Traceback" in told) == (130, False)
+    assert (code, "Traceback" in told) == (expected, False)
     assert f"continue with: neve run {out} --resume" in told.splitlines()[-1]
     done = len(frames(out)) - 1
-    assert 1 <= done < 8
+    assert done >= 1
     assert read_checkpoint(out / "checkpoint").frame == done
-    run_scene(load(out), out, resume=True, quiet=True)
-    run_scene(load(scene_file), straight, quiet=True)
+    run_scene(load(out), out, frames=done + 2, resume=True, quiet=True)
+    run_scene(load(scene_file), straight, frames=done + 2, quiet=True)
     assert frames(out) == frames(straight)
 
 

@@ -1,11 +1,13 @@
 """The run loop with the real simulation and the real film: a small snowball that falls on the ground."""
 
+import contextlib
 import csv
 import os
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -110,8 +112,23 @@ def test_folder_of_a_real_run(snowball, tmp_path):
     )
 
 
-def test_ctrl_c_in_a_terminal(snowball, tmp_path):
-    """Ctrl-C reaches the film's encoder too, as on a terminal: code 130, and --resume goes on."""
+def family(pid):
+    """The process and those that it has started (Linux)."""
+    parents = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
+    return [pid, *(child for child, parent in parents.items() if parent == pid)]
+
+
+@pytest.mark.parametrize(
+    ("number", "expected"), [pytest.param(signal.SIGINT, 130, id="ctrl_c"), (signal.SIGTERM, 143)]
+)
+def test_a_signal_to_all_processes(snowball, tmp_path, number, expected):
+    """A terminal, systemd or a batch system signals the film's encoder too: it ends with the run, no sooner.
+
+    The exit code is 128 + the signal, and --resume goes on.
+    """
     straight, out = tmp_path / "straight", tmp_path / "ball"
     command = [sys.executable, "-m", "neve.cli", "run", str(snowball), "--out", str(out)]
     command += ["--threads", "1"]
@@ -128,9 +145,10 @@ def test_ctrl_c_in_a_terminal(snowball, tmp_path):
         assert process.poll() is None, process.communicate()[1]
         assert time.monotonic() < deadline
         time.sleep(0.01)
-    os.killpg(process.pid, signal.SIGINT)
+    for member in reversed(family(process.pid)):  # the encoder first
+        os.kill(member, number)
     told = process.communicate(timeout=60)[1]
-    assert (process.returncode, "Traceback" in told) == (130, False), told
+    assert (process.returncode, "Traceback" in told) == (expected, False), told
     done = len(frames(out)) - 1
     neve.Simulation(neve.load(out), threads=1).run(out, frames=done + 1, resume=True, quiet=True)
     scene = neve.load(snowball, ["run.film=false"])

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from neve.rigid.robot_files.limits import BYTES, PATIENCE, SECONDS
 from neve.scene.errors import SceneError
+from neve.system import stopping
 
 LONG = 3.0
 """Time after which a word is said about a file that takes long [s]."""
@@ -115,13 +116,14 @@ class _Child:
         if self._process is None or self._process.poll() is not None:
             self._end()
             self._owner = os.getpid()
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-c", START, json.dumps([p for p in sys.path if p])],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
-            )
+            with stopping.Deaf():  # Ctrl-C is for the one who asks, and who ends this process
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", "-c", START, json.dumps([p for p in sys.path if p])],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.DEVNULL,
+                    env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+                )
         return self._process
 
     @contextlib.contextmanager
