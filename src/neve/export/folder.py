@@ -89,6 +89,10 @@ class ExportFolder:
         if time.monotonic() > self._written + PAUSE:
             self.save()
 
+    def forget(self) -> None:
+        """Take note that no frame is there any more."""
+        self._frames = {}
+
     def drop_after(self, last: int, names: Callable[[int], Iterable[str]]) -> None:
         """Remove the frames later than `last`; names: of the files of a frame. Errors: RunError."""
         gone = {name for frame in self._frames if frame > last for name in names(frame)}

@@ -6,7 +6,7 @@ import contextlib
 import importlib
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -58,6 +58,8 @@ class Format(ABC):
     """Whether it has fields of particles."""
     weighs: ClassVar[bool] = False
     """Whether it needs the masses of the particles."""
+    whole: ClassVar[bool] = False
+    """Whether one file holds all frames: then it is written anew when any frame is missing in it."""
     package: ClassVar[tuple[str, str] | None] = None
     """A module that it needs beside Neve, and the name of the package that has it."""
 
@@ -69,7 +71,11 @@ class Format(ABC):
 
     @abstractmethod
     def names(self, frame: int) -> tuple[str, ...]:
-        """Return the names of the files of a frame."""
+        """Return the names of the files of a frame; of a `whole` format, that of its file."""
+
+    def begin(self, frames: Sequence[int]) -> None:
+        """Prepare to write these frames, in this order; called before the first of them."""
+        return
 
     @abstractmethod
     def write(self, moment: Moment) -> None:

@@ -34,6 +34,19 @@ class SnowGrid:
     first: NDArray[np.float64]
     cell: float
 
+    def dense(self) -> tuple[Floats, Floats, NDArray[np.float64]]:
+        """Return density (nx, ny, nz) and velocity (nx, ny, nz, 3) on a box, and its lowest centre."""
+        low = self.blocks.min(axis=0) if len(self.blocks) else np.zeros(3, np.int32)
+        count = self.blocks.max(axis=0) + 1 - low if len(self.blocks) else np.ones(3, np.int32)
+        nx, ny, nz = (int(n) for n in count)
+        density = np.zeros((nx, SIDE, ny, SIDE, nz, SIDE), np.float32)
+        velocity = np.zeros((*density.shape, 3), np.float32)
+        i, j, k = (self.blocks - low).T
+        density[i, :, j, :, k] = self.density
+        velocity[i, :, j, :, k] = self.velocity
+        shape = SIDE * nx, SIDE * ny, SIDE * nz
+        return density.reshape(shape), velocity.reshape(*shape, 3), self.first + SIDE * self.cell * low
+
 
 def snow_grid(moment: Moment, cell: float, scale: float) -> SnowGrid:
     """Spread mass and momentum over cells by quadratic B-splines: rho = sum m w / V, u = sum m v w / sum m w.

@@ -116,38 +116,47 @@ def export_run(
     folder.check(choices.options(names), force)
     with RunFolder(target).lock():
         folder.open(choices.options(names), force)
-        new = 0
+        missing = _missing(run, wanted, format, folder)
         try:
             folder.announce(format.shared_names())
             with format:
-                for done, number in enumerate(wanted, 1):
-                    particles = _export(run, number, format, folder, names, life)
-                    if particles is not None:
-                        new += 1
-                        progress(done, len(wanted), particles)
+                if missing:
+                    format.begin([number for number, _ in missing])
+                for done, (number, mark) in enumerate(missing, 1 + len(wanted) - len(missing)):
+                    content = read_frame(run.frames, number)
+                    moment = moment_of(number, content, job.axes, names, life, format.weighs)
+                    folder.announce(format.names(number))
+                    format.write(moment)
+                    folder.add(number, moment.time, mark)
+                    progress(done, len(wanted), len(moment.x))
                 format.close(folder.times())
+        except BaseException:
+            if format.whole and missing:
+                folder.forget()
+            raise
         finally:
             folder.save()
-    return target, new
+    return target, len(missing)
 
 
-def _export(
-    run: RunFolder, number: int, format: Format, folder: ExportFolder, names: Sequence[str], life: Life | None
-) -> int | None:
-    """Export one frame and return its number of particles; None if it is there already."""
-    source = frame_path(run.frames, number)
-    try:
-        mark = mark_of(source) or 0
-    except OSError as error:
-        raise cannot_read(source, error) from error
-    files = format.names(number)
-    if folder.has(number, mark, files):
-        return None
-    moment = moment_of(number, read_frame(run.frames, number), format.job.axes, names, life, format.weighs)
-    folder.announce(files)
-    format.write(moment)
-    folder.add(number, moment.time, mark)
-    return len(moment.x)
+def _missing(
+    run: RunFolder, wanted: Sequence[int], format: Format, folder: ExportFolder
+) -> list[tuple[int, int]]:
+    """Return the frames that the export lacks, or has from another frame file, with marks of the files."""
+    found = []
+    for number in wanted:
+        source = frame_path(run.frames, number)
+        try:
+            found.append((number, mark_of(source) or 0))
+        except OSError as error:
+            raise cannot_read(source, error) from error
+    missing = [(number, mark) for number, mark in found if not folder.has(number, mark, format.names(number))]
+    if not format.whole:
+        return missing
+    if not missing and list(folder.times()) == list(wanted):
+        return []
+    folder.forget()
+    return found
 
 
 def _chosen(run: RunFolder, frames: slice | None) -> list[int]:
