@@ -45,11 +45,12 @@ def norms(vectors: NDArray[Any]) -> Array:
     return np.asarray(np.sqrt(np.sum(vectors * vectors, axis=-1)))
 
 
-def determinant(matrix: NDArray[Any]) -> float:
-    """Return the determinant of a matrix (3, 3)."""
-    a, b, c = (tuple(map(float, row)) for row in matrix)
-    x, y, z = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]
-    return a[0] * x + a[1] * y + a[2] * z
+def determinant(matrices: NDArray[Any]) -> NDArray[Any]:
+    """Return the determinant of each matrix (..., 3, 3), in the precision of the matrices."""
+    a, b, c = np.moveaxis(matrices, (-2, -1), (0, 1))
+    with np.errstate(over="ignore", invalid="ignore"):  # who asks looks whether it is finite
+        x, y, z = b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]
+        return np.asarray(a[0] * x + a[1] * y + a[2] * z)
 
 
 def exp(x: NDArray[Any]) -> Array:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.reproducible import determinant
 from neve.solver import Field
 
 if TYPE_CHECKING:
@@ -85,10 +86,5 @@ def fit_modes(modes: NDArray[Any], polynomial: int, native: Model) -> NDArray[An
 
 def density(state: State) -> NDArray[Any]:
     """Return m / (V0 det(F_E) J_P), the density of each particle [kg/m3], (n,)."""
-    F = state.F_E
-    J_E = (
-        F[:, 0, 0] * (F[:, 1, 1] * F[:, 2, 2] - F[:, 1, 2] * F[:, 2, 1])
-        - F[:, 0, 1] * (F[:, 1, 0] * F[:, 2, 2] - F[:, 1, 2] * F[:, 2, 0])
-        + F[:, 0, 2] * (F[:, 1, 0] * F[:, 2, 1] - F[:, 1, 1] * F[:, 2, 0])
-    )
-    return np.asarray(state.m / (state.V0 * np.maximum(J_E * state.J_P, 1e-3)))
+    J = determinant(state.F_E) * state.J_P
+    return np.asarray(state.m / (state.V0 * np.maximum(J, 1e-3)))

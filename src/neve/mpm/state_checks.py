@@ -9,6 +9,7 @@ import numpy as np
 
 from neve.mpm.failures import name_of
 from neve.mpm.model import Model
+from neve.reproducible import determinant
 from neve.scene.schema.scene import Scene
 from neve.solver import Blowup
 
@@ -51,14 +52,12 @@ def inspect(model: Model, state: State) -> Densest:
         return Densest(densest, crowding)
     given = np.asarray(getattr(state, field)[row]).tolist()
     allowed = f"from 0 to {len(model.snows) - 1}" if field == "material" else ALLOWED[field]
-    what = f" (determinant {_determinant(state, row):.3g})" if field == "F_E" else ""
+    what = f" (determinant {_J_E(state, row):.3g})" if field == "F_E" else ""
     raise Blowup(f"{name_of(model, state, row)}: state.{field} = {given}{what}; allowed is {allowed}")
 
 
-def _determinant(state: State, row: int) -> float:
-    a, b, c = np.asarray(state.F_E[row], dtype=np.float64).tolist()
-    minors = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
-    return float(a[0] * minors[0] + a[1] * minors[1] + a[2] * minors[2])
+def _J_E(state: State, row: int) -> float:
+    return float(determinant(np.asarray(state.F_E[row], dtype=np.float64)))
 
 
 def warn_of_density(scene: Scene, model: Model, state: State, densest: Densest, time: float) -> bool:
@@ -68,7 +67,7 @@ def warn_of_density(scene: Scene, model: Model, state: State, densest: Densest, 
     row = densest.row
     material = int(state.material[row])
     sources = [i for i, s in enumerate(scene.sources) if model.snows.index(scene.snow_of(s)) == material]
-    volume = _determinant(state, row) * float(state.J_P[row])
+    volume = _J_E(state, row) * float(state.J_P[row])
     logging.getLogger("neve").warning(
         "snow of %s is pressed to %.0f kg/m3 at t = %.3g s, by particle %d at (%s) m; ice has 917 kg/m3: "
         "leave it more room, press or throw it more slowly, or resolve it more finely (numerics.dx = %g m)",
