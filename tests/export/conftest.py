@@ -5,7 +5,7 @@ import shutil
 import pytest
 
 from neve.io.frames import read_frame
-from neve.run import run_scene
+from neve.run import painter, run_scene
 from neve.scene.reading.load import load
 
 SCENE = """
@@ -32,8 +32,6 @@ velocity = [-1.0, 0.0, 0.0]
 shape = "sphere"
 center = [-1.5, 0.0, 1.0]
 radius = 0.3
-[[outputs]]
-kind = "picture"
 """
 
 
@@ -42,7 +40,9 @@ def finished(tmp_path_factory):
     """A run of frames 0 to 4, which no test may change."""
     place = tmp_path_factory.mktemp("exported")
     (place / "scene.toml").write_text(SCENE)
-    run_scene(load(place / "scene.toml", ["run.film=false"]), place / "run", threads=1, quiet=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(painter, "SIZE", (64, 36))
+        run_scene(load(place / "scene.toml", ["run.film=false"]), place / "run", threads=1, quiet=True)
     return place / "run"
 
 

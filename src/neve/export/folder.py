@@ -5,18 +5,16 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from neve.export.format import is_temporary, replacing, sweep, writing
 from neve.io.errors import RunError, cannot_read
+from neve.io.export_card import LAYOUT, NAME, read_record
 from neve.io.run_folder import RunFolder
 from neve.system import disk
 
-CARD = "export.json"
-"""Its presence makes a folder an export."""
-LAYOUT = 1
 PAUSE = 2.0
 """Wall time between two writes of the card [s]; a kill costs what was exported since, no more."""
 
@@ -29,23 +27,25 @@ class ExportFolder:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.card = path / CARD
+        self.card = path / NAME
         self._options: dict[str, Any] = {}
         self._files: set[str] = set()
         self._frames: dict[int, tuple[float, int]] = {}
         self._written = 0.0
 
-    def open(self, options: Mapping[str, Any], force: bool) -> None:
+    def open(self, options: Mapping[str, Any], force: bool, stems: Collection[str] | None = None) -> None:
         """Make the folder ready for an export with these `options`: new, continued, or emptied by `force`.
+
+        stems: see `check`
 
         Errors: RunError: as of `check`, or the disk refuses.
         """
-        found = self.check(options, force)
+        found = self.check(options, force, stems)
         with writing(self.path):
             disk.make_folder(self.path)
             sweep(self.path)
             if found is not None and force:
-                disk.remove_files(self.path, [*found["files"], CARD])
+                disk.remove_files(self.path, [*found["files"], NAME])
                 found = None
         self._options = dict(options)
         if found is not None:
@@ -53,16 +53,20 @@ class ExportFolder:
             self._frames = {int(k): (float(t), int(mark)) for k, (t, mark) in found["frames"].items()}
         self.save()
 
-    def check(self, options: Mapping[str, Any], force: bool) -> dict[str, Any] | None:
+    def check(
+        self, options: Mapping[str, Any], force: bool, stems: Collection[str] | None = None
+    ) -> dict[str, Any] | None:
         """Return the record of the export that lies here, None if there is none; change nothing.
+
+        stems: how names of files of the export begin; a new export may lie beside others. None: beside none
 
         Errors: RunError: the folder holds an export with other options, or other files.
         """
         if os.path.lexists(self.path) and not self.path.is_dir():
             raise RunError(f"{self.path} is a file, and an export needs a folder: choose another --out.")
-        found = self._read()
+        found = read_record(self.path)
         if found is None:
-            self._refuse_strangers()
+            self._refuse_strangers(stems)
         elif not force and found["options"] != dict(options):
             raise RunError(
                 f"{self.path} holds an export with {_difference(found['options'], options)}: replace it with"
@@ -113,27 +117,11 @@ class ExportFolder:
             file.write(json.dumps(card).encode())
         self._written = time.monotonic()
 
-    def _read(self) -> dict[str, Any] | None:
-        """Return the record that lies here; None if there is none. Errors: RunError."""
-        try:
-            found = json.loads(disk.read_bytes(self.card))
-            if found["layout"] != LAYOUT:
-                raise RunError(f"{self.card} is of another version of Neve: choose another --out.")
-            names = [name for name in found["files"] if os.path.basename(name) != name or name in ("", "..")]
-            entries = [(int(k), float(t), int(mark)) for k, (t, mark) in found["frames"].items()]
-            if names or not isinstance(found["options"], dict) or any(k < 0 for k, _, _ in entries):
-                raise ValueError(found)
-        except FileNotFoundError:
-            return None
-        except OSError as error:
-            raise cannot_read(self.card, error) from error
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise RunError(f"{self.card} is damaged: remove it, or choose another --out.") from error
-        return dict(found)
-
-    def _refuse_strangers(self) -> None:
+    def _refuse_strangers(self, stems: Collection[str] | None) -> None:
         try:
             names = [path.name for path in self._contents() if not is_temporary(path.name)]
+            if stems is not None:
+                names = [name for name in names if stem(name) in stems]
         except OSError as error:
             raise cannot_read(self.path, error) from error
         if names:
@@ -146,6 +134,11 @@ class ExportFolder:
     def _lies(self, name: str) -> bool:
         path = self.path / name
         return path.is_file() and not path.is_symlink()
+
+
+def stem(name: str) -> str:
+    """Return how the name of a file of an export begins: "snow" of snow_000012.ply and of snow.pvd."""
+    return name.partition(".")[0].rpartition("_")[0] or name.partition(".")[0]
 
 
 def _difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:

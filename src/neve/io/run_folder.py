@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
+from neve.io import export_card
 from neve.io.assets import FOLDER as ASSETS
 from neve.io.atomic import writing
 from neve.io.card import FORMAT, Card, read_card, write_card
@@ -225,6 +226,8 @@ class RunFolder:
             with writing(path):
                 if path.is_symlink() or not path.is_dir():
                     disk.remove(path)
+                else:
+                    export_card.clear(path)
                 disk.remove_tree(parts_of(path))
         self.drop_frames_after(-1)
         disk.remove_if_empty(self.frames)  # the user's own files in it stay, and the folder with them

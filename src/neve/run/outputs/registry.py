@@ -23,6 +23,7 @@ BUILT_IN = (
     "frames",
     "picture",
     "film",
+    "export",
     "fragments",
     "solids",
     "log",
