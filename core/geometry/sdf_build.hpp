@@ -9,7 +9,8 @@ namespace neve {
 
 // phi is the distance to the nearest triangle, negative where the winding number says inside (TriangleMesh::winds);
 // with a thickness it is the distance less half of that, whatever is inside. Normals are central differences of phi
-// over a spacing each way, which rounds edges off by that much.
+// over a spacing each way, which rounds edges off by that much on the outside. Inside, where differences between
+// two sides are cut short and leave what is along the sides, they point to the nearer side.
 class SdfBuilder {
  public:
   // Errors: std::invalid_argument for sizes that are not above zero or a grid of more than 2^27 bricks.
@@ -231,10 +232,11 @@ class SdfBuilder {
         for (int k = 0; k < side; ++k) {
           Point g{phi(i + 1, j, k) - phi(i - 1, j, k), phi(i, j + 1, k) - phi(i, j - 1, k),
                   phi(i, j, k + 1) - phi(i, j, k - 1)};
-          const double length = std::sqrt(dot(g, g));
-          if (length > 2e-3 * grid_.spacing) {
+          const double length = std::sqrt(dot(g, g)), h = grid_.spacing;
+          const double least = phi(i, j, k) < 0 ? 0.9 : SdfGrid::least_slope;
+          if (length > 2 * h * least) {
             g = g * (1.0 / length);
-          } else {  // halfway between two surfaces
+          } else {
             const Point x = place(origin[0] + i, origin[1] + j, origin[2] + k);
             g = straight_normal(x, value(x));
           }

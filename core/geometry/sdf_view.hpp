@@ -15,6 +15,8 @@ struct SdfLattice {
   static constexpr int cells = 8, side = cells + 1;                    // of a brick; samples on its side
   static constexpr std::size_t brick_floats = 4 * side * side * side;  // 11.4 KiB
   static constexpr std::int32_t coarse_only = -1;
+  // A gradient of phi below this, or a blend of normals, is none: the normals around it are of two sides.
+  static constexpr double least_slope = 0.5;
 
   Vec3<double> box_low{};              // the first corner of the grid [m]
   double spacing = 1;                  // of the samples in bricks [m]
@@ -29,8 +31,9 @@ struct SdfView : SdfLattice {
   const float *coarse = nullptr,
               *fine = nullptr;  // quads: at the corners of bricks; 9^3 per brick; z runs fastest
 
-  // phi and normal at points in the body's frame. Within the grid: trilinear, the normal made a unit again. Beyond it:
-  // from the point of the surface that belongs to the grid's nearest point, which is no less than the distance.
+  // phi and normal at points in the body's frame. Within the grid: trilinear, the normal made a unit again, or where
+  // normals cancel that of the nearest sample. Beyond it: from the point of the surface that belongs to the grid's
+  // nearest point, which is no less than the distance.
   template <class R>
   Surface<R> at(const Vec3<R>& x) const {
     using T = scalar_t<R>;
@@ -41,12 +44,14 @@ struct SdfView : SdfLattice {
       cell[k] = clamp(u, R{}, splat<R>(T(cells * bricks[k])));
       beyond[k] = (u - cell[k]) * T(spacing);
     }
-    alignas(64) T quads[4 * width<R>];
-    for (int l = 0; l < width<R>; ++l)
-      blend(detail::lane(cell.x, l), detail::lane(cell.y, l), detail::lane(cell.z, l), quads + 4 * l);
-    R phi;
-    Vec3<R> n;
-    detail::packs_of_quads(quads, phi, n.x, n.y, n.z);
+    auto [phi, n] = blended(cell);
+    const auto cancel = dot(n, n) < splat<R>(T(least_slope * least_slope));
+    if (any(cancel)) {
+      const R half = splat<R>(T(0.5));
+      n = select(cancel,
+                 blended(Vec3<R>{floor(cell.x + half), floor(cell.y + half), floor(cell.z + half)}).normal,
+                 n);
+    }
     n = unit(n);
     const auto out = dot(beyond, beyond) > R{};
     if (any(out)) {
@@ -86,6 +91,17 @@ struct SdfView : SdfLattice {
     const auto has = length2 > scalar_t<R>(1e-12);  // none in the middle of a sheet
     const R inv = rsqrt(select(has, length2, splat<R>(1)));
     return select(has, n * inv, Vec3<R>{R{}, R{}, splat<R>(1)});
+  }
+
+  // phi and a blend of normals at points in the grid, in cells from its first corner.
+  template <class R>
+  Surface<R> blended(const Vec3<R>& cell) const {
+    alignas(64) scalar_t<R> quads[4 * width<R>];
+    for (int l = 0; l < width<R>; ++l)
+      blend(detail::lane(cell.x, l), detail::lane(cell.y, l), detail::lane(cell.z, l), quads + 4 * l);
+    Surface<R> s;
+    detail::packs_of_quads(quads, s.phi, s.normal.x, s.normal.y, s.normal.z);
+    return s;
   }
 
   struct Cell {

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FORMAT = 1
+FORMAT = 2
 """Version of what is kept in the cache; another one is never read."""
 BAND_CELLS, BAND_SAMPLES = 1, 4
 """The distances are fine within so many cells of snow, and so many of their own spacings, of the surface."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from neve.validate.elastic import bar, discs, refinement, settlement
-from neve.validate.grains import collapse, cut, repose, slide
+from neve.validate.grains import collapse, cut, repose, slide, slip
 from neve.validate.result import Result
 from neve.validate.rigid import crater, wheel
 from neve.validate.snow import cam_clay, oedometer, real_snow, time_step
@@ -30,6 +30,7 @@ CASES = {
         Case("refinement", "Convergence", "27", refinement.case),
         Case("settlement", "A column settles", "15", settlement.case),
         Case("slide", "A block slides", "19, 21", slide.case),
+        Case("slip", "A block on a surface that holds it", "19", slip.case),
         Case("discs", "Two elastic discs collide", "18", discs.case),
         Case("collapse", "A column of grains collapses", "22", collapse.case),
         Case("repose", "Slope of a heap", "23", repose.case),

@@ -7,18 +7,18 @@ from verification.scenes import ELASTIC, scene, simulate
 G, SPEED, MU = 9.81, 1.0, 0.3
 
 
-@pytest.mark.parametrize(("cells", "E0"), [(3, 1e5), (3, 1e7), (5, 1e6)])
+@pytest.mark.parametrize(("cells", "E0"), [(3, 1e5), (4, 1e6)])
 def test_ratio_and_way(transfer, cells, E0):
     """T = mu_c N and x = v0 t - g mu_c t^2 / 2 within 1 % of each, over 70 % of the slide.
 
     Each push takes mu_c of itself along the plane while the snow slides, and within its play the snow is
     not pulled. The block starts unstrained and bounces by the strain of its own weight, rho g h / M_c, which
-    is below 1 %.
+    is below 1 %; `neve validate slip` has larger blocks and stiffer snow.
     """
     h = 0.15
     dx = h / cells
     description = scene(
-        [{"shape": "box", "size": (0.3, 0.2, h), "center": (0, 0, h / 2), "velocity": (SPEED, 0, 0)}],
+        [{"shape": "box", "size": (h, 2 * dx, h), "center": (0, 0, h / 2), "velocity": (SPEED, 0, 0)}],
         [{"shape": "plane", "point": (0, 0, 0), "normal": (0, 0, 1), "mode": "slip", "mu_c": MU}],
         gravity=(0.0, 0.0, -G),
         dx=dx,

@@ -131,6 +131,21 @@ def test_normals_point_out():
     assert (gain > h).all()
 
 
+@pytest.mark.parametrize("h", [0.1, 0.08, 0.05])
+def test_normals_between_two_sides(h):
+    """Within a plate of thickness t >= 2 h that lies across the grid normals are those of its faces, n.
+
+    Differences across the middle are cut short along some axes; a sample whose slope they leave at 0.9 or
+    more is within arccos 0.9 of n less what shortening turns, asin(0.1) at the most, and others are
+    the direction to the nearer face.
+    """
+    (v, f), t = turned(*meshes.box((2, 2, 0.2))), 0.2
+    inside = np.random.default_rng(0).uniform(-1, 1, (5000, 3)) * (0.7, 0.7, t / 2)
+    x, normal = (turned(a, None)[0] for a in (inside, np.array([[0.0, 0.0, 1.0]])))
+    _, n = grid((v, f), h).sample(x)
+    assert np.linalg.norm(np.cross(n, normal[0]), axis=1).max() < 0.1
+
+
 def test_far_away():
     """Far off, phi is the distance to a point of the body (but for a coarse cell's blend, 7 spacings).
 
