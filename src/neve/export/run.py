@@ -104,9 +104,8 @@ def export_run(
         raise RunError(f"{run.path} holds no Neve run, so there is nothing to export.")
     wanted = _chosen(run, frames)
     scene = load(run.path)
-    first = read_frame(run.frames, wanted[0])
     life = _life(run, choices)
-    names = choices.names(first, () if life is None else tuple(life.columns))
+    names = choices.names(read_frame(run.frames, wanted[0]), () if life is None else tuple(life.columns))
     if choices.format.weighs and (life is None or "m" not in life.columns):
         raise RunError(f"the particles of {run.path} have no mass, which the format {choices.to} needs.")
     target = Path(out) if out is not None else run.path / choices.to
@@ -123,12 +122,8 @@ def export_run(
                 if missing:
                     format.begin([number for number, _ in missing])
                 for done, (number, mark) in enumerate(missing, 1 + len(wanted) - len(missing)):
-                    content = read_frame(run.frames, number)
-                    moment = moment_of(number, content, job.axes, names, life, format.weighs)
-                    folder.announce(format.names(number))
-                    format.write(moment)
-                    folder.add(number, moment.time, mark)
-                    progress(done, len(wanted), len(moment.x))
+                    particles = _export(run, number, mark, format, folder, names, life)
+                    progress(done, len(wanted), particles)
                 format.close(folder.times())
         except BaseException:
             if format.whole and missing:
@@ -137,6 +132,24 @@ def export_run(
         finally:
             folder.save()
     return target, len(missing)
+
+
+def _export(
+    run: RunFolder,
+    number: int,
+    mark: int,
+    format: Format,
+    folder: ExportFolder,
+    names: Sequence[str],
+    life: Life | None,
+) -> int:
+    """Export one frame and return its number of particles; nothing of it stays in memory."""
+    content = read_frame(run.frames, number)
+    moment = moment_of(number, content, format.job.axes, names, life, format.weighs)
+    folder.announce(format.names(number))
+    format.write(moment)
+    folder.add(number, moment.time, mark)
+    return len(moment.x)
 
 
 def _missing(
