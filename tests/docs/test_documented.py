@@ -20,6 +20,7 @@ from pathlib import Path
 import click
 import pytest
 from documented import command_blocks, fenced
+from patience import PATIENCE
 
 import neve
 from neve.bench.run import CASES as BENCHMARKS
@@ -100,7 +101,7 @@ def typed(words, place, **more):
 def runs(words, place):
     """The command ends well within a minute."""
     process = typed(words, place)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, (words, out, err)
     assert "Traceback" not in err
 
@@ -124,10 +125,10 @@ def serve(words, place):
                 said = process.stderr.read()
                 assert "does not carry the page" in said, said
                 return "web/drive was not built before Neve was installed"
-            assert urllib.request.urlopen(address[0], timeout=30).status == 200
+            assert urllib.request.urlopen(address[0], timeout=PATIENCE).status == 200
         finally:
             process.send_signal(signal.SIGINT)
-        assert process.wait(30) == 0
+        assert process.wait(PATIENCE) == 0
     return None
 
 
@@ -146,7 +147,7 @@ def parse_script(words, place):
     """A script's own parser takes these words."""
     script = next(word for word in words if word.endswith(".py"))
     command = [sys.executable, "-c", PARSE, str(ROOT / script), *words[words.index(script) + 1 :]]
-    done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
 
 

@@ -7,6 +7,7 @@ import socket
 import threading
 
 import pytest
+from patience import PATIENCE
 
 from neve.cli import main
 from neve.drive import DriveError, serve
@@ -32,7 +33,7 @@ def asking(page):
         thread.start()
 
         def request(method, target):
-            line = http.client.HTTPConnection(*server.server_address[:2], timeout=30)
+            line = http.client.HTTPConnection(*server.server_address[:2], timeout=PATIENCE)
             line.putrequest(method, target, skip_accept_encoding=True)
             line.endheaders()
             answer = line.getresponse()
@@ -42,7 +43,7 @@ def asking(page):
 
         yield request
         server.shutdown()
-        thread.join(30)
+        thread.join(PATIENCE)
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from patience import PATIENCE
 
 from neve.export.formats.vdb_tree import VdbGrid, leaves_of, write_vdb
 from neve.export.run import Choices, export_run
@@ -39,7 +40,7 @@ def openvdb(tmp_path):
         pytest.skip("no OpenVDB: apt-get install python3-openvdb libopenvdb-tools")
 
     def read(path):
-        subprocess.run([SYSTEM, "-c", DUMP, path, tmp_path / "read.npz"], check=True, timeout=60)
+        subprocess.run([SYSTEM, "-c", DUMP, path, tmp_path / "read.npz"], check=True, timeout=PATIENCE)
         return dict(np.load(tmp_path / "read.npz"))
 
     return read
@@ -155,7 +156,7 @@ def test_any_tree_is_read_as_it_was_written(tmp_path, seed, openvdb):
     )
     np.save(tmp_path / "leaves.npy", leaves)
     command = [SYSTEM, "-c", script, tmp_path / "a.vdb", tmp_path / "leaves.npy", tmp_path / "out.npz"]
-    subprocess.run(command, check=True, timeout=60)
+    subprocess.run(command, check=True, timeout=PATIENCE)
     read = np.load(tmp_path / "out.npz")
     assert np.array_equal(read["a"], np.where(active, numbers, 0))
     assert np.array_equal(read["b"], np.where(active[..., None], arrows, 0))

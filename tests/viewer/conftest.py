@@ -5,6 +5,7 @@ import json
 import shutil
 
 import pytest
+from patience import PATIENCE
 
 from neve.scene.reading.load import scene_from, to_toml
 from neve.viewer.protocol.state import unframed
@@ -55,7 +56,7 @@ class Page:
     async def send(self, **command):
         await self.socket.send(json.dumps(command))
 
-    async def until(self, found, seconds=60.0):
+    async def until(self, found, seconds=PATIENCE):
         """Read until `found(self)` is true, and return what it returns."""
 
         async def read():

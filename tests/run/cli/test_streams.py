@@ -12,6 +12,7 @@ from pathlib import Path
 
 import fake_neve
 import pytest
+from patience import PATIENCE
 
 from neve.run.progress import Lines, Warnings, follow
 from neve.system import stopping
@@ -59,7 +60,7 @@ def test_a_run_finishes_without_its_streams(scene_file, tmp_path, streams):
         pytest.skip("needs a device that is always full")
     out = tmp_path / "out"
     line = f'exec "{sys.executable}" "{FAKE}" run "{scene_file}" --out "{out}" {streams}'
-    assert subprocess.run(["bash", "-c", line], check=False, timeout=60).returncode == 0
+    assert subprocess.run(["bash", "-c", line], check=False, timeout=PATIENCE).returncode == 0
     assert (out / "preview.png").exists()
     assert len((out / "log.csv").read_text().splitlines()) == 10  # a head, frames 0 to 8
     assert b"frame" not in b"".join(p.read_bytes() for p in out.glob("*.png"))  # no message got into a file
@@ -82,7 +83,9 @@ def test_output_that_is_not_taken(line, code, words):
         pytest.skip("needs a device that is always full")
     slow = "sleep 0.5; " if "|" in line else ""  # the reader is gone by then
     script = f'neve() {{ {slow}"{sys.executable}" -m neve.cli "$@"; }}; neve {line}'
-    done = subprocess.run(["bash", "-c", script], check=False, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        ["bash", "-c", script], check=False, capture_output=True, text=True, timeout=PATIENCE
+    )
     assert (done.returncode, done.stderr) == (code, words)
 
 
@@ -107,7 +110,7 @@ def test_ctrl_c_while_a_module_is_imported(tmp_path):
     for ready in (True, False):
         command = [sys.executable, "-c", script.format(ready=ready)]
         done = subprocess.run(
-            command, cwd=tmp_path, capture_output=True, text=True, timeout=60, preexec_fn=hear_ctrl_c
+            command, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, preexec_fn=hear_ctrl_c
         )
         told[ready] = done.returncode, done.stdout, done.stderr
     assert told == {True: (0, "whole\nstopped slow\n", ""), False: (130, "", "neve: stopped\n")}
@@ -148,7 +151,7 @@ def test_a_signal_at_any_moment(scene_file, tmp_path, number, expected):
         process.send_signal(number)
         time.sleep(0.1)
         process.send_signal(signal.SIGINT)  # the first one finishes the frame
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == expected, err
         assert "Traceback" not in err
 
@@ -172,7 +175,7 @@ def test_a_server_ends_at_any_moment(scene_file, number, codes):
         else:
             time.sleep(wait)
         process.send_signal(number)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode in codes - ({130} if wait is None else set()), err
         assert "Traceback" not in err
         assert "Warning" not in err

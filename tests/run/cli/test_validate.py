@@ -6,11 +6,11 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from patience import PATIENCE, wait_until
 
 from neve.cli import main
 from neve.validate import run as running
@@ -107,7 +107,7 @@ def test_cases_end_with_the_command(tmp_path, number, expected):
     )
     wait_until(lambda: len(session(process.pid)) >= 3)
     process.send_signal(number)
-    told = process.communicate(timeout=60)[1]
+    told = process.communicate(timeout=PATIENCE)[1]
     assert process.returncode == expected
     assert number == signal.SIGKILL or b"Traceback" not in told, told
     wait_until(lambda: not session(process.pid))
@@ -122,13 +122,6 @@ def session(leader):
             if int(number) == leader and state != "Z":
                 found.append(int(stat.parent.name))
     return found
-
-
-def wait_until(true):
-    deadline = time.monotonic() + 60
-    while not true():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
 
 
 def test_unknown_case(call):

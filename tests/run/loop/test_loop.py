@@ -11,6 +11,7 @@ from pathlib import Path
 import fake_neve
 import numpy as np
 import pytest
+from patience import PATIENCE, wait_until
 
 from neve import _core
 from neve.io.checkpoint import read_checkpoint
@@ -50,17 +51,13 @@ def start(out, scene_file, *words, pause=0.0):
 
 def end(process):
     """Wait for the process to end; return its exit code and what it said."""
-    told = process.communicate(timeout=20)[1]
+    told = process.communicate(timeout=PATIENCE)[1]
     return process.returncode, told
 
 
 def wait_for(path, process):
     """Wait until a running process has written a file."""
-    deadline = time.monotonic() + 20
-    while not path.exists():
-        assert process.poll() is None, process.communicate()[1]
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until(path.exists, process)
 
 
 def test_folder_holds_everything(fake, scene, tmp_path):

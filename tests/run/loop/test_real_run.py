@@ -6,11 +6,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from patience import PATIENCE, wait_until
 from PIL import Image
 
 import neve
@@ -140,14 +140,10 @@ def test_a_signal_to_all_processes(snowball, tmp_path, number, expected):
         preexec_fn=hear,
         start_new_session=True,
     )
-    deadline = time.monotonic() + 60
-    while not (out / "frames/000002.npz").exists():
-        assert process.poll() is None, process.communicate()[1]
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until((out / "frames/000002.npz").exists, process)
     for member in reversed(family(process.pid)):  # the encoder first
         os.kill(member, number)
-    told = process.communicate(timeout=60)[1]
+    told = process.communicate(timeout=PATIENCE)[1]
     assert (process.returncode, "Traceback" in told) == (expected, False), told
     done = len(frames(out)) - 1
     neve.Simulation(neve.load(out), threads=1).run(out, frames=done + 1, resume=True, quiet=True)

@@ -10,6 +10,7 @@ from pathlib import Path
 import fake_neve
 import numpy as np
 import pytest
+from patience import PATIENCE
 
 from neve.io.errors import RunError
 from neve.io.frames import frame_numbers
@@ -112,7 +113,7 @@ def test_killed_run_resumes(fake, listed, scene_file, tmp_path, monkeypatch):
         "from neve.cli import main; main()"
     )
     command = [sys.executable, "-c", program, "run", str(scene_file), "--out", str(out), "--quiet"]
-    done = subprocess.run(command, cwd=Path(fake_neve.__file__).parent, check=False, timeout=60)
+    done = subprocess.run(command, cwd=Path(fake_neve.__file__).parent, check=False, timeout=PATIENCE)
     assert done.returncode == -signal.SIGKILL
     assert frame_numbers(out / ".side.mp4.parts") == [1, 2, 4]
     run_scene(listed, out, resume=True, quiet=True)
