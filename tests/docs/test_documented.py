@@ -1,8 +1,8 @@
 """What a page tells its reader to type can be typed: commands and Python are taken from the pages and run.
 
-Runs of scenes are made short and coarse by further options. What takes minutes (benchmarks, validation, long
-examples) is read by the command's own parser and goes no further; what installs is typed by `.ci/run`, or its
-extras and files are looked up.
+Runs of scenes are made short and coarse by further options. What takes minutes (benchmarks, validation,
+path tracing, long examples) is read by the command's own parser and goes no further; what installs is typed
+by `.ci/run`, or its extras and files are looked up.
 """
 
 import json
@@ -176,7 +176,7 @@ def files_exist(words, place):
 RULES = [
     (r"neve run ", run_scene),
     (r"neve (view (?!.*--replay)|drive)", serve),
-    (r"neve (bench|validate|fuzz)", parse_neve),
+    (r"neve (bench|validate|fuzz|render)", parse_neve),
     (r"neve ", runs),
     (r"python examples/\d\d_\S+\.py", files_exist),  # tests/docs/test_examples.py runs them
     (r"python (-\w )?\S+\.py", parse_script),

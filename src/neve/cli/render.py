@@ -74,7 +74,7 @@ class Told:
 )
 @click.option(
     "--look",
-    type=click.Choice(["diffuse", "medium", "fast", "reference"]),
+    type=click.Choice(["diffuse", "medium", "fast", "reference", "metaballs"]),
     help="How light meets snow; by default as the quality has it: diffuse, and medium for final.",
 )
 @click.option(

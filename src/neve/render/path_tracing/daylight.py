@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-ROUGH = 0.68
+ROUGH = 0.85
 HEIGHT = 128
 """Rows of the picture of the sky [px]."""
 EARTH = np.array([0.12, 0.11, 0.10])

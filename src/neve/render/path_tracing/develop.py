@@ -26,10 +26,12 @@ COLORS = (0.75, 0.90, 1.15)
 SHARE = 0.75
 """Share of the light that spreads."""
 GRAIN = {"diffuse": 0.35, "other": 0.22}
-"""Share of what the denoiser took that is put back: a grain of the film in place of plaster."""
+"""Share of what the denoiser took that is put back, where there is snow: grain in place of plaster."""
 TAPS = 28
 GLINTS = 6e-4
 """Share of flakes that glint: one in some thousand pixels."""
+KNEE, ROOM = 0.55, 0.41
+"""Light up to which pictures are linear, and what the shoulder adds to it at most."""
 SNOW_WHITE = 0.72
 """Albedo from which what is seen counts as snow."""
 
@@ -60,9 +62,8 @@ def develop(layers: Layers, lens: Lens, light: Light, kind: Kind, dx: float, cle
         for part in (layers.sun, layers.sky):
             whole = _clamped(part)
             smooth = denoised(whole, layers.albedo, layers.normal) if clean else whole
-            seen += spread(smooth, snow, layers.depth, radius, SPREAD * dx) + GRAIN["diffuse"] * (
-                whole - smooth
-            )
+            spread_out = spread(smooth, snow, layers.depth, radius, SPREAD * dx)
+            seen += spread_out + GRAIN["diffuse"] * snow[..., None] * (whole - smooth)
     scale, balance = exposure(light)
     out = np.maximum(seen, 0.0) * (scale * balance).astype(np.float32)
     if layers.flakes is not None and kind.sparkle:
@@ -102,9 +103,9 @@ def spread(light: Floats, snow: Floats, depth: Floats, radius: Floats, thick: fl
 
 
 def coded(light: Floats) -> NDArray[np.uint8]:
-    """Return light (h, w, 3), 1 is white, as sRGB: linear up to 0.7, then a shoulder that never ends."""
+    """Return light (h, w, 3), 1 is white, as sRGB: linear up to KNEE, then a shoulder that never ends."""
     bright = light @ LUMINANCE.astype(np.float32)
-    bent = np.where(bright > 0.7, 1.0 - 0.3 * np.exp(-(bright - 0.7) / 0.3), bright)
+    bent = np.where(bright > KNEE, KNEE + ROOM * (1.0 - np.exp(-(bright - KNEE) / ROOM)), bright)
     shown = light * (bent / np.maximum(bright, 1e-6))[..., None]
     # What is beyond one colour's reach goes over to the others, or a low sun paints snow yellow.
     over = np.maximum(shown.max(axis=2) - 1.0, 0.0)[..., None]

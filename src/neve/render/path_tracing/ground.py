@@ -14,12 +14,17 @@ from neve.render.path_tracing.textures import fractal
 
 Array = NDArray[np.float64]
 
-CLODS = 14.0
+CLODS = 16.0
 """Size of the largest clods in grid spacings of the snow."""
-DEPTH = 0.9
+DEPTH = 1.7
 """Depth of the relief in grid spacings; it lies below the plane, so that snow rests on its peaks."""
-SOIL, DRY, STONE = (np.array(c) for c in ((0.070, 0.058, 0.048), (0.150, 0.130, 0.108), (0.20, 0.19, 0.18)))
-FAR = 3e3
+SOIL, DRY, STONE, RIME = (
+    np.array(c)
+    for c in ((0.060, 0.050, 0.042), (0.150, 0.128, 0.105), (0.17, 0.16, 0.15), (0.42, 0.445, 0.48))
+)
+HAZE = np.array([0.42, 0.44, 0.47])
+"""Reflectance of what lies far away, over which the air's light has come."""
+FAR = 400.0
 """How far it reaches in distances from the camera to its target."""
 
 
@@ -33,28 +38,38 @@ def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -
     forward = lens.axes[2] @ rotation
     u, v = _grid(lens, eye, forward)
     far = np.hypot(u - eye[0], v - eye[1])
-    pixel = np.hypot(far, eye[2]) / lens.focal * np.sqrt(np.hypot(far, eye[2]) / max(abs(eye[2]), 1e-6))
+    pixel = 1.2 * np.hypot(far, eye[2]) / lens.focal
     height, color = relief(u, v, pixel, dx)
+    away = far / lens.distance
+    veil = 1.0 - np.exp(-np.maximum(away - 2.0, 0.0) / 60.0)
+    color = color + (HAZE - color) * veil[..., None]
+    # Low hills end the view: level ground ends in a line drawn with a ruler.
+    rise = np.clip((away - 25.0) / 150.0, 0.0, 1.0) ** 2
+    hills = 0.5 + 0.5 * fractal(u, v, 120.0 * lens.distance, 6, 0.5, pixel, 401)
+    height = height + rise * hills * (0.045 * far)
     local = np.stack([u, v, height], axis=-1)
     vertices = local.reshape(-1, 3) @ rotation.T + position
     return triangles(name, vertices, _sides(*u.shape), {"bsdf": _earth()}, colors=color.reshape(-1, 3))
 
 
 def relief(u: Array, v: Array, pixel: Array, dx: float) -> tuple[Array, Array]:
-    """Return height [m], at most 0, and reflectance (..., 3) of the earth at places u, v [m]."""
-    clods = fractal(u, v, CLODS * dx, 9, 0.58, pixel, 11)
-    ridged = 1.0 - np.abs(fractal(u, v, 0.5 * CLODS * dx, 8, 0.6, pixel, 57))
-    stones = np.clip(fractal(u, v, 2.2 * dx, 3, 0.35, pixel, 91) - 0.52, 0.0, 0.4) * 2.5
-    up = 0.45 * clods + 0.55 * ridged
-    height = DEPTH * dx * (np.minimum(0.42 * up, 0.9) - 1.0 + 0.45 * stones)
-    tint = fractal(u, v, 40.0 * dx, 5, 0.55, pixel, 131)
-    damp = np.clip(0.5 + 0.5 * tint + 0.35 * up - 0.3, 0.0, 1.0)[..., None]
-    color = SOIL + (DRY - SOIL) * damp
-    color = (
-        color + (STONE * (1.0 + 0.2 * tint[..., None]) - color) * np.clip(2.0 * stones, 0.0, 1.0)[..., None]
-    )
-    grit = fractal(u, v, 0.8 * dx, 3, 0.8, pixel, 177)[..., None]
-    return np.minimum(height, 0.0), np.clip(color * (1.0 + 0.35 * grit), 0.01, 0.8)
+    """Return height [m], above 0 for stones alone, and reflectance (..., 3) of earth at places u, v [m]."""
+    ridged = 1.0 - 2.0 * np.abs(fractal(u, v, CLODS * dx, 9, 0.55, pixel, 57))
+    clods = fractal(u, v, 0.6 * CLODS * dx, 9, 0.6, pixel, 11)
+    up = np.clip(0.45 * ridged + 0.40 * clods, -1.0, 1.0)
+    stones = np.clip((fractal(u, v, 1.6 * dx, 2, 0.3, pixel, 91) - 0.62) * 3.0, 0.0, 1.0)
+    height = 0.5 * DEPTH * dx * (up - 1.0) + 0.35 * dx * np.sqrt(stones)
+    tint = fractal(u, v, 50.0 * dx, 6, 0.6, pixel, 131)
+    dry = np.clip(0.35 + 0.45 * tint + 0.35 * up, 0.0, 1.0)[..., None]
+    color = SOIL + (DRY - SOIL) * dry
+    # Rime lies in patches, on what stands out first.
+    rime = np.clip((fractal(u, v, 34.0 * dx, 7, 0.66, pixel, 211) + 0.6 * up - 0.50) * 2.2, 0.0, 0.85)[
+        ..., None
+    ]
+    color = color + (RIME - color) * rime
+    color = color + (STONE * (1.0 + 0.3 * tint[..., None]) - color) * np.minimum(4.0 * stones, 1.0)[..., None]
+    grit = fractal(u, v, 0.7 * dx, 3, 0.8, pixel, 177)[..., None]
+    return height, np.clip(color * (1.0 + 0.30 * grit), 0.01, 0.8)
 
 
 def _grid(lens: Lens, eye: Array, forward: Array) -> tuple[Array, Array]:

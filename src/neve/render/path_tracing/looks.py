@@ -85,10 +85,10 @@ def capped(medium: Medium, most: float) -> Medium:
     return replace(medium, extinction=min(medium.extinction, most))
 
 
-LOOKS = ("diffuse", "medium", "fast", "reference")
+LOOKS = ("diffuse", "medium", "fast", "reference", "metaballs")
 """How light meets snow. diffuse: a white surface, with light that spreads in the picture; medium: a volume of
 snow, as fine as its grains; fast and reference: such a volume with the constants of Stomakhin et al. 2013,
-made isotropic or as published."""
+made isotropic or as published; metaballs: balls of density, lit as in Nishita et al. 1997."""
 
 
 @dataclass(frozen=True)
@@ -109,8 +109,8 @@ class Quality:
 
 
 QUALITIES = {
-    "draft": Quality("diffuse", 4, 5, 1_600_000, 120_000, 1.8, (640, 360)),
-    "good": Quality("diffuse", 8, 10, 8_000_000, 1_000_000, 1.6, (1280, 720)),
-    "final": Quality("medium", 20, 256, 8_000_000, 1_000_000, 1.6, (1280, 720)),
+    "draft": Quality("diffuse", 4, 5, 1_600_000, 150_000, 1.3, (640, 360)),
+    "good": Quality("diffuse", 8, 10, 8_000_000, 1_000_000, 1.1, (1280, 720)),
+    "final": Quality("medium", 20, 256, 8_000_000, 1_000_000, 1.1, (1280, 720)),
 }
 """How well pictures are drawn, by their word."""

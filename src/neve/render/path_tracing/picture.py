@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from neve.render.path_tracing.develop import develop
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.looks import KINDS, QUALITIES, Quality
-from neve.render.path_tracing.snow import SnowGeometry, grain_count, lumps, snow_geometry
-from neve.render.path_tracing.tracer import Tracer
+from neve.render.path_tracing.metaball_light import metaballs_before
+from neve.render.path_tracing.snow import NOTHING, SnowGeometry, grain_count, lumps, snow_geometry
+from neve.render.path_tracing.tracer import Layers, Tracer
+from neve.surface.metaballs import snow_balls
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -86,7 +88,7 @@ class PathTracer:
 
         x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; seed: of the paths.
         """
-        layers = self._tracer.trace(self.geometry(x, id), solids, self.quality.samples, seed)
+        layers = self._layers(x, id, solids, seed)
         return develop(
             layers,
             self._lens,
@@ -94,6 +96,18 @@ class PathTracer:
             self._kind,
             self._scene.numerics.dx,
             self._choices.denoise,
+        )
+
+    def _layers(
+        self, x: NDArray[Any], id: NDArray[Any], solids: Sequence[tuple[Solid, Pose]], seed: int
+    ) -> Layers:
+        samples = self.quality.samples
+        if self.quality.look != "metaballs":
+            return self._tracer.trace(self.geometry(x, id), solids, samples, seed)
+        behind = self._tracer.trace(NOTHING, solids, samples, seed)
+        balls = snow_balls(x, self._scene.numerics.spacing)
+        return metaballs_before(
+            behind, balls, self._tracer.medium().extinction, self._tracer.light, self._lens
         )
 
     def geometry(self, x: NDArray[Any], id: NDArray[Any]) -> SnowGeometry:

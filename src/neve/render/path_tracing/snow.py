@@ -14,11 +14,11 @@ from neve.surface.mesh import LEVEL, SurfaceMesh, mesh_of, snow_field
 
 Floats = NDArray[np.float32]
 
-LUMPS = 0.35
+LUMPS = 0.40
 """Strength of lumps: a particle weighs exp(LUMPS n), n noise of deviation 1 at its first place."""
 LUMP_SIZE = 3.0
 """Size of lumps in particle spacings."""
-LOOSE, FIRM = 0.45, 0.75
+LOOSE, FIRM = 0.60, 0.88
 """Share of packed snow at a grain, from which its flake begins to shrink, and at which it is gone."""
 
 _TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], np.float32) / np.sqrt(
@@ -54,13 +54,21 @@ class SnowGeometry:
     size: float
 
 
+NOTHING = SnowGeometry(
+    SurfaceMesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32)),
+    Flakes(np.zeros((0, 3), np.float32), np.zeros(0, np.float32), np.zeros(0, np.uint32)),
+    0.0,
+)
+"""No snow at all."""
+
+
 def lumps(x: NDArray[Any], spacing: float) -> Floats:
     """Return the weight of each particle, about 1, from its place `x` (n, 3) [m] in the first frame."""
     n = fractal(np.asarray(x, np.float64), LUMP_SIZE * spacing, 2, 7) / DEVIATION
     return np.asarray(np.exp(LUMPS * n), np.float32)
 
 
-def grain_count(spacing: float, pixel: float, particles: int, most: int, across: float = 1.6) -> int:
+def grain_count(spacing: float, pixel: float, particles: int, most: int, across: float) -> int:
     """Return how many grains a particle is drawn as: one is then `across` pixels large at the target.
 
     most: grains in all that may be drawn. At least 1 and at most 125 for each particle.
