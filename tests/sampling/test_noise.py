@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from neve.sampling.noise import DEVIATION, clods, fractal
+from neve.sampling.sheets import sheets
 
 N = 60_000
 
@@ -105,3 +106,35 @@ def test_finer_clods_have_shallower_seams() -> None:
     assert np.all(two <= one)
     assert two[one == 0].min() == pytest.approx(-0.5, abs=0.01)
     assert np.mean(two < 0) > np.mean(one < 0)
+
+
+def test_sheets_weaken_their_middle_alone() -> None:
+    """Noise is 0 beside sheets and down to -1 in them; a second octave only deepens, to -1/2 alone."""
+    x = in_box()
+    one, two = (sheets(x, SIZE, 0.3, 0.04, octaves, seed=5) for octaves in (1, 2))
+    assert one.max() == 0.0
+    assert -1.0 <= one.min() < -0.99
+    assert np.all(two <= one)
+    assert two[one == 0].min() == pytest.approx(-0.5, abs=0.01)
+
+
+def test_share_of_sheets() -> None:
+    """Sheets of width w that a line meets once every s fill the share 1 - exp(-2 w / s).
+
+    A line meets half of the area in a unit of volume per unit of length: the area is 2 / s, and what is
+    random overlaps as Poisson has it. The number of sheets in the box is some 100: 3 seeds are right to
+    some 6 %, and the area inside the box is estimated for flat sheets.
+    """
+    s, w = 0.2, 0.004
+    share = np.mean([np.mean(sheets(in_box(), SIZE, s, w, 1, seed=seed) < 0) for seed in range(3)])
+    assert share == pytest.approx(1 - np.exp(-2 * w / s), rel=0.15)
+
+
+def test_sheets_depend_on_the_place_alone() -> None:
+    """The same points in another order, or each alone, have the same bits; another seed has other sheets."""
+    x = in_box(2000)
+    order = np.random.default_rng(1).permutation(len(x))
+    value = sheets(x, SIZE, 0.3, 0.1, 2, seed=9)
+    assert np.array_equal(sheets(x[order], SIZE, 0.3, 0.1, 2, seed=9), value[order])
+    assert sheets(x[7:8], SIZE, 0.3, 0.1, 2, seed=9)[0] == value[7]
+    assert np.corrcoef(sheets(x, SIZE, 0.3, 0.1, 2, seed=10), value)[0, 1] < 0.15

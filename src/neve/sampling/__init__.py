@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.reproducible import product
-from neve.sampling.factors import factors
+from neve.sampling.factors import factors, mixed_seed
 from neve.sampling.points import jittered, poisson, regular
-from neve.sampling.regions import region
+from neve.sampling.regions import Region, region
 from neve.sampling.room import require_room
+from neve.sampling.structure import chunks
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Numerics, Source
 
@@ -27,7 +28,8 @@ class Samples:
     Attributes:
         x: positions [m], (n, 3)
         v: velocities [m/s], (n, 3)
-        volume: share of the source's volume [m3], (n,); the sum is the volume of the shape
+        volume: share of the source's volume [m3], (n,); the sum is the volume of the shape, without what an
+            outline of lumps leaves out of it
         stiffness: factor on Young's modulus [1], (n,)
         strength: factor on the thresholds of plastic flow [1], (n,)
         density: factor on density [1], (n,)
@@ -49,8 +51,10 @@ def fill(source: Source, numerics: Numerics, index: int) -> Samples:
     """Place particles in `source`, the scene's source number `index`.
 
     On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and
-    moves with v = velocity + spin x (x - center). Its factors are described in `neve.sampling.factors`.
-    Equal arguments give equal bits.
+    moves with v = velocity + spin x (x - center). Its factors are described in `neve.sampling.factors`. With
+    `structure = "chunks"` some are left out, see `neve.sampling.structure`: those that the outline does
+    not hold, and so many of the others that the rest have the same mass each. Equal arguments give equal
+    bits.
 
     Errors: SceneError if the source is too small or too large for dx, its font lacks a letter, or its
     mesh has no inside.
@@ -72,10 +76,27 @@ def fill(source: Source, numerics: Numerics, index: int) -> Samples:
             f"{name} is too small for a single particle with numerics.dx = {numerics.dx:g}; "
             "use a smaller dx or a larger source"
         )
+    share = np.full(len(local), space.volume / len(local))
+    if source.structure != "chunks":
+        made = factors(source, space, local, numerics.seed, index)
+        return _moving(source, space, local, share, made)
+    built = chunks(space, local, mixed_seed(numerics.seed, index, source.structure_seed))
+    kept = built.kept & (rng.random(len(local)) < built.crowd)
+    if not kept.any():
+        kept = built.kept
+    made = factors(source, space, local, numerics.seed, index)
+    made = {factor: values * getattr(built, factor) for factor, values in made.items()}
+    weight = np.where(kept, 1.0 / built.crowd, 0.0)
+    share = weight * (share[built.kept].sum() / weight.sum())
+    return _moving(source, space, local, share, made).only(kept)
+
+
+def _moving(source: Source, space: Region, local: Array, share: Array, made: dict[str, Array]) -> Samples:
+    """Return the particles at `local` [m] (n, 3) with their shares of the volume and their factors."""
     arm = product(local + space.middle, space.rotation.T)
     return Samples(
         x=space.center + arm,
         v=np.array(source.velocity) + np.cross(np.array(source.spin), arm),
-        volume=np.full(len(local), space.volume / len(local)),
-        **factors(source, space, local, numerics.seed, index),
+        volume=share,
+        **made,
     )

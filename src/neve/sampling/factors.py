@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from neve.reproducible import exp, product
 from neve.sampling.noise import clods, fractal
 from neve.sampling.regions import Region
+from neve.sampling.sheets import sheets
 from neve.scene.schema.scene import Source
 from neve.scene.schema.sources import Variation
 
@@ -19,16 +20,15 @@ def factors(source: Source, space: Region, local: Array, seed: int, index: int) 
 
     There is one on `stiffness` (Young's modulus), one on `strength` (theta_c and theta_s, cohesion, p0) and
     one on `density`. The noise n is one field, fixed to the source; a factor is exp(amplitude n). Fractal
-    noise lies in [-1, 1] with median 0, so that of stiffness and strength is 1; clods have n = 0 inside and
-    down to -1 in their seams. Density is divided by its mean, so that noise leaves the source its mass. The
-    factors of the profile are multiplied onto that as they stand.
+    noise lies in [-1, 1] with median 0, so that of stiffness and strength is 1; clods and sheets have n = 0
+    beside their seams and down to -1 in them. Density is divided by its mean, so that noise leaves the
+    source its mass. The factors of the profile are multiplied onto that as they stand.
     """
     made = {name: np.ones(len(local)) for name in ("stiffness", "strength", "density")}
     noise = source.variation
     amplitudes = {name: getattr(noise, name) for name in made} if noise else {}
     if noise and any(amplitudes.values()):
-        mixed = int(np.random.SeedSequence([seed, index, noise.seed]).generate_state(1, np.uint64)[0])
-        field = _field(noise, space, local, mixed)
+        field = _field(noise, space, local, mixed_seed(seed, index, noise.seed))
         made |= {name: exp(a * field) for name, a in amplitudes.items() if a}
         made["density"] /= made["density"].mean()
     profile = source.profile
@@ -43,7 +43,14 @@ def factors(source: Source, space: Region, local: Array, seed: int, index: int) 
     return made
 
 
+def mixed_seed(*seeds: int) -> int:
+    """Return one number made of whole numbers that are not negative."""
+    return int(np.random.SeedSequence(list(seeds)).generate_state(1, np.uint64)[0])
+
+
 def _field(noise: Variation, space: Region, local: Array, seed: int) -> Array:
     if noise.pattern == "clods":
         return clods(local, space.size, noise.feature_size, noise.seam, noise.octaves, seed)
+    if noise.pattern == "sheets":
+        return sheets(local, space.size, noise.feature_size, noise.seam, noise.octaves, seed)
     return fractal(local, noise.feature_size, noise.octaves, seed)

@@ -55,7 +55,7 @@ IDLE: list[tuple[dict[str, Any], str, dict[str, Any], dict[str, Any]]] = [
     ),
     (
         box(variation={"stiffness": 1.0, "seam": 0.2}),
-        r'sources\.0\.variation\.seam = 0\.2 .* pattern = "fractal": set .*\.pattern = "clods", or .* 0\.04',
+        r'sources\.0\.variation\.seam = 0\.2 .* "fractal": set .*\.pattern = "clods" or "sheets", .* 0\.04',
         box(variation={"stiffness": 1.0, "seam": 0.2, "pattern": "clods"}),
         box(variation={"stiffness": 1.0, "seam": 0.04}),
     ),

@@ -18,7 +18,7 @@ COLLIDER_CELLS = 2
 FEATURE_CELLS = 2
 """Least number of cells across a feature of noise; the grid smooths a smaller one away."""
 SEAM_CELLS = 1
-"""Least number of cells across a seam between clods; a narrower one tears wider than it is weak."""
+"""Least number of cells across a seam; a narrower one tears wider than it is weak."""
 
 
 def advice(scene: Scene) -> list[str]:
@@ -90,12 +90,12 @@ def _fine_noise(scene: Scene, source: Source, name: str) -> Iterator[str]:
 
 def _thin_seam(scene: Scene, source: Source, name: str) -> Iterator[str]:
     dx, noise = scene.numerics.dx, source.variation
-    if not noise or noise.pattern != "clods" or not noise.acts:
+    if not noise or noise.pattern == "fractal" or not noise.acts:
         return
     if noise.seam < SEAM_CELLS * dx * (1 - 1e-9):
         yield (
             f"{name}.variation.seam = {noise.seam:g} is below a cell of numerics.dx = {dx:g}, so the "
-            f"grid decides where clods part: use at least {rounded_up(SEAM_CELLS * dx)}, or numerics.dx = "
+            f"grid decides where snow parts: use at least {rounded_up(SEAM_CELLS * dx)}, or numerics.dx = "
             f"{rounded_down(noise.seam / SEAM_CELLS)} or smaller"
         )
 

@@ -64,9 +64,10 @@ def _of_transfer(numerics: Numerics) -> Iterator[str]:
 def _of_variation(noise: Variation, name: str) -> Iterator[str]:
     if not any(getattr(noise, key) for key in FACTORS):
         yield from _idle(noise, name, "amplitude")
-    elif noise.pattern != "clods":
+    elif noise.pattern == "fractal":
         why = f'pattern = "{noise.pattern}"'
-        yield from _without_effect(noise, name, "seam", why, f'{name}.pattern = "clods"')
+        seamed = f'{name}.pattern = "clods" or "sheets"'
+        yield from _without_effect(noise, name, "seam", why, seamed)
 
 
 def _of_profile(profile: Profile, name: str) -> Iterator[str]:

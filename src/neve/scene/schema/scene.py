@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import model_validator
 
@@ -269,9 +269,11 @@ class Scene(Part):
         return self.snow.but(source.snow)
 
     def completed(self, source: Source) -> Source:
-        """Return `source` with the variation and profile of its snow's kind, where it has none of its own."""
+        """Return `source` with what its snow's kind has, structure, variation, profile, where it has none."""
         kind = SNOWS[self.snow_of(source).kind]
-        found: dict[str, Part] = {}
+        found: dict[str, Any] = {}
+        if source.structure is None and kind.structure:
+            found["structure"] = kind.structure
         if source.variation is None and kind.variation:
             found["variation"] = Variation.model_validate(kind.variation)
         if source.profile is None and kind.profile:

@@ -26,7 +26,7 @@ class SnowKind:
         tag: how sure they are
         law: its constitutive law
         constants: keys of [snow] -> values [SI]
-        variation, profile: tables of a source, for sources that have none of their own
+        structure, variation, profile: keys of a source, for sources that have none of their own
     """
 
     about: str
@@ -34,6 +34,7 @@ class SnowKind:
     tag: Tag
     law: str = DEFAULT_LAW
     constants: Mapping[str, float] = field(default_factory=lambda: NOTHING)
+    structure: str = ""
     variation: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     profile: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
 

@@ -16,7 +16,7 @@ MEANING: dict[Tag, str] = {
 
 
 def as_data() -> list[dict[str, Any]]:
-    """Return all snows: name, about, law, the constants it uses [SI], variation, profile, source, tag."""
+    """Return all snows: name, about, law, its constants [SI], structure, variation, profile, source, tag."""
     found = []
     for name, kind in SNOWS.items():
         snow = Snow.model_validate({"kind": name})
@@ -26,6 +26,7 @@ def as_data() -> list[dict[str, Any]]:
                 "about": kind.about,
                 "law": snow.law,
                 "constants": {key: getattr(snow, key) for key in used(snow.law, snow.plasticity)},
+                "structure": kind.structure or None,
                 "variation": dict(kind.variation) or None,
                 "profile": dict(kind.profile) or None,
                 "source": kind.source,
@@ -68,6 +69,8 @@ def _constants(snow: dict[str, Any]) -> str:
         for name, value in snow["constants"].items()
         if not name.startswith("J_P") or value != getattr(usual, name)
     ]
+    if snow["structure"]:
+        text.append(f"structure {snow['structure']}")
     for key in ("variation", "profile"):
         if table := snow[key]:
             text.append(f"{key} ({', '.join(f'{name} {_value(value)}' for name, value in table.items())})")

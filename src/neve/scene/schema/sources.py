@@ -16,17 +16,19 @@ from neve.scene.values.fields import Distance, Factor, Length, Part, Rate3, Real
 class Variation(Part):
     """Vary snow from place to place by factors exp(amplitude * noise), all of one field of noise."""
 
-    pattern: Literal["fractal", "clods"] = entry(
+    pattern: Literal["fractal", "clods", "sheets"] = entry(
         "fractal",
         '"fractal": smooth stiff and soft spots, noise from -1 to 1; "clods": lumps of random size pressed '
-        "together, 0 inside and down to -1 in the weak seams between them, along which snow then breaks.",
+        "together, 0 inside and down to -1 in the weak seams between them, along which snow then breaks; "
+        '"sheets": the same of curved sheets of random extent.',
         "",
-        "clods: cells of Worley 1996; the seams are ours",
+        "clods: cells of Worley 1996; the seams are ours; sheets: a recipe in public code of the first "
+        "author of Stomakhin et al. 2013, changed",
     )
     stiffness: Real = entry(
         0.0,
         "Amplitude of Young's modulus: its factor lies between about exp(-amplitude) and exp(amplitude), "
-        "with median 1 (clods: down to exp(-amplitude) in the seams). 0 is none.",
+        "with median 1 (clods and sheets: down to exp(-amplitude) in them). 0 is none.",
         "1",
         ge=0,
         le=4,
@@ -46,10 +48,15 @@ class Variation(Part):
         le=2,
     )
     feature_size: Length = entry(
-        0.2, "Size of the largest stiff and soft spots or of a clod; a good value is 3 to 8 numerics.dx.", "m"
+        0.2,
+        "Size of the largest stiff and soft spots or of a clod, or mean distance between sheets on a line; a "
+        "good value is 3 to 8 numerics.dx.",
+        "m",
     )
     seam: Length = entry(
-        0.04, "Width of the seams between clods; a good value is numerics.dx; used by clods only.", "m"
+        0.04,
+        "Width of the seams between clods or of the sheets; a good value is numerics.dx; used by these only.",
+        "m",
     )
     octaves: Whole = entry(
         3, "Layers of noise, each half as large and half as strong as the one before.", "1", ge=1, le=8
@@ -102,6 +109,18 @@ class Source(Role):
     velocity: Rate3 = entry((0.0, 0.0, 0.0), "Velocity at the start.", "m/s")
     spin: Rate3 = entry((0.0, 0.0, 0.0), "Angular velocity at the start, about the source's centre.", "rad/s")
     snow: Overrides = entry(Overrides(), "Snow properties of this source alone: any key of [snow].", "")
+    structure: Literal["plain", "chunks"] | None = entry(
+        None,
+        'What the snow is built of before variation and profile change it. "plain": the same everywhere; '
+        '"chunks": a snowball pressed by hand, which breaks into pieces of all sizes: an outline of lumps, '
+        "denser and stiffer shells toward the surface, particles closer where snow is denser, weak sheets; "
+        "all in proportion to the source. Left out, that of the snow's kind, or plain.",
+        "",
+        "a recipe in public code of the first author of Stomakhin et al. 2013, changed",
+    )
+    structure_seed: Whole = entry(
+        0, "Seed of the structure, combined with numerics.seed.", "1", ge=0, lt=2**32
+    )
     variation: Variation | None = entry(
         None, "Differences from place to place; left out, those of the snow's kind, or none.", ""
     )
