@@ -56,6 +56,8 @@ class Format(ABC):
     """The axis that points up unless another is asked for: as programs that read the format expect."""
     takes_fields: ClassVar[bool] = True
     """Whether it has fields of particles."""
+    takes_matrices: ClassVar[bool] = True
+    """Whether a field may be a matrix."""
     weighs: ClassVar[bool] = False
     """Whether it needs the masses of the particles."""
     whole: ClassVar[bool] = False

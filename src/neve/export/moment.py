@@ -22,8 +22,10 @@ FOR_LIFE = ("m", "V0")
 """Fields that a particle keeps for life, which stand in the checkpoint."""
 _LENGTHS = ("v",)
 """Vector fields that are lengths, or lengths in a time."""
-_SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
-"""Where the numbers xx, xy, xz, yy, yz, zz of a symmetric matrix stand in it."""
+_SHAPES = ((), (3,), (6,), (3, 3))
+"""Of a row of a field: a number, a vector, a symmetric matrix, a matrix."""
+_SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
+"""Where the numbers xx, yy, zz, xy, xz, yz of a symmetric matrix stand in it."""
 
 
 @dataclass(frozen=True)
@@ -66,9 +68,10 @@ class Moment:
 
 
 def columns_of(content: Frame) -> dict[str, NDArray[Any]]:
-    """Return the fields that a frame has, by name."""
+    """Return the fields that a frame has, by name: numbers, vectors and matrices."""
     found = {name: getattr(content, name) for name in USUAL}
-    return {name: values for name, values in found.items() if values is not None}
+    there = {name: values for name, values in found.items() if values is not None}
+    return there | {name: values for name, values in content.more.items() if values.shape[1:] in _SHAPES}
 
 
 def moment_of(

@@ -66,12 +66,16 @@ class Choices:
 
     def names(self, first: Frame, life: Sequence[str]) -> tuple[str, ...]:
         """Return the fields to write, given a frame and what particles keep for life. Errors: RunError."""
-        have = tuple(columns_of(first))
+        columns = columns_of(first)
+        matrices = [name for name, values in columns.items() if values.ndim == 3 or values.shape[1:] == (6,)]
         if self.fields is None:
-            return have if self.format.takes_fields else ()
+            left_out = () if self.format.takes_matrices else matrices
+            return tuple(name for name in columns if name not in left_out) if self.format.takes_fields else ()
         if not self.format.takes_fields:
             raise RunError(f"--fields: the format {self.to} has no fields of particles; leave it out.")
-        check_names(self.fields, (*have, *life), "--fields")
+        check_names(self.fields, (*columns, *life), "--fields")
+        if not self.format.takes_matrices and (wrong := [name for name in self.fields if name in matrices]):
+            raise RunError(f"--fields: {wrong[0]} is a matrix, which the format {self.to} has no place for.")
         return self.fields
 
     def options(self, names: Sequence[str]) -> dict[str, Any]:

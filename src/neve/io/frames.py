@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +34,9 @@ class Frame(NamedTuple):
     solid_position: NDArray[np.float32]  # position of each collider and body [m], (s, 3)
     solid_rotation: NDArray[np.float32]  # rotation matrix of each collider and body, (s, 3, 3)
     time: float  # [s]
+    more: Mapping[str, NDArray[Any]] = MappingProxyType(
+        {}
+    )  # what `run.fields` names, a row for each particle
 
 
 def frame_path(folder: Path, frame: int) -> Path:
@@ -62,8 +66,12 @@ def make_frame(
     material: NDArray[Any] | None,
     solids: Iterable[tuple[NDArray[Any], NDArray[Any]]],
     time: float,
+    more: Mapping[str, NDArray[Any]] = MappingProxyType({}),
 ) -> Frame:
-    """Copy a moment as a frame: particles sorted by id, float32; `solids` are (position, rotation)."""
+    """Copy a moment as a frame: particles sorted by id, float32; `solids` are (position, rotation).
+
+    more: further fields of the particles, by name, (n, ...)
+    """
     order = np.argsort(id)
     poses = list(solids)
     return Frame(
@@ -75,21 +83,35 @@ def make_frame(
         solid_position=np.array([position for position, _ in poses], np.float32).reshape(-1, 3),
         solid_rotation=np.array([rotation for _, rotation in poses], np.float32).reshape(-1, 3, 3),
         time=time,
+        more={name: _short(values).take(order, axis=0) for name, values in more.items()},
     )
+
+
+def _short(values: NDArray[Any]) -> NDArray[Any]:
+    """Return numbers as float32, whole numbers as they are."""
+    return values.astype(np.float32, copy=False) if values.dtype.kind == "f" else values
 
 
 def frame_of(
     columns: Mapping[str, Callable[[], Any]],
     solids: Iterable[tuple[NDArray[Any], NDArray[Any]]],
     time: float,
+    fields: Iterable[str] = (),
 ) -> Frame:
     """Copy a moment of any solver as a frame, from what it lets draw (see `neve.solver.Solver.columns`).
 
-    It has J_P and material only where the solver has them.
+    It has J_P and material only where the solver has them. fields: further columns
     """
     x, id = np.asarray(columns["x"]()), np.asarray(columns["id"]())
     J_P, material = (columns[name]() if name in columns else None for name in _OPTIONAL)
-    return make_frame(x, columns["v"](), J_P, id, material, solids, time)
+    more = {name: np.asarray(columns[name]()) for name in fields if name not in Frame._fields}
+    return make_frame(x, columns["v"](), J_P, id, material, solids, time, more)
+
+
+def arrays_of(content: Frame) -> dict[str, Any]:
+    """Return the arrays of a frame as its file holds them, by name."""
+    own = {name: a for name, a in content._asdict().items() if a is not None and name != "more"}
+    return {**own, **content.more}
 
 
 def write_frame(folder: Path, frame: int, content: Frame) -> int:
@@ -98,7 +120,7 @@ def write_frame(folder: Path, frame: int, content: Frame) -> int:
     Errors: RunError if the disk refuses.
     """
     with replacing(frame_path(folder, frame)) as file:
-        return write_npz(file, {k: a for k, a in content._asdict().items() if a is not None})
+        return write_npz(file, arrays_of(content))
 
 
 def read_frame(folder: Path, frame: int) -> Frame:
@@ -135,4 +157,12 @@ def _frame(arrays: Mapping[str, NDArray[Any]]) -> Frame:
         arrays[name].astype(np.float32, copy=False) for name in ("x", "v", "solid_position", "solid_rotation")
     )
     J_P = arrays["J_P"].astype(np.float32, copy=False) if "J_P" in arrays else None
-    return Frame(x, v, J_P, arrays["id"], arrays.get("material"), position, rotation, float(arrays["time"]))
+    more = {
+        name: values
+        for name, values in arrays.items()
+        if name not in shapes and values.shape[:1] == (n,) and values.dtype.kind in "iuf"
+    }
+    if not all(np.isfinite(values).all() for values in more.values() if values.dtype.kind == "f"):
+        raise ValueError("a field is not finite")
+    time = float(arrays["time"])
+    return Frame(x, v, J_P, arrays["id"], arrays.get("material"), position, rotation, time, more)

@@ -27,6 +27,7 @@ from neve.run.progress import Progress, Warnings, follow, warnings_to
 from neve.run.resume import check_same, is_drawn_alike
 from neve.scene.errors import SceneError
 from neve.scene.schema.outputs import RESERVED
+from neve.spelling import hint, nearest
 from neve.stage_timer import StageTimer
 from neve.system.arguments import whole
 
@@ -123,6 +124,7 @@ def _run(
         if checkpoint is not None:
             check_same(folder.checkpoint, checkpoint.scene, toml)
         sim = _started(start, checkpoint, folder.checkpoint)
+        _check_fields(sim)
         done = None if checkpoint is None else checkpoint.frame
         made = _made(scene, asked, outputs)  # before the folder loses the run that is replaced
         folder.open(version(), resume, force, {*usual_files(), *(given.file() for given in asked)} - {""})
@@ -179,6 +181,17 @@ def _started(
             " start over with --force."
         ) from error
     return sim
+
+
+def _check_fields(sim: Simulation) -> None:
+    """Refuse a name in `run.fields` that is no field of the particles. Errors: RunError."""
+    if not sim.scene.run.fields:
+        return
+    known = sorted(sim.columns())
+    for i, name in enumerate(sim.scene.run.fields):
+        if name not in known:
+            meant = hint(nearest(name, known), "use " + ", ".join(known))
+            raise RunError(f'run.fields.{i} = "{name}" is no field of the particles{meant}.')
 
 
 def _made(

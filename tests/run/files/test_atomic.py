@@ -14,7 +14,7 @@ import neve
 from neve.io import atomic
 from neve.io.atomic import replacing, write_bytes, write_text
 from neve.io.errors import RunError
-from neve.io.frames import make_frame, read_frame, write_frame
+from neve.io.frames import arrays_of, make_frame, read_frame, write_frame
 from neve.io.log import columns, read_log
 from neve.io.table import Table
 from neve.system import disk
@@ -173,7 +173,7 @@ def test_frame_reads_back(tmp_path):
     assert list(frame.id) == [0, 1, 2, 3, 4]
     write_frame(tmp_path, 3, frame)
     write_frame(tmp_path, 4, frame)
-    for name, value in read_frame(tmp_path, 3)._asdict().items():
+    for name, value in arrays_of(read_frame(tmp_path, 3)).items():
         assert np.array_equal(value, getattr(frame, name))
     assert (tmp_path / "000003.npz").read_bytes() == (tmp_path / "000004.npz").read_bytes()
 

@@ -14,7 +14,7 @@ import pytest
 from neve.io.card import FORMAT, Card, read_card, write_card
 from neve.io.checkpoint import read_checkpoint, write_checkpoint
 from neve.io.errors import RunError
-from neve.io.frames import make_frame, read_frame, write_frame
+from neve.io.frames import arrays_of, make_frame, read_frame, write_frame
 from neve.io.npz import mark_of, read_npz, write_npz
 from neve.run import run, run_scene
 from neve.run.outputs.fragments import count_run
@@ -111,14 +111,14 @@ WRONG = {
 def test_a_frame_whose_arrays_are_wrong(tmp_path, wrong):
     """An archive that is whole, with arrays of the wrong length or kind, is no frame."""
     with open(tmp_path / "000000.npz", "wb") as file:
-        write_npz(file, {**frame()._asdict(), **wrong})
+        write_npz(file, {**arrays_of(frame()), **wrong})
     with pytest.raises(RunError, match=r"000000\.npz is damaged or is no frame"):
         read_frame(tmp_path, 0)
 
 
 def test_compressed_frames_are_read(tmp_path):
     """Who saves frames again to spare the disk still reads them."""
-    np.savez_compressed(tmp_path / "000000.npz", **frame()._asdict())
+    np.savez_compressed(tmp_path / "000000.npz", **arrays_of(frame()))
     assert np.array_equal(read_frame(tmp_path, 0).x, frame().x)
 
 

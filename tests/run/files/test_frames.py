@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neve.io.errors import RunError
-from neve.io.frames import frame_path, make_frame, read_frame, write_frame
+from neve.io.frames import arrays_of, frame_path, make_frame, read_frame, write_frame
 from neve.io.npz import write_npz
 
 SOLIDS = [(np.array([1.0, 2.0, 3.0]), np.eye(3)), (np.zeros(3), -np.eye(3))]
@@ -29,7 +29,7 @@ def test_a_frame_is_read_as_it_was_written(tmp_path):
 
 def test_a_frame_of_an_older_neve_is_refused_in_one_sentence(tmp_path):
     """An older Neve called the arrays of solids body_position and body_rotation."""
-    old = {name.replace("solid_", "body_"): value for name, value in frame()._asdict().items()}
+    old = {name.replace("solid_", "body_"): value for name, value in arrays_of(frame()).items()}
     with frame_path(tmp_path, 4).open("wb") as file:
         write_npz(file, old)
     with pytest.raises(

@@ -28,6 +28,7 @@ class Alembic(Format):
     """
 
     up = "y"
+    takes_matrices = False
     whole = True
     package = ("alembic3d", "alembic3d")
 
@@ -137,8 +138,6 @@ class _Open:
 
     def _add_field(self, name: str, values: NDArray[Any], vertex: Any) -> None:
         geom = self._owner._geom
-        if values.ndim > 2:
-            raise RunError(f"--fields: {name} is a matrix, which this format has no place for.")
         if values.ndim == 2:
             kind, array = "V3f", self._owner.vectors(values)
         elif values.dtype.kind in "iu":

@@ -176,7 +176,7 @@ class FrameContext:
     def content(self) -> Frame:
         """The particles and solids of this frame as a frame file holds them, in the order of their id."""
         poses = [(pose.position, pose.rotation) for _, pose in self.sim.solids()]
-        return frame_of(self.sim.columns(), poses, self.sim.time)
+        return frame_of(self.sim.columns(), poses, self.sim.time, self.run.scene.run.fields)
 
     def add_row(self, name: str, values: Mapping[str, object]) -> None:
         """Append a row to the CSV file `name` in the run folder: `frame`, `time` [s], then `values`.

@@ -208,6 +208,12 @@ class Run(Part):
     fragments: Switch = entry(
         False, "Whether to count the pieces of broken snow in every frame and write fragments.csv.", ""
     )
+    fields: tuple[str, ...] = entry(
+        (),
+        "Further fields of the particles in each frame file, for exports: F_E, tau, density, C, m, V0, "
+        "stiffness, strength.",
+        "",
+    )
 
 
 class Scene(Part):

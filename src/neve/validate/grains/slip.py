@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.io.atomic import write_text
 from neve.simulation import Simulation
 from neve.validate.elastic.settlement import relax
 from neve.validate.result import Check, Curve, Plot, Result, at_most, near
@@ -97,7 +98,7 @@ def bowl_mesh(path: Path, rings: int = 64) -> None:
     )
     faces = np.concatenate([inner, inner[:, ::-1] + count, rim]) + 1
     lines = [f"v {x} {y} {z}" for x, y, z in np.concatenate([RADIUS * unit, (RADIUS + WALL) * unit]).tolist()]
-    path.write_text("\n".join(lines + [f"f {a} {b} {c}" for a, b, c in faces.tolist()]) + "\n", "ascii")
+    write_text(path, "\n".join(lines + [f"f {a} {b} {c}" for a, b, c in faces.tolist()]) + "\n")
 
 
 def bowl(
