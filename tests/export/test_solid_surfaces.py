@@ -7,6 +7,7 @@ import pytest
 import trimesh
 
 from neve.build import solids
+from neve.colliders.solid import Solid
 from neve.export.solids import FAR, surfaces, triangles
 from neve.scene.reading.load import load
 from neve.scene.schema.shapes import FORMULAS
@@ -47,6 +48,17 @@ def test_solids_of_a_scene(finished):
     a, b, c = plane.vertices[plane.faces[0]]
     assert np.cross(b - a, c - a)[2] > 0
     np.testing.assert_allclose(box.vertices.max(axis=0), [30.0, 50.0, 70.0], rtol=1e-6)
+
+
+def test_words_of_solids_are_plain_and_differ():
+    """Robots have geoms of any name: what two formats allow is kept, and no two become one."""
+    names = ["robots.0.wheel left", "robots.0.wheel-left", "robots.0.Räd", "robots_0_wheel_left", "bodies.1"]
+    found = surfaces(tuple(Solid(name, "box", np.ones(3)) for name in names), 1.0)
+    words = [surface.word for _, surface in found]
+    assert len({*words}) == 5
+    assert all(word.isascii() and word.replace("_", "a").isalnum() for word in words)
+    assert [surface.name for _, surface in found] == names
+    assert words[4] == "bodies_1"
 
 
 def test_a_terrain_is_its_map(tmp_path):

@@ -126,10 +126,15 @@ def scattered(seed):
     return leaves, active, rng
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, 2, None])
 def test_any_tree_is_read_as_it_was_written(tmp_path, seed, openvdb):
-    """Several roots and nodes, full, sparse and empty leaves, numbers and vectors, inactive values are 0."""
-    leaves, active, rng = scattered(seed)
+    """Several roots and nodes, full, sparse and empty leaves, numbers and vectors, inactive values are 0.
+
+    Without a seed: no leaves at all.
+    """
+    leaves, active, rng = scattered(seed or 1)
+    if seed is None:
+        leaves, active = leaves[:0], active[:0]
     first = np.array([0.5, -2.0, 3.25])
     numbers = rng.normal(size=active.shape).astype(np.float32)
     arrows = rng.normal(size=(*active.shape, 3)).astype(np.float32)

@@ -60,20 +60,18 @@ def snow_grid(moment: Moment, cell: float, scale: float) -> SnowGrid:
     weight = (moment.mass * (scale / cell) ** 3).astype(np.float32)
     field = Field(x, np.ascontiguousarray(weight), cell)
     blocks, density = field.blocks(), field.values()
-    names = _names(blocks)
-    order = np.argsort(names)
     velocity = np.zeros((*density.shape, 3), np.float32)
     for k in range(3):
         flow = Field(x, np.ascontiguousarray(weight * moment.v[:, k]), cell)
-        row = order[
-            np.searchsorted(names, _names(flow.blocks()), sorter=order)
-        ]  # blocks at rest are left out
-        velocity[row, ..., k] = flow.values()
+        velocity[_rows(blocks, flow.blocks()), ..., k] = flow.values()  # blocks at rest are left out
     np.divide(velocity, density[..., None], out=velocity, where=density[..., None] > 0)
     return SnowGrid(blocks, density, velocity, np.asarray(field.origin) + 0.5 * cell, cell)
 
 
-def _names(blocks: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Return a number for each block, by its place."""
-    x, y, z = (blocks.astype(np.int64) + 2**20).T
-    return np.asarray((x << 42) | (y << 21) | z)
+def _rows(blocks: NDArray[np.int32], some: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Return in which row of `blocks` (b, 3) each of `some` (m, 3) stands, (m,)."""
+    _, name = np.unique(np.concatenate([blocks, some]), axis=0, return_inverse=True)
+    name = name.reshape(-1)
+    row = np.zeros(len(name), np.int64)
+    row[name[: len(blocks)]] = np.arange(len(blocks))
+    return np.asarray(row[name[len(blocks) :]])

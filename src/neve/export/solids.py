@@ -21,11 +21,13 @@ MOST_HEIGHTS = 512
 class SolidSurface(NamedTuple):
     """Hold the triangles of a solid in its own frame.
 
-    name: of the solid, such as "bodies.1". vertices (n, 3), in the unit of the file. faces (m, 3): rows of
+    name: of the solid, such as "bodies.1". word: the same of letters, digits and _ alone, in no other solid's
+    name. vertices (n, 3), in the unit of the file. faces (m, 3): rows of
     vertices, anticlockwise from outside. color: red, green and blue, linear, or None
     """
 
     name: str
+    word: str
     vertices: Floats
     faces: Faces
     color: tuple[float, float, float] | None
@@ -33,12 +35,17 @@ class SolidSurface(NamedTuple):
 
 def surfaces(solids: tuple[Solid, ...], scale: float) -> list[tuple[int, SolidSurface]]:
     """Return the surface of each solid that can be seen, with its place in the list; scale: units in 1 m."""
-    found = []
+    found: list[tuple[int, SolidSurface]] = []
+    words: set[str] = set()
     for i, solid in enumerate(solids):
+        word = "".join(c if c.isascii() and c.isalnum() else "_" for c in solid.name)
+        while word in words:
+            word += f"_{i}"
+        words.add(word)
         if solid.visible:
             vertices, faces = triangles(solid)
             scaled = np.asarray(vertices * scale, np.float32)
-            found.append((i, SolidSurface(solid.name, scaled, faces, solid.color)))
+            found.append((i, SolidSurface(solid.name, word, scaled, faces, solid.color)))
     return found
 
 

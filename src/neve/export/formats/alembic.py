@@ -155,7 +155,7 @@ class _Open:
         """Add the mesh of a solid; return its transform, and whether the first sample of it is all."""
         geom = self._owner._geom
         still = self._owner.job.solids[i].motion == "static"
-        place = geom.OXform(top, surface.name.replace(".", "_"), 0 if still else self._times)
+        place = geom.OXform(top, surface.word, 0 if still else self._times)
         mesh = geom.OPolyMesh(place, "mesh")
         mesh.getSchema().set(self._mesh(surface.vertices, surface.faces))
         return place.getSchema(), still

@@ -19,7 +19,7 @@ CHUNK = 2**15
 class Obj(Format):
     """Write `snow_NNNNNN.obj`: the object `snow` with normals, then an object for each solid.
 
-    An object's name has _ where that of its solid has a dot.
+    The name of an object is that of its solid, with _ for all but letters and digits.
     """
 
     up = "y"
@@ -45,7 +45,7 @@ class Obj(Format):
             for i, surface in self._solids:
                 pose = moment.poses[i]
                 places = surface.vertices @ pose[:3, :3].T + pose[:3, 3]
-                _write(file, surface.name.replace(".", "_"), places, surface.faces, first)
+                _write(file, surface.word, places, surface.faces, first)
                 first += len(places)
 
 

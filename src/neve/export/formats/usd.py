@@ -217,5 +217,5 @@ def vectors(Vt: Any, x: NDArray[Any]) -> Any:
 
 
 def solid_path(surface: SolidSurface) -> str:
-    """Return where a solid is in the stage: names are of letters, digits and _ there."""
-    return f"{WORLD}/Solids/" + "".join(c if c.isascii() and c.isalnum() else "_" for c in surface.name)
+    """Return where a solid is in the stage."""
+    return f"{WORLD}/Solids/{surface.word}"

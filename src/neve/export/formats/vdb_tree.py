@@ -82,7 +82,7 @@ def leaves_of(blocks: NDArray[Any], values: Sequence[NDArray[Any]]) -> tuple[NDA
 def _write_grid(file: BinaryIO, grid: VdbGrid) -> None:
     """Write one grid: where its parts are, its description, its topology, its values."""
     order, nodes = _tree(grid.leaves)
-    active = grid.active.reshape(len(grid.leaves), -1)
+    active = grid.active.reshape(len(grid.leaves), 8**3)
     masks = np.packbits(active, axis=1, bitorder="little")
     file.write(_text(grid.name) + _text(f"Tree_{_TYPES[grid.width]}_5_4_3") + _text(""))
     head = file.tell()
