@@ -30,6 +30,8 @@ GRAIN = {"diffuse": 0.35, "other": 0.22}
 TAPS = 28
 GLINTS = 6e-4
 """Share of flakes that glint: one in some thousand pixels."""
+SURFACE = 0.9
+"""Exposure of a white surface over that of a volume, which sends less of a low sun straight back."""
 KNEE, ROOM = 0.55, 0.41
 """Light up to which pictures are linear, and what the shoulder adds to it at most."""
 SNOW_WHITE = 0.72
@@ -49,8 +51,13 @@ def denoised(image: Floats, albedo: Floats | None = None, normal: Floats | None 
     return np.asarray(mitsuba_oidn.denoise(_whole(image), hdr=True, **more), np.float32)
 
 
-def develop(layers: Layers, lens: Lens, light: Light, kind: Kind, dx: float, clean: bool) -> Floats:
-    """Return exposed linear light (h, w, 3), 1 is white. dx: of the snow's grid [m]; clean: denoise."""
+def develop(
+    layers: Layers, lens: Lens, light: Light, daylight: Light, kind: Kind, dx: float, clean: bool
+) -> Floats:
+    """Return exposed linear light (h, w, 3), 1 is white.
+
+    light: of the picture; daylight: what it is exposed for; dx: of the snow's grid [m]; clean: denoise.
+    """
     if layers.albedo is None or layers.normal is None or layers.depth is None or layers.sky is None:
         total = _clamped(layers.sun)
         seen = _cleaned(total, None, None, GRAIN["other"]) if clean else total
@@ -64,7 +71,9 @@ def develop(layers: Layers, lens: Lens, light: Light, kind: Kind, dx: float, cle
             smooth = denoised(whole, layers.albedo, layers.normal) if clean else whole
             spread_out = spread(smooth, snow, layers.depth, radius, SPREAD * dx)
             seen += spread_out + GRAIN["diffuse"] * snow[..., None] * (whole - smooth)
-    scale, balance = exposure(light)
+    scale, balance = exposure(daylight)
+    if layers.sky is not None:
+        scale *= SURFACE
     out = np.maximum(seen, 0.0) * (scale * balance).astype(np.float32)
     if layers.flakes is not None and kind.sparkle:
         _glint(out, layers, lens, light, kind.sparkle)

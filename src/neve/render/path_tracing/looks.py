@@ -40,7 +40,7 @@ KINDS = {
     ),
     "wet": Kind(
         albedo=(0.955, 0.972, 0.984),
-        diffuse=(0.80, 0.84, 0.87),
+        diffuse=(0.66, 0.72, 0.765),
         clarity=2.2,
         flakes=0.25,
         flake_size=0.9,

@@ -34,7 +34,7 @@ Floats = NDArray[np.float32]
 G = 0.5
 """Mean forwardness of a scattering (the g of Cornette and Shanks)."""
 ALBEDO = np.array([0.985, 0.990, 0.995])
-HIGHER = 3.6
+HIGHER = 5.0
 """Light of all orders over that of the first two, in thick snow: what the exposure makes up for."""
 PATTERN = 2
 """Cells that the pattern of the second scattering reaches."""
@@ -42,7 +42,8 @@ SKY = 14
 """Directions from which the sky's light is taken."""
 MOST = 12_000_000
 """Cells of the box of lights; they are made larger until it has no more."""
-CHUNK = 2_000_000
+FINE, COARSE = 0.4, 0.6
+"""Cells of the density, and of the light, in radii of a ball."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,8 @@ def lit(balls: Metaballs, extinction: float, light: Light, eye: Array) -> Lit:
     centres = balls.centres
     low = centres.min(axis=0) - balls.radius
     size = centres.max(axis=0) + balls.radius - low
-    cell = max(0.5 * balls.radius, float(np.cbrt(np.prod(size.astype(np.float64)) / MOST)))
-    field = balls.field(max(cell, balls.radius / 60.0))
+    cell = max(COARSE * balls.radius, float(np.cbrt(np.prod(size.astype(np.float64)) / MOST)))
+    field = balls.field(FINE * balls.radius)
     shape = tuple(int(n) for n in np.ceil(size / cell).astype(int) + 1)
     places = [low[k] + cell * (np.arange(shape[k]) + 0.5) for k in range(3)]
     grid = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1).reshape(-1, 3).astype(np.float32)
@@ -144,9 +145,11 @@ def _marched(
     phase = cornette_shanks(rays @ toward, G)
     sun = np.asarray(sun_color(light)) * math.pi
     total, left = np.zeros((len(rays), 3)), np.ones(len(rays))
-    step = 0.5 * found.cell
+    step = found.field.cell_size
+    # Rays begin at different places, or the steps show as rings.
+    shift = (0.5 + 0.618034 * np.arange(len(rays))) % 1.0
     for k in range(int(np.max(far - near, initial=0.0) / step) + 1):
-        at = near + (k + 0.5) * step
+        at = near + (k + shift) * step
         now = np.flatnonzero((at < far) & (left > 3e-3))
         if not len(now):
             continue

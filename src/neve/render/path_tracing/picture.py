@@ -93,6 +93,7 @@ class PathTracer:
             layers,
             self._lens,
             self._tracer.light,
+            self._scene.light,
             self._kind,
             self._scene.numerics.dx,
             self._choices.denoise,

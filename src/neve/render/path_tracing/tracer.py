@@ -15,6 +15,7 @@ from neve.render.path_tracing.engine import mitsuba, rgb, triangles
 from neve.render.path_tracing.ground import ground
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.looks import REFERENCE, Kind, Medium, Quality, capped, similar
+from neve.render.path_tracing.optics import slab_reflectance
 from neve.render.path_tracing.snow import Flakes, SnowGeometry
 from neve.render.path_tracing.solids import Materials, loaded, solid_shape
 
@@ -126,7 +127,7 @@ class Tracer:
             white = {
                 "type": "roughplastic",
                 "diffuse_reflectance": rgb(self._kind.diffuse),
-                "alpha": 0.25,
+                "alpha": 0.18,
                 "int_ior": 1.33,
             }
         if len(surface.faces):
@@ -140,9 +141,15 @@ class Tracer:
             out["snow"] = triangles("snow", surface.vertices, surface.faces, held)
         if len(flakes.radii):
             vertices, faces = flakes.triangles()
-            flake = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb(self._kind.diffuse)}}
+            flake = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb(self._flake_color())}}
             out["flakes"] = triangles("flakes", vertices, faces, {"bsdf": self._load("flake", flake)})
         return out
+
+    def _flake_color(self) -> tuple[float, ...]:
+        """Return the reflectance of flakes: with the paper's constants that of its thick snow."""
+        if self._look not in ("fast", "reference"):
+            return self._kind.diffuse
+        return tuple(slab_reflectance(w, REFERENCE.g) for w in REFERENCE.albedo)
 
     def _load(self, key: str, what: dict[str, Any]) -> Any:
         if key not in self._kept:
