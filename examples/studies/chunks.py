@@ -21,10 +21,12 @@ from neve.render.preview import Preview
 from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
-COARSE = 0.08  # numerics.dx of the coarsest runs [m]
-PRESETS = {"collide": ("snowballs_collide", 2, 0.6), "wall": ("snowball_wall", 1, 0.6)}
-"""Case -> preset, number of sources, and the moment after the impact at which fragments are counted [s]."""
-WALL_DX = 0.066
+PRESETS = {
+    "collide": ("snowballs_collide", 2, 0.6, 0.08),
+    "wall": ("snowball_wall", 1, 0.6, 0.066),
+    "throw": ("throw_ball", 1, 0.9, 0.06),
+}
+"""Case -> preset, number of sources, moment at which fragments are counted [s], coarsest numerics.dx [m]."""
 SOFT = 'snow={kind="wet"}'
 """Uniform soft snow."""
 FINER = {"chunks": 1.0, "fine": 1.4, "finest": 2.0}
@@ -44,11 +46,14 @@ class Case(NamedTuple):
 def case(name: str) -> Case:
     """Return the case of a name: `PRESET_KIND`."""
     short, kind = name.split("_")
-    preset, sources, moment = PRESETS[short]
+    preset, sources, moment, dx = PRESETS[short]
     finer = FINER.get(kind, 1.0)
-    changes = [f"numerics.dx={(COARSE if short == 'collide' else WALL_DX) / finer:.5g}"]
+    changes = [f"numerics.dx={dx / finer:.5g}"]
     for i in range(sources):
         variation = f"sources.{i}.variation"
+        if short == "throw":
+            changes += [] if kind in FINER else [f'sources.{i}.structure="plain"']
+            continue
         if kind in ("uniform", "soft"):
             changes += [f"{variation}.strength=0"]
         if kind == "fractal":  # smooth noise, as strong at its strongest as the clods may legally be
@@ -64,7 +69,11 @@ def case(name: str) -> Case:
     return Case(preset, changes, moment, finer)
 
 
-NAMES = [f"{short}_{kind}" for short in PRESETS for kind in (*FINER, "uniform", "soft", "fractal")]
+NAMES = [
+    f"{short}_{kind}"
+    for short in PRESETS
+    for kind in (*FINER, "uniform", "soft", *(["fractal"] if short != "throw" else []))
+]
 
 
 def measure(name: str, out: Path, threads: int | None) -> None:
@@ -118,7 +127,9 @@ def plot(results: dict[str, Any], path: Path) -> None:
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, panels = plt.subplots(1, len(PRESETS), figsize=(10, 4), sharey=True, layout="constrained")
+    figure, panels = plt.subplots(
+        1, len(PRESETS), figsize=(5 * len(PRESETS), 4), sharey=True, layout="constrained"
+    )
     for panel, short in zip(panels, PRESETS, strict=True):
         for name, t in results.items():
             preset, kind = name.split("_")

@@ -36,9 +36,11 @@ def test_written_scene_spells_out_every_default() -> None:
     assert set(written) == set(Scene.model_fields)
     assert set(written["numerics"]) == set(type(scene.numerics).model_fields)
     assert set(written["snow"]) == set(type(scene.snow).model_fields)
-    assert set(written["sources"][0]) == set(forms(Source)["box"].model_fields) - {"variation", "profile"}, (
-        "left out, they follow the kind of the snow"
-    )
+    assert set(written["sources"][0]) == set(forms(Source)["box"].model_fields) - {
+        "structure",
+        "variation",
+        "profile",
+    }, "left out, they follow the kind of the snow"
     assert set(written["colliders"][0]) == set(forms(Collider)["plane"].model_fields) - {"color", "finish"}, (
         "a colour or finish left out stays left out"
     )
