@@ -94,6 +94,7 @@ NB_MODULE(_core, m) {
       .def_ro("max_displacement", &neve::Report::max_displacement,
               "Longest way of a particle in the step [cells].")
       .def_ro("min_volume_ratio", &neve::Report::min_volume_ratio, "Smallest det(I + dt grad v).")
+      .def_ro("ice_room", &neve::Report::ice_room, "Smallest J over that of ice [1].")
       .def_ro("finite", &neve::Report::finite)
       .def_ro("drifted", &neve::Report::drifted)
       .def_ro("offending_id", &neve::Report::offending_id,

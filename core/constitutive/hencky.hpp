@@ -40,14 +40,6 @@ struct HenckyElasticity {
     return respond_to_log(log_strain(e), mu, lam);
   }
   template <class R>
-  NEVE_INLINE static AxisStress<R> along(R a, const Vec3<R>& e, R mu, R lam) {
-    using T = scalar_t<R>;
-    const Vec3<R> eps = log_strain(e);
-    const R by_own = T(2) * mu / (T(1) + a), shared = lam * (eps.x + eps.y + eps.z);
-    return {T(2) * mu * log1p(max(a, splat<R>(T(least_stretch - 1)))) + shared, by_own, lam / (T(1) + a)};
-  }
-
-  template <class R>
   NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     return energy_of_log(log_strain(e), mu, lam);
   }

@@ -26,12 +26,6 @@ struct NeoHookeanElasticity {
   }
 
   template <class R>
-  NEVE_INLINE static AxisStress<R> along(R a, const Vec3<R>& e, R mu, R lam) {
-    using T = scalar_t<R>;
-    return {mu * a * (T(2) + a) + lam * log_volume(e), T(2) * mu * (T(1) + a), lam / (T(1) + a)};
-  }
-
-  template <class R>
   NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     using T = scalar_t<R>;
     const R ln_J = log_volume(e);

@@ -1,10 +1,9 @@
 // What all laws share: an isotropic response lives on the principal stretches sigma of F_E = U diag(sigma) V^T.
 //
-// An elasticity is a struct with three functions of the principal strains sigma - 1 (precise near zero) and of the
+// An elasticity is a struct with two functions of the principal strains sigma - 1 (precise near zero) and of the
 // Lame constants mu and lam:
 //
 //   respond(strain, mu, lam)   tau_k = sigma_k dPsi/dsigma_k, and the largest acoustic modulus
-//   along(a, strain, mu, lam)  tau of an axis of strain a beside what `strain` makes all axes share
 //   energy(strain, mu, lam)    Psi [J/m3]
 //
 // The acoustic modulus of direction n and polarisation a is a_i n_j C_ijkl a_k n_l, C the spatial tangent of tau per
@@ -27,13 +26,6 @@ struct Response {
   R isotropic;  // tau_k = isotropic + axial_k [Pa]
   Vec3<R> axial;
   R modulus;
-};
-
-// tau of an axis of strain a, or a positive multiple of it, and its derivatives by a and by the strain of another axis that
-// equals a.
-template <class R>
-struct AxisStress {
-  R tau, by_own, by_other;
 };
 
 struct Lame {

@@ -13,12 +13,17 @@
 // without the bound it overflows. At 20 the stiffness is long gone (exp(-190)), so the bound moves nothing that can
 // be seen.
 //
-// Without plasticity ("none") the same code has limits that no strain reaches and xi = 0: F_E = F, J_P = 1.
+// Without plasticity ("none") the same code has xi = 0 and limits that no snow should reach: F_E = F, J_P = 1, until an
+// axis is crushed to a hundredth. (Fixed corotated snow can be crushed to nothing with finite energy; F_E would become
+// singular.)
 #pragma once
 
 #include "constitutive/principal.hpp"
 
 namespace neve {
+
+// The largest theta_c that `strength` makes, and that of snow without plasticity: no stretch is clamped to zero.
+inline constexpr double most_crushing = 0.99;
 
 // The largest xi max(theta_c, theta_s). While snow is crushed, hardening multiplies its elastic energy by
 // exp(xi (1 - J_P)); the work of crushing pays for that as long as xi theta < 2/3 (small, on all axes).
@@ -102,7 +107,7 @@ struct SnowPlasticity {
     R mu0, lam0, xi, theta_c, theta_s, J_P_min, J_P_max;
   };
 
-  // `strength` is a factor on both critical strains; theta_c stays below one: no stretch is clamped to zero.
+  // `strength` is a factor on both critical strains.
   template <class R>
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
@@ -110,14 +115,14 @@ struct SnowPlasticity {
     const Lame c = lame(given);
     const R one = splat<R>(1), mu0 = stiffness * T(c.mu), lam0 = stiffness * T(c.lam);
     if (!snow.plastic) {
-      const R never = splat<R>(std::numeric_limits<T>::max());
-      return {mu0, lam0, splat<R>(0), never, never, one, one};
+      return {mu0, lam0, splat<R>(0), splat<R>(T(most_crushing)), splat<R>(std::numeric_limits<T>::max()),
+              one, one};
     }
-    const T theta_c = T(given.theta_c), top = theta_c > T(0.99) ? theta_c : T(0.99);
+    const T theta_c = T(given.theta_c);
     return {mu0,
             lam0,
             splat<R>(T(given.xi)),
-            min(strength * theta_c, splat<R>(top)),
+            min(strength * theta_c, splat<R>(max(theta_c, T(most_crushing)))),
             strength * T(given.theta_s),
             splat<R>(T(given.J_P_min)),
             splat<R>(T(given.J_P_max))};
@@ -140,45 +145,22 @@ struct SnowPlasticity {
     return in_frame(svd.U, hardened(Elasticity::respond(svd.strain, q.mu0, q.lam0), hardening(J_P, q)));
   }
 
-  // The strains between the limits and the trial that have the least Psi: an axis whose stress presses it against its
-  // flow ends where tau_k = 0, and one whose trial comes before that does not flow.
+  // Flow that makes no energy, for strains whose way to the limits would: what the axes beyond the limit of that side
+  // give goes to the axis that is farthest on the other side, and from where it meets the second one on, to both, so that
+  // the volume, and with it the pressure, stays; beyond the limit on all axes snow comes apart.
   //
-  // Such axes are of one side only, stretched or pressed: the sign is that of the part of tau that all axes share.
-  // Those that end at tau_k = 0 have one strain, `a`. tau(a) is convex in the direction from the limit, so that
-  // Newton's method does not overshoot; it is exact in logarithms after one iteration for each axis.
-  template <class R, class M>
-  NEVE_INLINE static Vec3<R> cheapest(const Vec3<R>& trial, const Vec3<R>& clamped, R limit,
-                                      const M& stretched, const Parameters<R>& q) {
-    Vec3<R> e = clamped;
-    R a = limit, low = limit, high = limit;
-    for (int k = 0; k < 3; ++k) low = min(low, trial[k]), high = max(high, trial[k]);
-    for (int i = 0; i < 8; ++i) {
-      R moving = splat<R>(0);
-      for (int k = 0; k < 3; ++k) {
-        const R flow = trial[k] - clamped[k];
-        const auto flows = select(stretched, flow, R(-flow)) > splat<R>(0);
-        const auto moves = flows & (select(stretched, R(trial[k] - a), R(a - trial[k])) > splat<R>(0));
-        e[k] = select(moves, a, select(flows, trial[k], clamped[k]));
-        moving = moving + select(moves, splat<R>(1), splat<R>(0));
-      }
-      const AxisStress<R> on = Elasticity::along(a, e, q.mu0, q.lam0);
-      a = clamp(R(a - on.tau / (on.by_own + moving * on.by_other)), select(stretched, limit, low),
-                select(stretched, high, limit));
-    }
-    return e;
-  }
-
-  // Flow of constant volume, until no axis is beyond the limit: what those give goes to the axis that is farthest on the
-  // other side, and from where it meets the second one on, to both.
-  template <class R, class M>
-  NEVE_INLINE static Vec3<R> at_constant_volume(Vec3<R> e, R limit, const M& stretched) {
-    using T = scalar_t<R>;
-    const R one = splat<R>(1);
-    Vec3<R> over;
+  // side: the sign of the strains that would flow against their stress. They are of one side only, stretched or pressed:
+  // that which all axes share of tau presses or pulls.
+  template <class R>
+  NEVE_RARE static Vec3<R> dissipative(const Vec3<R>& trial, const Vec3<R>& clamped, const R& side,
+                                       const Parameters<R>& q) {
+    const auto stretched = side > splat<R>(0);
+    const R one = splat<R>(1), limit = select(stretched, q.theta_s, R(-q.theta_c));
+    Vec3<R> e, over;
     for (int k = 0; k < 3; ++k) {
-      const R cut = select(stretched, min(e[k], limit), max(e[k], limit));
-      over[k] = (e[k] - cut) / (one + cut);
-      e[k] = cut;
+      const R from = select(stretched, max(trial[k], clamped[k]), min(trial[k], clamped[k]));
+      e[k] = select(stretched, min(from, limit), max(from, limit));
+      over[k] = (from - e[k]) / (one + e[k]);
     }
     const R given = volume_change(over);
     const R smallest = min(e.x, min(e.y, e.z)), largest = max(e.x, max(e.y, e.z));
@@ -187,19 +169,9 @@ struct SnowPlasticity {
     const R alone = first + (one + first) * given;
     const R area = volume_change(Vec3<R>{first, second, given});
     const R shared = area / (one + sqrt(max(one + area, splat<R>(0))));  // sqrt(1 + area) - 1
-    const R level = select(stretched, min(alone, shared), max(alone, shared));
+    const R level = select(stretched, min(min(alone, shared), limit), max(max(alone, shared), limit));
     for (int k = 0; k < 3; ++k) e[k] = select(stretched, max(e[k], level), min(e[k], level));
     return e;
-  }
-
-  // Flow that makes no energy, for strains whose way to the limits would: the cheapest one, and the rest of the way to
-  // the limits keeps the volume, so the pressure. side: the sign of the strains that would flow against their stress.
-  template <class R>
-  NEVE_RARE static Vec3<R> dissipative(const Vec3<R>& trial, const Vec3<R>& clamped, const R& side,
-                                       const Parameters<R>& q) {
-    const auto stretched = side > splat<R>(0);
-    const R limit = select(stretched, q.theta_s, R(-q.theta_c));
-    return at_constant_volume(cheapest(trial, clamped, limit, stretched, q), limit, stretched);
   }
 
   // Clamp the strains and return the response to them, at mu0 and lam0; but where that flow does work on the snow,

@@ -22,14 +22,6 @@ struct FixedCorotated {
   }
 
   template <class R>
-  NEVE_INLINE static AxisStress<R> along(R a, const Vec3<R>& e, R mu, R lam) {
-    using T = scalar_t<R>;
-    const R dJ = volume_change(e), J = T(1) + dJ, two_mu = T(2) * mu;
-    return {two_mu * a * (T(1) + a) + lam * dJ * J, two_mu * (T(1) + T(2) * a),
-            lam * J * (J + dJ) / (T(1) + a)};
-  }
-
-  template <class R>
   NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     const R dJ = volume_change(e);
     return mu * dot(e, e) + scalar_t<R>(0.5) * lam * dJ * dJ;

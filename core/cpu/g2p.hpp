@@ -74,7 +74,9 @@ class HomeGather {
           if (exchange_) record(exchange_->of(solid.index), met, pack.m(), exchanged...);
         });
     const R J = determinant(now.material.F_E) * now.material.J_P;
-    if (any(near_ice(state_, p, count, J))) add_ice(model_, state_, p, count, J, now.material.stress);
+    const R room = ice_room(state_, p, count, J);
+    extremes_.ice_room = min(room, extremes_.ice_room);
+    if (any(near_ice(room))) add_ice(model_, state_, p, count, J, now.material.stress);
     check(pack, now);
     if (exchange_) keep(p, count, now);
   }

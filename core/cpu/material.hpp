@@ -123,12 +123,20 @@ struct PackIce {
   }
 };
 
-// Lanes at, or within a tenth of, the density of ice, or of what else ends the pressing of snow.
+// J over that at which snow that flows is ice.
 template <class T>
-auto near_ice(const State<T>& state, std::size_t p, int count, const Lanes<T>& J) {
+NEVE_INLINE Lanes<T> ice_room(const State<T>& state, std::size_t p, int count, const Lanes<T>& J) {
   using R = Lanes<T>;
   const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
-  return (J * V0 * T(ice_density / 1.1) < m) & (J < T(most_without_ice * 1.1));
+  const R none = splat<R>(std::numeric_limits<T>::max());
+  const R lighter = J * V0 * T(ice_density) / select(m > T(0), m, splat<R>(1));
+  return select(first_lanes<R>(count), max(lighter, R(J / T(most_without_ice))), none);
+}
+
+// Lanes at, or within a tenth of, ice.
+template <class R>
+NEVE_INLINE auto near_ice(const R& room) {
+  return room < splat<R>(scalar_t<R>(1.1));
 }
 
 // Add the stress of ice to particles that deform to J. The modulus is that of where they will be after one more step
@@ -172,7 +180,8 @@ template <class T>
       model, state, p, count, F_E,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::stress(F, J_P, q); });
   const Lanes<T> J = determinant(F_E) * J_P;
-  if (any(detail::near_ice(state, p, count, J))) detail::add_ice(model, state, p, count, J, out);
+  if (any(detail::near_ice(detail::ice_room(state, p, count, J))))
+    detail::add_ice(model, state, p, count, J, out);
   return out;
 }
 
@@ -184,7 +193,7 @@ template <class T>
       model, state, p, count, F_E,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::energy(F, J_P, q); });
   const Out J = determinant(F_E) * J_P;
-  if (any(detail::near_ice(state, p, count, J))) {
+  if (any(detail::near_ice(detail::ice_room(state, p, count, J)))) {
     const detail::PackIce<T> pack(model, state, p, count);
     const Out psi = pack.ice.energy(max(pack.ice.beyond(J), splat<Out>(0)));
     out = select(pack.mark > Out{}, Out(out + psi), out);

@@ -19,7 +19,8 @@ NEVE_INLINE R sum_of(const Mat3<R>& a) {
 template <class R>
 struct Extremes {
   using T = scalar_t<R>;
-  R wave{}, speed{}, fastest{}, rate2{}, compression{}, displacement2{}, min_volume_ratio = splat<R>(1);
+  R wave{}, speed{}, fastest{}, rate2{}, compression{}, displacement2{},
+      min_volume_ratio = splat<R>(1), ice_room = splat<R>(std::numeric_limits<T>::max());
   bool finite = true;
 
   // `sum` gathers all numbers of a particle: it is finite only if they all are.
@@ -62,6 +63,7 @@ struct Extremes {
     r.strain_rate = std::sqrt(static_cast<double>(max_lane(rate2)));
     r.compression_rate = static_cast<double>(max_lane(compression));
     r.max_displacement = std::sqrt(static_cast<double>(max_lane(displacement2)));
+    r.ice_room = -static_cast<double>(max_lane(-ice_room));
     r.min_volume_ratio = -static_cast<double>(max_lane(-min_volume_ratio));
     r.finite = finite;
     return r;

@@ -35,6 +35,8 @@ class Report:
     """Longest way of a particle in this step [cells]."""
     min_volume_ratio: float
     """Smallest det(I + dt grad v) of this step [1]."""
+    ice_room: float
+    """Smallest J over that at which snow that flows is ice [1]."""
     finite: bool
     """Every particle has finite x, v, F_E, J_P and stress."""
     drifted: bool

@@ -1,7 +1,6 @@
 """Energy and Kirchhoff stress of the three elasticities, written with tensors, not principal stretches.
 
-Each has two functions of F_E (n, 3, 3) and the Lame constants mu, lam (one number or (n,)) [Pa], and the two
-parts of tau_k: what all axes share, of J, and the stretch whose own part is `axial`.
+Each has two functions of F_E (n, 3, 3) and the Lame constants mu, lam (one number or (n,)) [Pa].
 """
 
 import numpy as np
@@ -26,14 +25,6 @@ class FixedCorotated:
         J = np.linalg.det(F)
         return 2 * column(mu) * (F - rotation(F)) @ transpose(F) + column(lam * (J - 1) * J) * np.eye(3)
 
-    @staticmethod
-    def isotropic(J, lam):
-        return lam * (J - 1) * J
-
-    @staticmethod
-    def stretch(axial, mu):
-        return 0.5 * (1 + np.sqrt(np.maximum(1 + 2 * axial / mu, 0)))
-
 
 class NeoHookean:
     """Psi = mu/2 (|F|^2 - 3) - mu ln J + lam/2 ln^2 J; tau = mu (F F^T - I) + lam ln J I."""
@@ -47,14 +38,6 @@ class NeoHookean:
     def stress(F, mu, lam):
         ln_J = np.log(np.linalg.det(F))
         return column(mu) * (F @ transpose(F) - np.eye(3)) + column(lam * ln_J) * np.eye(3)
-
-    @staticmethod
-    def isotropic(J, lam):
-        return lam * np.log(np.maximum(J, 1e-12))
-
-    @staticmethod
-    def stretch(axial, mu):
-        return np.sqrt(np.maximum(1 + axial / mu, 0))
 
 
 class Hencky:
@@ -74,11 +57,3 @@ class Hencky:
     def stress(cls, F, mu, lam):
         eps = cls.strain(F)
         return 2 * column(mu) * eps + column(lam * np.trace(eps, axis1=-2, axis2=-1)) * np.eye(3)
-
-    @staticmethod
-    def isotropic(J, lam):
-        return lam * np.log(np.maximum(J, 1e-12))
-
-    @staticmethod
-    def stretch(axial, mu):
-        return np.exp(axial / (2 * mu))

@@ -8,7 +8,7 @@ from reference.polar import column, polar_svd, transpose
 def clamp(F_trial, J_P, snow, elasticity):
     """Stomakhin et al. 2013: stretches into [1 - theta_c, 1 + theta_s]; what is cut off becomes plastic.
 
-    Where that flow would make energy, it is the cheapest one instead, and keeps det F_E for the rest.
+    Where that flow would make energy, snow flows within its limits at constant det F_E as far as it can.
     """
     U, sigma, V = polar_svd(F_trial)
     low, high = (
@@ -16,10 +16,15 @@ def clamp(F_trial, J_P, snow, elasticity):
         for limit in (1 - snow.strength * snow.theta_c, 1 + snow.strength * snow.theta_s)
     )
     clipped = np.clip(sigma, low, high)
-    cheap = cheapest(np.minimum(sigma, clipped), np.maximum(sigma, clipped), snow, elasticity)
-    inside = at_constant_volume(1 / at_constant_volume(1 / cheap, 1 / low), high)
     tau = principal(clipped, snow, elasticity)
-    dissipated = (tau / clipped * (sigma - clipped)).sum(-1, keepdims=True)
+    work = tau / clipped * (sigma - clipped)
+    pulled = ((work < 0) & (sigma > clipped)).any(-1, keepdims=True)
+    inside = np.where(
+        pulled,
+        at_constant_volume(np.maximum(sigma, clipped), high),
+        1 / at_constant_volume(1 / np.minimum(sigma, clipped), 1 / low),
+    )
+    dissipated = work.sum(-1, keepdims=True)
     kept = np.where(dissipated < 0, inside, clipped)
     F_E = (U * kept[:, None, :]) @ transpose(V)
     return F_E, np.minimum(J_P * (sigma / kept).prod(-1), snow.J_P_max)
@@ -32,32 +37,15 @@ def principal(s, snow, elasticity):
 
 
 def at_constant_volume(s, limit):
-    """Cut stretches s (n, 3) to `limit` (n, 1); the smallest ones grow to one level and keep the product."""
+    """Cut stretches s (n, 3) to `limit` (n, 1); the smallest ones grow to one level and keep the product.
+
+    If that takes more than the limit, all end there.
+    """
     cut = np.minimum(s, limit)
     given = (s / cut).prod(-1)
     first, second = np.sort(cut, axis=-1)[:, :2].T
     level = np.where(first * given < second, first * given, np.sqrt(first * second * given))
-    return np.maximum(cut, column(level, 1))
-
-
-def cheapest(low, high, snow, elasticity):
-    """Find the stretches between low and high (n, 3) that have the least Psi.
-
-    tau_k = p + (a function of s_k alone), and Psi grows with s_k while tau_k > 0: given p each stretch is
-    known, and p itself by bisection.
-    """
-    mu, lam = (np.broadcast_to(a, len(low)) for a in (snow.mu0, snow.lam0))
-
-    def at(p):
-        return np.clip(column(elasticity.stretch(-p, mu), 1), low, high)
-
-    ends = [elasticity.isotropic(s.prod(-1), lam) for s in (low, high)]
-    bottom, top = np.minimum(*ends), np.maximum(*ends)
-    for _ in range(100):
-        p = 0.5 * (bottom + top)
-        above = elasticity.isotropic(at(p).prod(-1), lam) > p
-        bottom, top = np.where(above, p, bottom), np.where(above, top, p)
-    return at(0.5 * (bottom + top))
+    return np.maximum(cut, np.minimum(column(level, 1), limit))
 
 
 def nothing(F_trial, J_P, snow, elasticity):

@@ -2,8 +2,9 @@
 
 A step is rejected if a value would not be finite, if a particle would move by more than a cell, if
 det(I + dt grad v) would fall below 0.05, on the way to turning the particle inside out, if dt |grad v| would
-exceed four times numerics.strain_max, or if snow would be pressed so far that its hardening stores more
-energy than the step's work (`Model.max_compression`). Nothing has been moved by then: the particles are
+exceed four times numerics.strain_max, if snow would be pressed so far that its hardening stores more
+energy than the step's work (`Model.max_compression`), or if it would become so stiff that such a step were
+half as long again as a stable one: soft snow that meets the stiffness of ice in a single long step. Nothing has been moved by then: the particles are
 as they were, so that a rejected step needs no copy of the state to go back to.
 
 Most steps need no trial. After the grid update the velocities of the nodes around a particle differ by
@@ -24,7 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from neve.mpm.failures import no_step
 from neve.mpm.step import Stages, step
-from neve.mpm.time_step import longest_stable
+from neve.mpm.time_step import longest_stable, stable_step
 
 if TYPE_CHECKING:
     from neve._core import GridReport, Report
@@ -35,6 +36,7 @@ MAX_TRIES = 24
 
 _SAFE_STRAIN = 0.5  # of dt |grad v|: (1 - 0.5)^3 = 0.125 of the volume is left, above the limit of 0.05
 _SAFE_DISPLACEMENT = 0.9  # [cells]
+_MOST_UNSTABLE = 1.5  # over the stable step of the state at its end
 
 
 class AcceptedStep(NamedTuple):
@@ -90,10 +92,12 @@ def needs_trial(grid_report: GridReport, before: Report, dt: float, model: Model
     difference = grid_report.max_velocity_difference
     strain = max(math.sqrt(3.0) * difference * per_cell, before.strain_rate * dt)
     displacement = max(grid_report.speed, before.speed + grid_report.max_velocity_change) * per_cell
+    ice_room = before.ice_room * (1.0 - math.sqrt(3.0) * strain)  # |tr grad v| <= sqrt(3) |grad v|
     harmless = (
         strain <= min(_SAFE_STRAIN, 0.9 * _max_strain(model))
         and before.compression_rate * dt <= 0.9 * model.max_compression
         and displacement <= _SAFE_DISPLACEMENT
+        and ice_room > 1.0
     )
     return not (grid_report.finite and harmless)
 
@@ -101,7 +105,8 @@ def needs_trial(grid_report: GridReport, before: Report, dt: float, model: Model
 def rejects(report: Report, dt: float, model: Model) -> bool:
     """Tell whether a trial of a step of dt [s] must be rejected, by its report."""
     strained = report.strain_rate * dt > _max_strain(model)
-    return report.rejected or strained or report.compression_rate * dt > model.max_compression
+    pressed = report.compression_rate * dt > model.max_compression
+    return report.rejected or strained or pressed or dt > _MOST_UNSTABLE * stable_step(model, report)
 
 
 def _max_strain(model: Model) -> float:
