@@ -4,8 +4,9 @@ A step is rejected if a value would not be finite, if a particle would move by m
 det(I + dt grad v) would fall below 0.05, on the way to turning the particle inside out, if dt |grad v| would
 exceed four times numerics.strain_max, if snow would be pressed so far that its hardening stores more
 energy than the step's work (`Model.max_compression`), or if it would become so stiff that such a step were
-half as long again as a stable one: soft snow that meets the stiffness of ice in a single long step. Nothing has been moved by then: the particles are
-as they were, so that a rejected step needs no copy of the state to go back to.
+half as long again as a stable one: soft snow that meets the stiffness of ice in a single long step. Nothing
+has been moved by then: the particles are as they were, so that a rejected step needs no copy of the state to
+go back to.
 
 Most steps need no trial. After the grid update the velocities of the nodes around a particle differ by
 d = `max_velocity_difference` at most, and |grad v| <= sqrt(3) d / dx. For affine transfers row a of grad v is

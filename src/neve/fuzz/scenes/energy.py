@@ -37,8 +37,8 @@ MOST_SURGE = 0.25
 LEAST_SURGE = 1e-2
 """A rise below this share of all that was put in is no surge: snow at rest is no measure.
 
-Explicit steps of motions that are not small make energy of the order of dt, both ways: `aflip` in a press gained
-0.6 % of what was put in in 540 steps, and 0.2 % in steps a fifth as long.
+Explicit steps of motions that are not small make energy of the order of dt, both ways: `aflip` in a press
+gained 0.6 % of what was put in in 540 steps, and 0.2 % in steps a fifth as long.
 """
 
 MOST_SWING = 0.5
