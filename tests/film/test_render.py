@@ -101,14 +101,19 @@ def test_pictures_are_kept_and_made_again_where_they_must(folder, capsys):
 
 
 @needs_mitsuba
-@pytest.mark.parametrize("look", ["diffuse", "medium"])
-def test_snow_is_where_the_camera_puts_it(folder, look):
+@pytest.mark.parametrize(
+    "more",
+    [
+        ("--look", "diffuse", "--snow", "wet"),
+        ("--look", "medium", "--aperture", "0.02"),
+        ("--look", "metaballs"),
+    ],
+    ids=lambda more: more[1],
+)
+def test_snow_is_where_the_camera_puts_it(folder, more):
     """The ball is bright and the sky above it is not; light that is written as EXR is what the PNG shows."""
     out = folder / "shown"
-    assert (
-        code("render", folder, *SMALL, "--look", look, "--frame", "0", "--spp", "8", "--exr", "--out", out)
-        == 0
-    )
+    assert code("render", folder, *SMALL, *more, "--frame", "0", "--spp", "8", "--exr", "--out", out) == 0
     image = np.asarray(Image.open(out / "000000.png")).astype(float)
     assert image.shape == (32, 48, 3)
     ball, earth = image[12:15, 21:27].mean(), image[28:, :8].mean()
@@ -118,3 +123,30 @@ def test_snow_is_where_the_camera_puts_it(folder, look):
     light = np.array(mitsuba.Bitmap(str(out / "000000.exr")))[..., :3]
     assert light.shape == (32, 48, 3)
     assert np.corrcoef(light.mean(axis=2).ravel(), image.mean(axis=2).ravel())[0, 1] > 0.8
+
+
+@needs_mitsuba
+@pytest.mark.parametrize(
+    "camera",
+    [
+        {"position": (0.0, 0.0, 5.0), "target": (0.0, 0.0, 0.0), "up": (0.0, 1.0, 0.0)},
+        {"position": (0.0, -4.0, 0.0), "target": (0.0, 0.0, 0.0)},
+        {"position": (0.0, -4.0, -1.0), "target": (0.0, 0.0, 0.5)},
+        {"position": (0.0, -4.0, 0.5), "target": (0.0, 0.0, 6.0), "fov": 160.0},
+    ],
+    ids=["from above", "in the ground's plane", "from below", "wide"],
+)
+def test_ground_is_there_from_any_side(camera):
+    """From wherever the camera looks at it, the ground is a mesh of finite places on and below its plane, but
+    for hills far away."""
+    from neve.render.path_tracing.engine import mitsuba
+    from neve.render.path_tracing.ground import ground
+    from neve.render.path_tracing.lens import Lens
+
+    lens = Lens(Camera(**camera), 64, 36)
+    mesh = ground(lens, np.zeros(3), np.eye(3), 0.05, "ground")
+    places = np.array(mitsuba().traverse(mesh)["vertex_positions"]).reshape(-1, 3)
+    assert np.isfinite(places).all()
+    near = np.hypot(*(places[:, :2] - lens.eye[:2]).T) < 10 * lens.distance
+    assert np.abs(places[near, 2]).max() < 0.1
+    assert np.hypot(*places[:, :2].T).max() > 100 * lens.distance

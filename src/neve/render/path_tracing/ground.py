@@ -26,6 +26,8 @@ HAZE = np.array([0.42, 0.44, 0.47])
 """Reflectance of what lies far away, over which the air's light has come."""
 FAR = 400.0
 """How far it reaches in distances from the camera to its target."""
+LEAST = 1e-3
+"""Height of a camera over the ground, in the same unit, from which the ground is laid out at least."""
 
 
 def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -> Any:
@@ -35,6 +37,8 @@ def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -
     can be seen, and coarsely around; the relief is a function of the place alone. dx [m]: of the snow's grid.
     """
     eye = (lens.eye - position) @ rotation
+    if abs(eye[2]) < LEAST * lens.distance:  # in the plane itself nothing of it is seen
+        eye[2] = LEAST * lens.distance
     forward = lens.axes[2] @ rotation
     u, v = _grid(lens, eye, forward)
     far = np.hypot(u - eye[0], v - eye[1])
@@ -45,8 +49,8 @@ def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -
     color = color + (HAZE - color) * veil[..., None]
     # Low hills end the view: level ground ends in a line drawn with a ruler.
     rise = np.clip((away - 25.0) / 150.0, 0.0, 1.0) ** 2
-    hills = 0.5 + 0.5 * fractal(u, v, 120.0 * lens.distance, 6, 0.5, pixel, 401)
-    height = height + rise * hills * (0.045 * far)
+    hills = np.maximum(fractal(u, v, 160.0 * lens.distance, 6, 0.5, pixel, 401) + 0.15, 0.0)
+    height = height + rise * hills * (0.05 * far)
     local = np.stack([u, v, height], axis=-1)
     vertices = local.reshape(-1, 3) @ rotation.T + position
     return triangles(name, vertices, _sides(*u.shape), {"bsdf": _earth()}, colors=color.reshape(-1, 3))
