@@ -251,12 +251,13 @@ def test_film_of_a_picture_in_half_an_hour(fake, scene_file, tmp_path, rates):
 
 
 def test_registry_is_complete(scene):
-    """Each built-in kind has options that name it; a scene without a list has all but fragments."""
+    """Each built-in kind has options that name it; without a list a scene has all that need no asking."""
     assert tuple(kinds()) == BUILT_IN
     for name, kind in kinds().items():
         assert kind.options().kind == name
         assert kind.options().file()
-    assert [given.kind for given in entries(scene)] == [name for name in BUILT_IN if name != "fragments"]
+    asked_for = ("fragments", "export")
+    assert [given.kind for given in entries(scene)] == [name for name in BUILT_IN if name not in asked_for]
 
 
 WRONG = {
