@@ -45,12 +45,12 @@ def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -
     pixel = 1.2 * np.hypot(far, eye[2]) / lens.focal
     height, color = relief(u, v, pixel, dx)
     away = far / lens.distance
-    veil = 1.0 - np.exp(-np.maximum(away - 2.0, 0.0) / 60.0)
+    veil = 1.0 - np.exp(-((np.maximum(away - 2.0, 0.0) / 25.0) ** 2))
     color = color + (HAZE - color) * veil[..., None]
     # Low hills end the view: level ground ends in a line drawn with a ruler.
     rise = np.clip((away - 25.0) / 150.0, 0.0, 1.0) ** 2
-    hills = np.maximum(fractal(u, v, 160.0 * lens.distance, 6, 0.5, pixel, 401) + 0.15, 0.0)
-    height = height + rise * hills * (0.05 * far)
+    hills = np.maximum(fractal(u, v, 160.0 * lens.distance, 4, 0.45, pixel, 401) + 0.15, 0.0)
+    height = (1.0 - veil) * height + rise * hills * (0.05 * far)
     local = np.stack([u, v, height], axis=-1)
     vertices = local.reshape(-1, 3) @ rotation.T + position
     return triangles(name, vertices, _sides(*u.shape), {"bsdf": _earth()}, colors=color.reshape(-1, 3))
@@ -88,6 +88,7 @@ def _grid(lens: Lens, eye: Array, forward: Array) -> tuple[Array, Array]:
     )
     distance = lens.distance
     nearest = abs(eye[2]) / (FAR * distance)  # slope to the end of the ground
+    horizon = np.geomspace(nearest, nearest + 8.0 * step, 64)  # hills are not two rings high
     fine = np.arange(max(low, nearest + 0.5 * step), min(high, 1.55), step)
     steep = np.linspace(min(max(high, nearest + step), 1.55), 1.5707, 24)
     flat = (
@@ -95,7 +96,7 @@ def _grid(lens: Lens, eye: Array, forward: Array) -> tuple[Array, Array]:
         if low > nearest
         else np.array([nearest])
     )
-    down = np.unique(np.concatenate([flat, fine, steep]))
+    down = np.unique(np.concatenate([horizon, flat, fine, steep]))
     heading = math.atan2(forward[1], forward[0])
     half = math.atan(across / max(math.cos(min(abs(pitch) + math.atan(along), 1.4)), 0.1)) + 0.05
     if half > 2.5:
