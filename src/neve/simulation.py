@@ -195,7 +195,10 @@ class Simulation:
     def restore(
         cls, scene: Scene, arrays: Mapping[str, NDArray[Any]], threads: int | None = None
     ) -> Simulation:
-        """Make the simulation that `arrays()` was taken from; it goes on with the same bits."""
+        """Make the simulation that `arrays()` was taken from; it goes on with the same bits.
+
+        Errors: ValueError, KeyError, IndexError or TypeError for arrays that no simulation of this scene has.
+        """
         require(scene, Scene, "scene", A_SCENE)
         require(arrays, Mapping, "arrays", "what Simulation.arrays() returns")
         self = cls.__new__(cls)
@@ -203,9 +206,14 @@ class Simulation:
         self.time, self.steps = float(arrays["time"]), int(arrays["steps"])
         self._use_threads()
         self._start(METHODS.get(scene.numerics.method)(scene, arrays))
-        self.exchanged = np.array(arrays["exchanged"], dtype=np.float64)
-        if self.exchanged.shape != (len(self.solver.solids), 7) or not 0.0 <= self.time < math.inf:
-            raise ValueError(f"exchanged {self.exchanged.shape} at {self.time} s")
+        given = np.asarray(arrays["exchanged"])
+        if given.shape != (len(self.solver.solids), 7) or given.dtype.kind != "f":
+            raise ValueError(f"exchanged is an array {given.shape} of {given.dtype}")
+        self.exchanged = np.array(given, dtype=np.float64)
+        if not (
+            np.isfinite(self.exchanged).all() and 0.0 <= self.time < math.inf and 0 <= self.steps < 2**62
+        ):
+            raise ValueError(f"{self.steps} steps at {self.time} s, or what was exchanged, are not possible")
         return self
 
     def run(

@@ -16,7 +16,7 @@ from neve.mpm.failures import require_finite, require_progress
 from neve.mpm.initial import build, make_model
 from neve.mpm.rebuild import with_scene, with_source
 from neve.mpm.state import FIELDS, density, fit_modes, from_arrays, to_arrays
-from neve.mpm.state_checks import inspect, warn_of_density
+from neve.mpm.state_checks import inspect, require_whole, warn_of_density
 from neve.mpm.step import STAGES, Stages
 from neve.mpm.step_control import try_step
 from neve.mpm.time_step import Choice, fitted, largest
@@ -73,6 +73,7 @@ class MpmSolver(Solver):
             if modes.ndim == 3 and modes.shape[1] in (polynomial, polynomial + 1):
                 modes = fit_modes(modes, polynomial, native)
             self.state = from_arrays(self.model.core, saved, modes)
+            require_whole(self.model, self.state)
         self.grid = self.model.core.Grid()
         self._warned = self._warned_of_density = False
 

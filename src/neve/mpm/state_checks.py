@@ -56,6 +56,20 @@ def inspect(model: Model, state: State) -> Densest:
     raise Blowup(f"{name_of(model, state, row)}: state.{field} = {given}{what}; allowed is {allowed}")
 
 
+def require_whole(model: Model, state: State) -> None:
+    """Refuse a state that no run of this model leaves. Errors: ValueError: which particle, what is wrong."""
+    ids = np.asarray(state.id)
+    if not len(ids):
+        raise ValueError("it holds no particle")
+    ordered = np.sort(ids)
+    if len(twice := ordered[1:][ordered[1:] == ordered[:-1]]):
+        raise ValueError(f"two particles have the number {twice[0]}")
+    try:
+        inspect(model, state)
+    except Blowup as error:
+        raise ValueError(str(error)) from error
+
+
 def _J_E(state: State, row: int) -> float:
     return float(determinant(np.asarray(state.F_E[row], dtype=np.float64)))
 

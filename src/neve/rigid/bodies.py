@@ -160,11 +160,15 @@ class RigidBodies:
 
         Errors: ValueError if `arrays` come from other bodies.
         """
-        state = np.array(arrays["engine"], dtype=np.float64)
+        state = np.array(arrays["engine"])
+        if state.dtype != np.float64 or not np.isfinite(state).all():
+            raise ValueError("the state of the bodies holds what is no finite number")
         if state.shape != (self._mj.mj_stateSize(self._model, self._signature) + 1,):
             raise ValueError(
                 f"the state of the bodies has {state.size} numbers, which does not fit the scene"
             )
+        if not 0 < state[-1] <= 1:
+            raise ValueError(f"the bodies take steps of {state[-1]:g} s")
         self._mj.mj_setState(self._model, self._data, state[:-1], self._signature)
         self._model.opt.timestep = state[-1]
         self._refresh()

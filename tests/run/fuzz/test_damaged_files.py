@@ -10,7 +10,7 @@ from neve.fuzz.files.corpus import corpus
 from neve.fuzz.files.mutate import LARGEST, damaged
 from neve.scene.errors import SceneError
 
-COUNT = 12
+COUNT = 6
 """Files of each kind."""
 
 

@@ -10,12 +10,18 @@ import pytest
 import neve
 from neve import _core, _render
 from neve.fragments import Limits, find
-from neve.fuzz.files.corpus import tiny
 from neve.run.loop import last_frame
+from neve.scene.reading.load import scene_from
 
 WRONG = ["x", b"x", 3, 1.5, None, {}, [], object(), True, np.zeros((2, 2))]
 """Values, of which each function takes some."""
 TOOLS = Path(__file__).parents[3] / "tools"
+
+
+def tiny():
+    """A scene of a few particles on a plane."""
+    source = {"shape": "box", "size": [0.3, 0.3, 0.3], "center": [0.0, 0.0, 0.2]}
+    return scene_from({"sources": [source], "numerics": {"dx": 0.1}, "colliders": [{"shape": "plane"}]})
 
 
 @pytest.fixture(scope="module")

@@ -106,3 +106,25 @@ def test_snow_of_a_hundred_kinds_has_a_row_for_each():
     ]
     sim = Simulation(scene_from({"sources": sources, "numerics": {"dx": 0.1}}), threads=1)
     assert np.array_equal(sim.state.material, np.rint(sim.state.x[:, 0]).astype(int))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (f"[{'.'.join(['a'] * 20000)}]\nb = 1", "nested too deeply"),
+        ("\n".join(f"k{i} = 1" for i in range(20000)), "k0 is not a known key"),
+        (f'[[sources]]\nshape = "text"\ntext = "{"A" * 10001}"', "at most 10,000 characters"),
+    ],
+    ids=["deep tables", "unknown keys", "a long text"],
+)
+def test_endless_tables_keys_and_texts_are_one_sentence(text, words, tmp_path):
+    """Whatever a file repeats."""
+    (tmp_path / "s.toml").write_text(text)
+    assert words in told(tmp_path / "s.toml")
+
+
+def test_a_long_override_is_not_repeated_as_a_whole():
+    """The sentence names its beginning."""
+    with pytest.raises(SceneError) as caught:
+        scene_from({}, [f"sources.0.radius={'[' * 5000}"])
+    assert len(str(caught.value)) < 500

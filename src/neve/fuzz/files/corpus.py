@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import io
-import tempfile
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from neve.fuzz.files.runs import FILES, FRAME, STATE, run_files
 
 SCENE = """about = "A ball, a box of other snow, a floor and a wheel."
 [world]
@@ -100,7 +101,9 @@ def corpus() -> Files:
         ),
         "npy": (_array(np.float64), _array(np.int16)),
     }
-    return found | _of_a_run()
+    files = run_files()
+    of_run = {name: (files[name],) for name in FILES}
+    return found | of_run | {STATE: (files["checkpoint"],), "frame.npz": (files[FRAME],)}
 
 
 def ball() -> Any:
@@ -146,27 +149,3 @@ def _array(number: Any) -> bytes:
     file = io.BytesIO()
     np.save(file, heights().astype(number))
     return file.getvalue()
-
-
-def _of_a_run() -> Files:
-    """Return a checkpoint and a frame of `tiny`."""
-    from neve.io.checkpoint import write_checkpoint
-    from neve.io.frames import frame_of, frame_path, write_frame
-    from neve.simulation import Simulation
-
-    sim = Simulation(tiny(), threads=1)
-    solids = [(pose.position, pose.rotation) for _, pose in sim.solids()]
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        write_checkpoint(folder / "c.npz", 0, "", "", sim.arrays())
-        write_frame(folder, 0, frame_of(sim.columns(), solids, 0.0))
-        checkpoint, frame = (folder / "c.npz").read_bytes(), frame_path(folder, 0).read_bytes()
-    return {"checkpoint.npz": (checkpoint,), "frame.npz": (frame,)}
-
-
-def tiny() -> Any:
-    """Return a scene of a few particles on a plane."""
-    from neve.scene.reading.load import scene_from
-
-    source = {"shape": "box", "size": [0.3, 0.3, 0.3], "center": [0.0, 0.0, 0.2]}
-    return scene_from({"sources": [source], "numerics": {"dx": 0.1}, "colliders": [{"shape": "plane"}]})

@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from neve.fuzz.files.corpus import corpus
-from neve.fuzz.files.mutate import damaged
+from neve.fuzz.files.runs import damaged_file, readers
 from neve.fuzz.outcome import Outcome
 from neve.io.errors import RunError
 from neve.scene.errors import SceneError, SceneWarning
+from neve.solver import Blowup
 
 MOST_MEMORY = 1 << 30
 """What reading a file may add to the memory of the process [bytes]: no file is larger than 1 MiB."""
@@ -26,8 +27,8 @@ ADDRESS_SPACE = 12 << 30
 """Address space of the process that reads [bytes]."""
 MOST_POINTS = 2**22
 """Points in the box around a source: what is far larger only takes longer."""
-KEYS = ("sources.0", "colliders.0", "robots.0", "bodies and robots")
-"""How a sentence begins that names the file by its key."""
+KEYS = ("sources.0", "colliders.0", "robots.0", "bodies and robots", "particle ")
+"""How a sentence begins that names the file by its key, or a particle of a state."""
 LONGEST = 1200
 """Characters of a sentence at most."""
 
@@ -39,7 +40,7 @@ def read_damaged(seed: int, number: int) -> Outcome:
     rng = np.random.default_rng([seed, number, 15])
     whole = corpus()[kind]
     one, other = (whole[rng.integers(len(whole))] for _ in range(2))
-    content = damaged(one, other, rng)
+    content = damaged_file(kind, one, other, rng)
     with tempfile.TemporaryDirectory(prefix="neve-") as folder:
         path = Path(folder) / f"{number:06d}.{kind}"
         path.write_bytes(content)
@@ -60,7 +61,7 @@ def _attempt(reader: Callable[[Path], object], path: Path) -> tuple[str, str]:
         try:
             reader(path)
             said = ""
-        except (SceneError, RunError) as error:
+        except (SceneError, RunError, Blowup) as error:
             said = str(error)
         except Exception as error:
             last = traceback.extract_tb(error.__traceback__)[-1]
@@ -145,20 +146,6 @@ def _robot(path: Path) -> None:
     bodies.mobility()
 
 
-def _checkpoint(path: Path) -> None:
-    from neve.io.checkpoint import read_checkpoint
-
-    read_checkpoint(path)
-
-
-def _frame(path: Path) -> None:
-    from neve.io.frames import frame_path, read_frame
-
-    number = int(path.name.partition(".")[0])
-    path.rename(frame_path(path.parent, number))
-    read_frame(path.parent, number)
-
-
 READERS: dict[str, Callable[[Path], object]] = {
     "toml": _scene,
     "xml": _robot,
@@ -166,8 +153,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "ttf": _font,
     **dict.fromkeys(("obj", "ply", "stl", "glb", "gltf"), _mesh),
     **dict.fromkeys(("png", "tif", "npy"), _terrain),
-    "checkpoint.npz": _checkpoint,
-    "frame.npz": _frame,
+    **readers(),
 }
 
 

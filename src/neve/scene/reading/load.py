@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from neve.scene.errors import SceneError
 from neve.scene.reading import files
-from neve.scene.reading.overrides import override
+from neve.scene.reading.overrides import named, override
 from neve.scene.reading.presets import PRESETS, no_such_scene, preset_names, presets, read_toml, require_few
 from neve.scene.reading.validation_errors import problems
 from neve.scene.schema.scene import Scene
@@ -59,18 +59,21 @@ def scene_from(
     require(overrides, (list, tuple), "overrides", wanted)
     for text in overrides:
         require(text, str, "overrides", wanted)
-    tables = copy.deepcopy(dict(data))
-    files.resolve(tables, Path(folder))
-    changed = [(override(tables, text), text) for text in overrides]
-    files.resolve(tables, Path.cwd())
+    try:
+        tables = copy.deepcopy(dict(data))
+        files.resolve(tables, Path(folder))
+        changed = [(override(tables, text), text) for text in overrides]
+        files.resolve(tables, Path.cwd())
+    except RecursionError:
+        raise SceneError(f"{where}: this is not a scene: its tables are nested too deeply") from None
     require_few({name: len(value) for name, value in tables.items() if isinstance(value, list)}, where)
     try:
         scene = Scene.model_validate(tables)
     except ValidationError as error:
-        found = problems(error, tables)
-        more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        sentence = f"{found[0].sentence}{_whole_table(found[0].path, tables, changed)}{more}"
-        raise SceneError(f"{_origin(found[0].path, changed, where)}: {sentence}") from None
+        first, count = problems(error, tables)
+        more = f" (and {count - 1} more)" if count > 1 else ""
+        sentence = f"{first.sentence}{_whole_table(first.path, tables, changed)}{more}"
+        raise SceneError(f"{_origin(first.path, changed, where)}: {sentence}") from None
     for file in files.named_files(scene):
         if problem := files.missing(file):
             raise SceneError(f"{_origin(file.key, changed, where)}: {problem}")
@@ -142,5 +145,5 @@ def _origin(path: tuple[str, ...], changed: list[tuple[tuple[str, ...], str]], w
     for key, text in reversed(changed):
         shared = min(len(key), len(path))
         if key[:shared] == path[:shared]:
-            return f"--set {text}"
+            return named(text)
     return where

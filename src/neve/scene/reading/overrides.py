@@ -14,6 +14,15 @@ from neve.scene.schema.tables import default_vector
 EXAMPLE = "write key=value, such as numerics.dx=0.02 or sources.0.radius=0.3"
 
 
+LONGEST = 200
+"""Characters of an override that a sentence repeats."""
+
+
+def named(text: str) -> str:
+    """Return what a sentence calls the override `text`."""
+    return f"--set {text}" if len(text) <= LONGEST else f"--set {text[:LONGEST]}..."
+
+
 def override(data: dict[str, Any], text: str) -> tuple[str, ...]:
     """Set in `data` what `text` ("sources.0.radius=0.3") says, and return the path of the key.
 
@@ -24,7 +33,7 @@ def override(data: dict[str, Any], text: str) -> tuple[str, ...]:
     key, equals, value = text.partition("=")
     path = tuple(part.strip() for part in key.split("."))
     if not equals or not value.strip() or not all(path):
-        raise SceneError(f"--set {text}: {EXAMPLE}")
+        raise SceneError(f"{named(text)}: {EXAMPLE}")
     _put(data, path, _parse(value.strip(), text), text)
     return path
 
@@ -36,7 +45,7 @@ def _parse(value: str, text: str) -> Any:
             return table["v"]
     except (tomllib.TOMLDecodeError, RecursionError):
         if value[0] in "[{\"'":
-            raise SceneError(f"--set {text}: the value is not valid TOML; {EXAMPLE}") from None
+            raise SceneError(f"{named(text)}: the value is not valid TOML; {EXAMPLE}") from None
     return value
 
 
@@ -59,17 +68,17 @@ def _put(data: dict[str, Any], path: tuple[str, ...], value: Any, text: str) -> 
                 return
             place = place[index]
         else:
-            raise SceneError(f"--set {text}: {here} = {shown(place)} is a single value and has no key {key}")
+            raise SceneError(f"{named(text)}: {here} = {shown(place)} is a single value and has no key {key}")
 
 
 def _index(key: str, place: list[Any], here: str, text: str) -> int:
     if not place:
-        raise SceneError(f"--set {text}: {here} is empty in this scene, so no entry can be changed")
+        raise SceneError(f"{named(text)}: {here} is empty in this scene, so no entry can be changed")
     range_ = "0 is the only one" if len(place) == 1 else f"use 0 to {len(place) - 1}"
     if not (key.isascii() and key.isdigit()):
         raise SceneError(
-            f"--set {text}: {here} is a list, so {here}.{key} needs the number of an entry: {range_}"
+            f"{named(text)}: {here} is a list, so {here}.{key} needs the number of an entry: {range_}"
         )
     if not is_index(key, place):
-        raise SceneError(f"--set {text}: {here} has no entry {key}; {range_}")
+        raise SceneError(f"{named(text)}: {here} has no entry {key}; {range_}")
     return int(key)

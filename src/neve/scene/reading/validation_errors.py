@@ -61,14 +61,25 @@ class Problem:
     sentence: str
 
 
-def problems(error: ValidationError, data: dict[str, Any]) -> list[Problem]:
-    """Return the problems in `error`, found in `data`, at most one for each key."""
-    found: dict[tuple[str, ...], Problem] = {}
-    details = error.errors(include_url=False)
-    for detail in sorted(details, key=lambda detail: detail["type"] != "trace"):
-        problem = _problem(dict(detail), data)
-        found.setdefault(problem.path, problem)
-    return list(found.values())
+MOST_COUNTED = 1000
+"""Problems at most that are looked at: a file that is no scene may have a million."""
+
+
+def problems(error: ValidationError, data: dict[str, Any]) -> tuple[Problem, int]:
+    """Return the first problem in `error`, found in `data`, and how many have one, up to MOST_COUNTED."""
+    details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "trace")
+    first = _problem(dict(details[0]), data)
+    return first, len({_path(dict(detail)) for detail in details[:MOST_COUNTED]})
+
+
+def _path(detail: dict[str, Any]) -> tuple[str, ...]:
+    """Return the path of the key of a problem."""
+    path, _, field = _walk(detail["loc"])
+    if detail["type"] == "scene":
+        return (*path, *detail["ctx"]["key"].split("."))
+    if detail["type"] == "union_tag_invalid" and field:
+        return (*path, entry_models(field.annotation)[0])
+    return path
 
 
 def nearest_key(word: str, known: Sequence[str]) -> str | None:

@@ -101,6 +101,10 @@ class Terrain(Shape):
         return self
 
 
+MOST_LETTERS = 10_000
+"""Characters of a text."""
+
+
 class Text(Shape):
     """Set letters: they stand upright in their own x-z plane and are `depth` thick along y."""
 
@@ -134,6 +138,8 @@ class Text(Shape):
     def _check_letters(self) -> Text:
         if not self.text.strip():
             raise wrong("text", "must hold at least one letter that is not a space")
+        if len(self.text) > MOST_LETTERS:
+            raise wrong("text", f"must have at most {MOST_LETTERS:,} characters; it has {len(self.text):,}")
         return self
 
 
