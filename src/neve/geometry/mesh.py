@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.geometry.declared import require_modest
 from neve.geometry.triangles import Triangles, tidied
 from neve.reproducible import determinant, product
 from neve.scene.errors import SceneError, SceneWarning
@@ -151,9 +152,12 @@ def _read(path: Path, key: str) -> tuple[Array, NDArray[np.int64]]:
     import trimesh
 
     try:
+        require_modest(path, key)
         with _silence():
             loaded = trimesh.load(str(path), process=False, skip_materials=True)
             pieces = list(_pieces(loaded))
+    except SceneError:
+        raise
     except MemoryError:
         raise SceneError(f"{key} cannot be read: it takes too much memory, or is damaged") from None
     except OSError as error:
