@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from verification.scenes import ball, scene, simulate
 
+from neve.diagnostics import Balance
 from neve.fuzz.scenes import draw, endure
-from neve.fuzz.scenes.energy import MOST_SURGE, Budget, Meter
+from neve.fuzz.scenes.energy import MOST_SURGE, Budget, Meter, Moment
 from neve.fuzz.scenes.situations import SITUATIONS
 from neve.fuzz.scenes.trial import _fault, _mass_by_id, unclear
 from neve.scene.errors import SceneError
@@ -135,3 +136,21 @@ def test_swing_of_explicit_steps_is_no_gain(modes):
     for moment in moments:
         budget.record(moment)
     assert budget.gain < 1e-3
+
+
+@pytest.mark.parametrize(("new", "gain"), [(0.0, 0.0), (10.0, 0.1)])
+def test_a_blow_is_no_gain(new, gain):
+    """A plate brings snow to 50 J in one step, with work of 100 J, and then to 50 J + new out of nothing.
+
+    The shadow energy of the step of the blow, 0 - 100 J / 2, comes back from -50 J whatever follows; of the
+    plain sum, 50 J - 100 J, only what is new does.
+    """
+
+    def still(kinetic, work):
+        return Balance(kinetic=kinetic, affine=0.0, elastic=0.0, potential=0.0, work=work)
+
+    rest, hit, more = still(0.0, 0.0), still(50.0, 100.0), still(50.0 + new, 100.0)
+    budget = Budget()
+    for shared, before, after in ((0.0, rest, hit), (50.0 + new, hit, more), (50.0 + new, more, more)):
+        budget.record(Moment(shared, before, after, 0.0))
+    assert budget.gain == pytest.approx(gain)

@@ -7,9 +7,10 @@ vibration of angular frequency w it keeps, to rounding, not the energy of a stat
 
 with the inner product of the kinetic energy and V the elastic and potential energy; the sum of kinetic energy
 and V swings between H / (1 + a) and H / (1 - a), a = w dt / 2. Transfers, plastic flow and contact make H
-less. So a rise of H is energy from nowhere, be the swing small or large. H alone would not see the linear
-instability of a step with w dt > 2, in which it is kept while both its terms grow; so the plain sum is judged
-too, by a wide margin.
+less. So a rise of H is energy from nowhere, be the swing small or large. A blow that changes velocities
+within one step is no vibration: there H falls too far and comes back while the plain sum does not rise, so
+what counts is the smaller of both rises. Neither would see the linear instability of a step with w dt > 2, in
+which H is kept while both its terms grow; so the plain sum alone is judged too, by a wide margin.
 
 Source: Hairer, Lubich and Wanner, Geometric numerical integration, 2nd ed. 2006, IX.3 (modified energy of the
 symplectic Euler method) [M].
@@ -62,23 +63,24 @@ class Budget:
     """The energy that was put into the snow of a run, and the largest rises that nothing accounts for.
 
     Put in are the energy at the start, the work of colliders, and what the snow fell. gain: largest rise of
-    the shadow energy from an earlier moment, over all that was put in until then [1]; surge: largest rise
-    over the largest sum of kinetic and elastic energy since then [1]; swing: largest sum of kinetic and
-    elastic energy over all that was put in, less 1 [1].
+    both the shadow energy and the plain sum, each from its lowest before, over all that was put in until then
+    [1]; surge: largest rise over the largest sum of kinetic and elastic energy since then [1]; swing: largest
+    sum of kinetic and elastic energy over all that was put in, less 1 [1].
     """
 
     def __init__(self) -> None:
         self.gain = self.surge = self.swing = 0.0
         self._start: Balance | None = None
         self._put_in = 0.0
-        self._lowest = self._alive = 0.0
+        self._lowest = self._lowest_sum = self._alive = 0.0
 
     def record(self, moment: Moment) -> None:
         """Take in one step."""
         before, after = moment.before, moment.after
         shadow = moment.shared + before.elastic + before.potential - 0.5 * (before.work + after.work)
+        plain = before.kinetic_and_elastic + before.potential - before.work
         if self._start is None:
-            self._start, self._lowest = before, shadow
+            self._start, self._lowest, self._lowest_sum = before, shadow, plain
         start = self._start
         for now in (before, after):
             put_in = (
@@ -88,7 +90,8 @@ class Budget:
         self._alive = max(self._alive, before.kinetic_and_elastic)
         if shadow < self._lowest:
             self._lowest, self._alive = shadow, before.kinetic_and_elastic
-        rise = max(shadow - self._lowest - moment.rounding, 0.0)
+        self._lowest_sum = min(self._lowest_sum, plain)
+        rise = max(min(shadow - self._lowest, plain - self._lowest_sum) - moment.rounding, 0.0)
         self.gain = max(self.gain, rise / max(self._put_in, 1e-300))
         if rise > LEAST_SURGE * self._put_in:
             self.surge = max(self.surge, rise / max(self._alive, 1e-300))
