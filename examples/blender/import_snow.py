@@ -11,6 +11,7 @@ of them is there first. Written for Blender 4.2 or newer, tested with the wheel 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import sys
 import tomllib
@@ -43,6 +44,8 @@ def main():
     kind = given.kind or next((k for k, name in KINDS.items() if (run / name).is_dir()), None)
     if kind is None or not (run / KINDS[kind]).is_dir():
         parser.error(f"{run} has no such export: neve export {given.run} --to {KINDS[kind or 'points']}")
+    if wrong := unusual(run, kind):
+        parser.error(wrong)
     described = tomllib.loads((run / "scene.toml").read_text(encoding="utf-8"))
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -59,6 +62,21 @@ def main():
     if given.render:
         scene.render.filepath = str(given.render.resolve())
         bpy.ops.render.render(write_still=True)
+
+
+def unusual(run, kind):
+    """Say which export of the run is not in metres with its usual axis up, as light and camera need it."""
+    for name in {KINDS[kind], "usd"}:
+        card = run / name / "export.json"
+        if not card.is_file():
+            continue
+        options = json.loads(card.read_text(encoding="utf-8"))["options"]
+        up = "y" if name == "abc" else "z"
+        if (options["scale"], options["up"]) != (1.0, up):
+            return (
+                f"{run / name} has --scale or --up: neve export {run} --to {name} --scale 1 --up {up} --force"
+            )
+    return None
 
 
 def add_points(run, extinction):

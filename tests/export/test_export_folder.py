@@ -35,6 +35,42 @@ def test_a_second_export_writes_what_is_missing_alone(run_path):
     assert {name for name in before if before[name] != after[name]} == {"snow_000002.ply", "snow_000003.ply"}
 
 
+@pytest.mark.parametrize("to", ["ply", "vtk", "usd", "abc"])
+def test_no_export_mixes_two_runs(run_path, to):
+    """A shorter second run in the same folder: of the first nothing is left, in files, record and lists."""
+    if FORMATS.get(to).package is not None:
+        pytest.importorskip(FORMATS.get(to).package[0])
+    folder, _ = export_run(run_path, Choices(to))
+    for number in range(5):
+        content = read_frame(run_path / "frames", number)
+        write_frame(run_path / "frames", number, content._replace(x=content.x + np.float32(0.5)))
+    for number in (3, 4):
+        (run_path / f"frames/{number:06d}.npz").unlink()
+    export_run(run_path, Choices(to), frames=slice(0, 2))
+    card = json.loads((folder / "export.json").read_text())
+    assert sorted(card["frames"]) == ["0", "1"]
+    assert not [path.name for path in folder.iterdir() if path.stem[-6:] in ("000002", "000003", "000004")]
+    assert not [name for name in card["files"] if "000003" in name]
+    assert export_run(run_path, Choices(to))[1] == (3 if to == "abc" else 1)
+    if to == "vtk":
+        assert (folder / "snow.pvd").read_text().count("<DataSet") == 3
+
+
+@pytest.mark.parametrize(
+    ("to", "name"), [("usd", "solids.usdc"), ("usd", "snow.usda"), ("vtk", "solids_still.vtp")]
+)
+def test_a_lost_file_of_all_frames_is_made_again(run_path, to, name):
+    """As one of a frame is, and after that nothing is missing."""
+    if FORMATS.get(to).package is not None:
+        pytest.importorskip(FORMATS.get(to).package[0])
+    folder, _ = export_run(run_path, Choices(to))
+    before = (folder / name).read_bytes()
+    (folder / name).unlink()
+    export_run(run_path, Choices(to))
+    assert len((folder / name).read_bytes()) == pytest.approx(len(before), rel=0.01)
+    assert export_run(run_path, Choices(to))[1] == 0
+
+
 def test_an_export_that_is_stopped_goes_on(run_path, monkeypatch):
     """Ctrl-C in the middle of a frame leaves whole files; the next export makes the rest."""
     write = Ply.write
@@ -67,7 +103,7 @@ WRONG = [
     (["--to", "plyy"], "--to: there is no format plyy (did you mean ply?)"),
     (["--to", "ply", "--fields", "J_E"], "--fields: there is no field J_E (did you mean J_P?)."),
     (["--to", "ply", "--fields", "q"], "--fields: there is no field q (this run has v, J_P, id, material"),
-    (["--to", "ply", "--frames", "5:9"], "--frames: the run has frames 0 to 4, and none of those asked for."),
+    (["--to", "ply", "--frames", "5:9"], "RUN/frames holds the frames 0 to 4, and none of those asked for."),
     (["--to", "ply", "--frames", "3:x"], "--frames: 3:x is not of the form A:B or A:B:STEP, such as 0:50"),
     (["--to", "ply", "--frames", "0:4:0"], "--frames: 0:4:0 has a step of 0: use 1 or more"),
     (["--to", "ply", "--scale", "nan"], "--scale: nan is not a number from 1e-6 to 1e6"),

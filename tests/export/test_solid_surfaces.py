@@ -8,7 +8,9 @@ import trimesh
 
 from neve.build import solids
 from neve.colliders.solid import Solid
-from neve.export.solids import FAR, surfaces, triangles
+from neve.export.solids import FAR, MOST_HEIGHTS, surfaces, triangles
+from neve.geometry.heights import thinned, triangulated
+from neve.render.path_tracing.solids import _field
 from neve.scene.reading.load import load
 from neve.scene.schema.shapes import FORMULAS
 from neve.scene.schema.surfaces import COLUMNS, ROWS
@@ -77,3 +79,27 @@ def test_a_terrain_is_its_map(tmp_path):
     areas = np.cross(b - a, c - a)[:, 2] / 2
     assert areas.min() > 0
     assert areas.sum() == pytest.approx(24.0)
+
+
+@pytest.mark.parametrize("shape", [(2600, 9), (7, 1500), (3, 2)])
+def test_a_thinned_map_stays_where_it_is(shape):
+    """On a slope z = x + 2 y, whatever rows are left out, each corner of exports and pictures is on it."""
+    x, y = (np.linspace(-0.5, 0.5, n) * length for n, length in zip(shape, (8.0, 3.0), strict=True))
+    slope = (x[:, None] + 2 * y).astype(np.float32)
+    for most in (MOST_HEIGHTS, 1024):
+        u, v, z = thinned(slope, (8.0, 3.0), most)
+        assert max(len(u), len(v)) <= most
+        assert (u[0], u[-1], v[0], v[-1]) == (-4.0, 4.0, -1.5, 1.5)
+        assert z == pytest.approx(u[:, None] + 2 * v, abs=1e-5)
+        corners, faces = triangulated(u, v, z)
+        assert corners[:, 2] == pytest.approx(corners[:, 0] + 2 * corners[:, 1], abs=1e-5)
+        assert len(faces) == 2 * (len(u) - 1) * (len(v) - 1)
+
+
+def test_a_terrain_is_painted_where_it_is_pressed():
+    """The terrain of a picture, too, with a level rim beyond its edge."""
+    heights = np.linspace(-4.0, 4.0, 2600, dtype=np.float32)[:, None] * np.ones(9, np.float32)
+    corners, _ = _field(heights, (8.0, 3.0))
+    inside = np.abs(corners[:, 0]) <= 4.0
+    assert corners[inside, 2] == pytest.approx(corners[inside, 0], abs=1e-5)
+    assert corners[~inside, 2] == pytest.approx(4.0 * np.sign(corners[~inside, 0]))

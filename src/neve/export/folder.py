@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from neve.export.format import is_temporary, replacing, sweep, writing
+from neve.export.format import replacing, writing
 from neve.io.errors import RunError, cannot_read
 from neve.io.export_card import LAYOUT, NAME, read_record
 from neve.io.run_folder import RunFolder
@@ -43,7 +43,7 @@ class ExportFolder:
         found = self.check(options, force, stems)
         with writing(self.path):
             disk.make_folder(self.path)
-            sweep(self.path)
+            disk.sweep(self.path)
             if found is not None and force:
                 disk.remove_files(self.path, [*found["files"], NAME])
                 found = None
@@ -77,7 +77,11 @@ class ExportFolder:
     def has(self, frame: int, mark: int, names: Iterable[str]) -> bool:
         """Return whether a frame is here, made from the frame file with this `mark` (see `neve.io.npz`)."""
         known = self._frames.get(frame)
-        return known is not None and known[1] == mark and all(self._lies(name) for name in names)
+        return known is not None and known[1] == mark and self.lies(names)
+
+    def lies(self, names: Iterable[str]) -> bool:
+        """Return whether all these files are here."""
+        return all(self._lies(name) for name in names)
 
     def times(self) -> dict[int, float]:
         """Return the times [s] of the frames that are here, by number, in order."""
@@ -99,11 +103,24 @@ class ExportFolder:
 
     def drop_after(self, last: int, names: Callable[[int], Iterable[str]]) -> None:
         """Remove the frames later than `last`; names: of the files of a frame. Errors: RunError."""
-        gone = {name for frame in self._frames if frame > last for name in names(frame)}
+        self._drop([frame for frame in self._frames if frame > last], names)
+
+    def keep(self, marks: Mapping[int, int], names: Callable[[int], Iterable[str]]) -> None:
+        """Remove the frames made from other frame files than those of `marks`; names: see `drop_after`.
+
+        A frame with the mark 0 was never kept as a file, so that nothing can tell it is another's.
+
+        Errors: RunError.
+        """
+        self._drop([n for n, (_, mark) in self._frames.items() if mark != marks.get(n, 0)], names)
+
+    def _drop(self, frames: Sequence[int], names: Callable[[int], Iterable[str]]) -> None:
+        gone = {name for frame in frames for name in names(frame)}
         with writing(self.path):
             disk.remove_files(self.path, gone)
         self._files -= gone
-        self._frames = {frame: known for frame, known in self._frames.items() if frame <= last}
+        for frame in frames:
+            del self._frames[frame]
 
     def save(self) -> None:
         """Write the record. Errors: RunError."""
@@ -119,7 +136,7 @@ class ExportFolder:
 
     def _refuse_strangers(self, stems: Collection[str] | None) -> None:
         try:
-            names = [path.name for path in self._contents() if not is_temporary(path.name)]
+            names = [path.name for path in self._contents() if not disk.is_temporary(path.name)]
             if stems is not None:
                 names = [name for name in names if stem(name) in stems]
         except OSError as error:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import importlib
-import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,6 @@ from neve.io.errors import RunError, reason
 from neve.system import disk
 
 NAME = "snow"
-_PART = re.compile(r"\..+\.\d+-\d+\.part\.\w+", re.DOTALL)
 """How the names of all files of snow begin."""
 
 
@@ -128,26 +126,8 @@ def made_by_library(path: Path) -> Iterator[Path]:
 
     Errors: RunError.
     """
-    with writing(path), disk.temporary_of(path) as temporary:
-        place = temporary.with_name(f".{temporary.stem.strip('.')}.part{path.suffix}")
-        try:
-            yield place
-            disk.move(place, temporary)
-        finally:
-            disk.remove(place)
-
-
-def sweep(folder: Path) -> None:
-    """Remove the temporary files that a killed export left in `folder`. Errors: OSError."""
-    disk.sweep(folder)
-    for path in folder.iterdir():
-        if is_temporary(path.name):
-            disk.remove(path)
-
-
-def is_temporary(name: str) -> bool:
-    """Tell whether `name` is that of a file that was not finished."""
-    return disk.is_temporary(name) or _PART.fullmatch(name) is not None
+    with writing(path), disk.made_by_library(path) as place:
+        yield place
 
 
 @contextlib.contextmanager

@@ -23,7 +23,7 @@ class SnowGrid:
 
     Attributes:
         blocks: (b, 3)
-        density: [kg/m3, per cube of the file's unit], (b, 4, 4, 4); 0 where there is no snow
+        density: [kg/m3], whatever the unit of the file, (b, 4, 4, 4); 0 where there is no snow
         velocity: mass-weighted mean [units/s], (b, 4, 4, 4, 3)
         first: centre of cell (0, 0, 0) of block (0, 0, 0). cell: edge of a cell, in units of the file
     """

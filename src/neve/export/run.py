@@ -15,7 +15,7 @@ from neve.export.moment import FOR_LIFE, Life, check_names, columns_of, moment_o
 from neve.export.registry import FORMATS
 from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError, cannot_read
-from neve.io.frames import Frame, frame_numbers, frame_path, read_frame
+from neve.io.frames import Frame, chosen_frames, frame_numbers, frame_path, read_frame
 from neve.io.npz import mark_of
 from neve.io.run_folder import RunFolder
 
@@ -106,7 +106,7 @@ def export_run(
     run = RunFolder(path)
     if not run.is_run():
         raise RunError(f"{run.path} holds no Neve run, so there is nothing to export.")
-    wanted = _chosen(run, frames)
+    wanted = chosen_frames(run.frames, frames, "export")
     scene = load(run.path)
     life = _life(run, choices)
     names = choices.names(read_frame(run.frames, wanted[0]), () if life is None else tuple(life.columns))
@@ -119,6 +119,7 @@ def export_run(
     folder.check(choices.options(names), force)
     with RunFolder(target).lock():
         folder.open(choices.options(names), force)
+        _drop_others(run, format, folder)
         missing = _missing(run, wanted, format, folder)
         try:
             folder.announce(format.shared_names())
@@ -156,38 +157,36 @@ def _export(
     return len(moment.x)
 
 
+def _drop_others(run: RunFolder, format: Format, folder: ExportFolder) -> None:
+    """Remove the frames that come from frame files which the run does not have now: those of an older run."""
+    present = {number: _mark(run, number) for number in {*folder.times()} & {*frame_numbers(run.frames)}}
+    folder.keep(present, (lambda frame: ()) if format.whole else format.names)
+
+
+def _mark(run: RunFolder, number: int) -> int:
+    """Return the mark of a frame file, 0 for a damaged one. Errors: RunError if it cannot be read."""
+    source = frame_path(run.frames, number)
+    try:
+        return mark_of(source) or 0
+    except OSError as error:
+        raise cannot_read(source, error) from error
+
+
 def _missing(
     run: RunFolder, wanted: Sequence[int], format: Format, folder: ExportFolder
 ) -> list[tuple[int, int]]:
-    """Return the frames that the export lacks, or has from another frame file, with marks of the files."""
-    found = []
-    for number in wanted:
-        source = frame_path(run.frames, number)
-        try:
-            found.append((number, mark_of(source) or 0))
-        except OSError as error:
-            raise cannot_read(source, error) from error
+    """Return the frames that the export lacks, or has from another frame file, with marks of the files.
+
+    Files that belong to all frames are written with any frame: if one is lost, the first frame is missing.
+    """
+    found = [(number, _mark(run, number)) for number in wanted]
     missing = [(number, mark) for number, mark in found if not folder.has(number, mark, format.names(number))]
     if not format.whole:
-        return missing
+        return missing if missing or folder.lies(format.shared_names()) else found[:1]
     if not missing and list(folder.times()) == list(wanted):
         return []
     folder.forget()
     return found
-
-
-def _chosen(run: RunFolder, frames: slice | None) -> list[int]:
-    """Return the numbers of the frames to export. Errors: RunError if there are none."""
-    have = frame_numbers(run.frames)
-    if not have:
-        raise RunError(f"{run.frames} holds no frames, so there is nothing to export.")
-    if frames is None:
-        return have
-    wanted = range(*frames.indices(have[-1] + 1))
-    chosen = [number for number in have if number in wanted]
-    if not chosen:
-        raise RunError(f"--frames: the run has frames {have[0]} to {have[-1]}, and none of those asked for.")
-    return chosen
 
 
 def _life(run: RunFolder, choices: Choices) -> Life | None:

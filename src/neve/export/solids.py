@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.colliders.solid import Solid
+from neve.geometry.heights import thinned, triangulated
 
 Floats = NDArray[np.float32]
 Faces = NDArray[np.int32]
@@ -57,16 +58,6 @@ def triangles(solid: Solid) -> tuple[NDArray[np.float64], Faces]:
     if solid.mesh is not None:
         return np.asarray(solid.mesh.vertices, np.float64), solid.mesh.faces
     if solid.terrain is not None:
-        return _heights(solid.terrain.heights, solid.terrain.size)
+        return triangulated(*thinned(solid.terrain.heights, solid.terrain.size, MOST_HEIGHTS))
     vertices, faces = solid.form.unit_surface()
     return vertices * (np.full(3, FAR) if solid.endless else solid.half), faces
-
-
-def _heights(heights: NDArray[np.float32], size: tuple[float, float]) -> tuple[NDArray[np.float64], Faces]:
-    rows = [np.unique(np.linspace(0, n - 1, min(n, MOST_HEIGHTS)).astype(int)) for n in heights.shape]
-    z = heights[np.ix_(*rows)].astype(np.float64)
-    x, y = ((r / (n - 1) - 0.5) * length for r, n, length in zip(rows, heights.shape, size, strict=True))
-    corners = np.stack([*np.meshgrid(x, y, indexing="ij"), z], axis=-1).reshape(-1, 3)
-    i = np.arange(z.size, dtype=np.int32).reshape(z.shape)
-    a, b, c, d = (part.ravel() for part in (i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]))
-    return corners, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])

@@ -51,6 +51,25 @@ def frame_numbers(folder: Path) -> list[int]:
     return sorted(int(match[1]) for path in folder.iterdir() if (match := _NAME.fullmatch(path.name)))
 
 
+def chosen_frames(folder: Path, frames: slice | None, purpose: str) -> list[int]:
+    """Return the numbers of the frames in `folder` that a slice of numbers takes; None takes all.
+
+    purpose: what they are for, as in "nothing to export"
+
+    Errors: RunError if there are none.
+    """
+    have = frame_numbers(folder)
+    if not have:
+        raise RunError(f"{folder} holds no frames, so there is nothing to {purpose}.")
+    if frames is None:
+        return have
+    wanted = range(*frames.indices(have[-1] + 1))
+    chosen = [number for number in have if number in wanted]
+    if not chosen:
+        raise RunError(f"{folder} holds the frames {have[0]} to {have[-1]}, and none of those asked for.")
+    return chosen
+
+
 def frame_rate(numbers: Sequence[int], fps: int) -> Fraction:
     """Return how many of the frames `numbers` a simulated second has on average, of `fps` in all [1/s]."""
     if len(numbers) < 2:

@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO, cast
 
-_TEMPORARY = re.compile(r"\..+\.\d+(-\d+)?\.tmp", re.DOTALL)
+_TEMPORARY = re.compile(r"\..+\.\d+(-\d+)?\.(tmp|part\.\w+)", re.DOTALL)
 _KEPT = 40
 """Characters of a file's name in that of its temporary file, which must not become too long itself."""
 _NO_LINK = getattr(os, "O_NOFOLLOW", 0)
@@ -84,6 +84,18 @@ def temporary_of(path: Path) -> Iterator[Path]:
     except BaseException:
         _discard(temporary)
         raise
+
+
+@contextlib.contextmanager
+def made_by_library(path: Path) -> Iterator[Path]:
+    """Yield a path of the same ending for a library to write to, which then takes the place of `path`."""
+    with temporary_of(path) as temporary:
+        place = temporary.with_name(f".{temporary.stem.strip('.')}.part{path.suffix}")
+        try:
+            yield place
+            move(place, temporary)
+        finally:
+            remove(place)
 
 
 def move(path: Path, to: Path) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.geometry.heights import thinned, triangulated
 from neve.render.lighting import STEEL
 from neve.render.path_tracing.engine import bitmap, mitsuba, triangles
 from neve.render.path_tracing.textures import tile
@@ -23,6 +24,8 @@ WIDE = 1e3
 """Half of the side of an endless plane that is painted [m]."""
 SIDE = 512
 """Pixels along a texture's side."""
+MOST_HEIGHTS = 1024
+"""Samples of a height map along each side at most: a larger one is thinned."""
 
 
 class Materials:
@@ -97,7 +100,7 @@ def solid_shape(solid: Solid, position: Array, rotation: Array, bsdf: Any, name:
     vertices, faces = outline(solid)
     corners, normals = _creased(vertices, faces)
     reach = float(np.abs(vertices).max()) if not solid.endless else 1.0
-    places = _boxed(corners, faces_normals(corners), 1.0 / min(2.0, max(2.0 * reach, 1e-6)))
+    places = _boxed(corners, _face_normals(corners), 1.0 / min(2.0, max(2.0 * reach, 1e-6)))
     order = np.arange(len(corners)).reshape(-1, 3)
     return triangles(
         name, corners @ rotation.T + position, order, {"bsdf": bsdf}, normals @ rotation.T, places
@@ -124,22 +127,14 @@ def outline(solid: Solid) -> tuple[Array, NDArray[np.int64]]:
 
 def _field(heights: Array, size: tuple[float, float]) -> tuple[Array, NDArray[np.int64]]:
     """Return the triangles of a terrain; beyond its edge it goes on level, as far as can be seen."""
-    stride = max(1, max(heights.shape) // 1024)
-    heights = heights[::stride, ::stride]
-    x = np.linspace(-0.5, 0.5, heights.shape[0]) * size[0]
-    y = np.linspace(-0.5, 0.5, heights.shape[1]) * size[1]
+    x, y, z = thinned(heights, size, MOST_HEIGHTS)
     far = 50.0 * max(size)
     x, y = np.concatenate([[-far], x, [far]]), np.concatenate([[-far], y, [far]])
-    heights = np.pad(heights, 1, mode="edge")
-    u, v = np.meshgrid(x, y, indexing="ij")
-    i, j = np.meshgrid(np.arange(len(x) - 1), np.arange(len(y) - 1), indexing="ij")
-    a = (i * len(y) + j).ravel()
-    b, c, d = a + len(y), a + len(y) + 1, a + 1
-    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-    return np.stack([u, v, heights], -1).reshape(-1, 3), faces
+    corners, faces = triangulated(x, y, np.pad(z, 1, mode="edge"))
+    return corners, faces.astype(np.int64)
 
 
-def faces_normals(corners: Array) -> Array:
+def _face_normals(corners: Array) -> Array:
     """Return the unit normal of each triangle of `corners` (3 m, 3), (m, 3)."""
     a, b, c = corners[0::3], corners[1::3], corners[2::3]
     n = np.cross(b - a, c - a)
@@ -149,7 +144,7 @@ def faces_normals(corners: Array) -> Array:
 def _creased(vertices: Array, faces: NDArray[np.int64]) -> tuple[Array, Array]:
     """Return the corners of all faces (3 m, 3) and their normals: smooth, but for sharp edges."""
     corners = vertices[faces.ravel()]
-    flat = np.repeat(faces_normals(corners), 3, axis=0)
+    flat = np.repeat(_face_normals(corners), 3, axis=0)
     _, same = np.unique(np.round(vertices, 9), axis=0, return_inverse=True)
     at = same.ravel()[faces.ravel()]
     a, b, c = corners[0::3], corners[1::3], corners[2::3]
