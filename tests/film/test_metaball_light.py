@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from neve.render.path_tracing.lens import Lens
+from neve.render.path_tracing.looks import KINDS, Medium
 from neve.render.path_tracing.metaball_light import (
     G,
     _directions,
     _second,
     lit,
     metaballs_before,
+    together,
     transmitted,
 )
 from neve.render.path_tracing.optics import cornette_shanks
@@ -19,6 +21,7 @@ from neve.render.path_tracing.tracer import Layers
 from neve.scene.schema.scene import Camera, Light
 from neve.surface.metaballs import Metaballs, snow_balls
 
+WHITE = (0.985, 0.990, 0.995)
 NOON = Light(sun_elevation=90)
 
 
@@ -44,7 +47,7 @@ def test_second_scattering_goes_forward():
     ratio of the phase function at 0 and 180 degrees; none is below zero."""
     once = np.zeros((7, 7, 7), np.float32)
     once[3, 3, 3] = 1.0
-    found = _second(once, np.array([0.0, 0.0, 1.0]), 20.0, 0.05)
+    found = _second(once, np.array([0.0, 0.0, 1.0]), Medium(20.0, WHITE), 0.05)
     ratio = cornette_shanks(1.0, G) / cornette_shanks(-1.0, G)
     assert found[3, 3, 2] / found[3, 3, 4] == pytest.approx(float(ratio), rel=1e-4)
     assert found.min() >= 0.0
@@ -54,7 +57,7 @@ def test_sun_is_brighter_on_top_of_snow_than_below():
     """Light falls with the depth below the surface, steadily, and all of it is gone below a thick layer."""
     h = 0.1
     x = np.stack(np.meshgrid(*[np.arange(10)] * 3, indexing="ij"), -1).reshape(-1, 3) * h
-    found = lit(snow_balls(x, h), 30.0, NOON, np.array([0.0, -5.0, 1.0]))
+    found = lit(snow_balls(x, h), Medium(30.0, WHITE), NOON, np.array([0.0, -5.0, 1.0]))
     middle = tuple(n // 2 for n in found.sun.shape[:2])
     column = found.sun[middle]
     inside = column[3:-3]
@@ -70,8 +73,33 @@ def test_thick_snow_hides_what_lies_behind():
     red = np.zeros((24, 24, 3), np.float32)
     red[..., 0] = 1.0
     behind = Layers(0 * red, red, red, red, np.full((24, 24), 6.0, np.float32))
-    seen = metaballs_before(behind, snow_balls(x, h), 60.0, NOON, lens).sun
+    medium = Medium(60.0, WHITE)
+    seen = metaballs_before(behind, snow_balls(x, h), medium, NOON, lens).sun
     assert seen[0, 0] == pytest.approx([1.0, 0.0, 0.0], abs=1e-6)
     middle = seen[12, 12]
     assert middle[2] > 0.5 * middle[0] > 0.0
-    assert metaballs_before(behind, snow_balls(x[:0], h), 60.0, NOON, lens).sun == pytest.approx(red)
+    assert metaballs_before(behind, snow_balls(x[:0], h), medium, NOON, lens).sun == pytest.approx(red)
+
+
+def test_darker_snow_is_darker_as_metaballs():
+    """The albedo of the kind of snow counts: each colour of wet snow sends back less than that of fresh."""
+    h = 0.1
+    x = np.stack(np.meshgrid(*[np.arange(6)] * 3, indexing="ij"), -1).reshape(-1, 3) * h - 0.25
+    lens = Lens(Camera(position=(0, -4, 0), target=(0, 0, 0), fov=12), 16, 16)
+    dark = np.zeros((16, 16, 3), np.float32)
+    behind = Layers(dark, dark, dark, dark, np.full((16, 16), 6.0, np.float32))
+    fresh, wet = (
+        metaballs_before(behind, snow_balls(x, h), Medium(60.0, KINDS[kind].albedo), NOON, lens).sun[8, 8]
+        for kind in ("fresh", "wet")
+    )
+    assert np.all(wet < fresh)
+
+
+def test_a_crumb_far_away_does_not_widen_the_box():
+    """A lone particle outside the box of the rest is left out, one inside is not, nor is snow of loners."""
+    h = 0.1
+    x = np.stack(np.meshgrid(*[np.arange(6)] * 3, indexing="ij"), -1).reshape(-1, 3) * h
+    both = np.concatenate([x, x + np.array([3.0, 0.0, 0.0]), [[1.5, 0.2, 0.2]]])
+    far = np.concatenate([both, [[0.0, 0.0, 90.0]]])
+    assert np.array_equal(together(far, h), both)
+    assert np.array_equal(together(far[-2:], h), far[-2:])

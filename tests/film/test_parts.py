@@ -47,8 +47,8 @@ def test_flakes_go_with_their_particles():
     h = 0.1
     x = (np.stack(np.meshgrid(*[np.arange(8)] * 3, indexing="ij"), -1).reshape(-1, 3) * h).astype(np.float32)
     id = np.arange(len(x))
-    here = snow_geometry(x, id, lumps(x, h), h, 8, 2000, 0.4).flakes
-    there = snow_geometry(x + np.float32(0.8), id, lumps(x, h), h, 8, 2000, 0.4).flakes
+    here = snow_geometry(x, id, lumps(x, h), h, 8, 0.98, 0.4).flakes
+    there = snow_geometry(x + np.float32(0.8), id, lumps(x, h), h, 8, 0.98, 0.4).flakes
     common, a, b = np.intersect1d(here.names, there.names, return_indices=True)
     assert len(common) > 0.98 * len(here.names) > 100
     assert np.abs(there.centres[b] - here.centres[a] - 0.8).max() < 1e-4

@@ -8,6 +8,9 @@ import pytest
 from PIL import Image
 
 from neve.cli import main
+from neve.cli.render import Told
+from neve.film.pictures import exr_key, png_key
+from neve.io.frames import read_frame, write_frame
 from neve.run import run_scene
 from neve.scene.schema.scene import Camera, Collider, Numerics, Run, Scene, Source
 
@@ -57,6 +60,9 @@ def code(*arguments):
         (("--set", "camera.fov=0"), "camera.fov"),
         (("--aperture", "-1"), "is not a radius"),
         (("--spp", "0"), "--spp: 0 is not a whole number of 1 or more"),
+        (("--frames", "3:999999999"), "holds the frames 0 to 2, and none of those asked for"),
+        (("--look", "metaballs", "--aperture", "0.1"), "the look metaballs is drawn through a pinhole"),
+        (("--look", "reference", "--snow", "wet"), "the look reference is made of the snow of Stomakhin"),
     ],
 )
 def test_wrong_arguments_are_one_sentence(folder, capsys, arguments, said):
@@ -98,6 +104,78 @@ def test_pictures_are_kept_and_made_again_where_they_must(folder, capsys):
         assert code("render", folder, *SMALL, *arguments) == 0
         assert f": {new} new pictures" in capsys.readouterr().out
     assert (folder / "render/000001.png").read_bytes() == before
+
+
+@needs_mitsuba
+def test_light_is_never_that_of_another_picture(folder):
+    """An EXR goes when its PNG is made anew without one, stays with the picture that it belongs to, and is
+    made where it lacks."""
+    linear, camera = folder / "render/000000.exr", ("--set", "camera.fov=31")
+    for arguments, there in (
+        (("--exr",), True),
+        ((), True),
+        (camera, False),
+        ((*camera, "--exr"), True),
+        ((), False),
+        (("--exr",), True),
+    ):
+        assert code("render", folder, *SMALL, "--frame", "0", *arguments) == 0
+        assert linear.exists() is there
+    key = png_key(linear.with_suffix(".png"))
+    assert exr_key(linear) == key is not None
+
+
+@needs_mitsuba
+def test_files_of_others_stay(folder, capsys):
+    """A picture of another maker is refused before any is made; what a killed render left goes."""
+    out = folder / "mine"
+    out.mkdir()
+    Image.new("RGB", (4, 4)).save(out / "000001.png")
+    mine = (out / "000001.png").read_bytes()
+    left = out / ".000000.exr.12-3.part.exr"
+    left.write_bytes(b"half")
+    assert code("render", folder, *SMALL, "--out", out) == 2
+    assert "000001.png is no picture that neve render made" in capsys.readouterr().err
+    assert [path.name for path in out.iterdir()] == ["000001.png"]
+    assert (out / "000001.png").read_bytes() == mine
+
+
+@needs_mitsuba
+def test_a_film_of_some_frames_is_not_the_film(folder):
+    """It has their numbers in its name, and the film of all frames stays."""
+    assert code("render", folder, *SMALL) == 0
+    whole = (folder / "render/render.mp4").read_bytes()
+    assert code("render", folder, *SMALL, "--frames", "1:") == 0
+    assert (folder / "render/render_000001-000002.mp4").is_file()
+    assert (folder / "render/render.mp4").read_bytes() == whole
+
+
+@needs_mitsuba
+def test_a_frame_with_other_solids_is_one_sentence(folder, capsys):
+    """Poses belong to the solids of the scene, one each."""
+    content = read_frame(folder / "frames", 1)
+    write_frame(
+        folder / "frames",
+        1,
+        content._replace(
+            solid_position=content.solid_position[:1], solid_rotation=content.solid_rotation[:1]
+        ),
+    )
+    assert code("render", folder, *SMALL, "--frame", "1") == 2
+    assert "000001.npz has 1 solids, and the scene of the run 2" in capsys.readouterr().err
+
+
+def test_time_left_is_that_of_new_pictures(monkeypatch, capsys):
+    """Two kept and two made in 20 s, six to go: a minute; while none is new nothing is known."""
+    now = iter([0.0, 0.1, 20.0])
+    monkeypatch.setattr("time.monotonic", lambda: next(now))
+    told = Told(quiet=False)
+    told(2, 10, 0)
+    told(4, 10, 2)
+    monkeypatch.undo()
+    first, second = capsys.readouterr().err.splitlines()
+    assert first == "render: picture 2 of 10"
+    assert second == "render: picture 4 of 10, 1:00 min left"
 
 
 @needs_mitsuba

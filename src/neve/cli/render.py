@@ -43,14 +43,14 @@ class Told:
         self._quiet, self._begin = quiet, time.monotonic()
         self._stream = Steady(sys.stderr)
 
-    def __call__(self, done: int, of: int) -> None:
-        """Show that `done` pictures of so many are there."""
+    def __call__(self, done: int, of: int, new: int) -> None:
+        """Show that `done` pictures of so many are there, `new` of them made just now."""
         if self._quiet:
             return
         from neve.run.progress import duration
 
         passed = time.monotonic() - self._begin
-        left = f", {duration(passed / done * (of - done))} left" if done < of else ""
+        left = f", {duration(passed / new * (of - done))} left" if new and done < of else ""
         with contextlib.suppress(OSError):
             self._stream.write(f"render: picture {done} of {of}{left}\n")
             self._stream.flush()

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.build import solids as solids_of
+from neve.film.pictures import exr_key, png_key, read_png, refuse_strangers, write_exr, write_png
 from neve.geometry.pose import Pose
-from neve.io.atomic import replacing, writing
+from neve.io.atomic import writing
 from neve.io.errors import RunError
-from neve.io.frames import Frame, frame_numbers, frame_path, frame_rate, read_frame
+from neve.io.frames import Frame, chosen_frames, frame_numbers, frame_path, frame_rate, read_frame
 from neve.io.npz import mark_of
 from neve.io.run_folder import RunFolder
 from neve.render.path_tracing.develop import coded, has_denoiser
@@ -29,15 +30,15 @@ if TYPE_CHECKING:
 
 FOLDER = "render"
 FILM = "render.mp4"
-FORMAT = 1
+PART = "render_{:06d}-{:06d}.mp4"
+"""Name of a film of some frames, by the first and the last: it takes the place of no film of all."""
+FORMAT = 2
 """Changes when the same choices give another picture."""
-KEY = "neve-render"
-"""Name of the text in a picture that says what it was made from."""
 CHANGEABLE = ("camera", "light")
 """Tables of the scene that may be changed once the snow has moved."""
 
-Progress = Callable[[int, int], None]
-"""Called after each picture: how many are there, and how many are asked for."""
+Progress = Callable[[int, int, int], None]
+"""Called after each picture: how many are there, how many are asked for, and how many are new."""
 
 
 def render_run(
@@ -49,12 +50,13 @@ def render_run(
     exr: bool = False,
     force: bool = False,
     threads: int = 0,
-    progress: Progress = lambda done, of: None,
+    progress: Progress = lambda done, of, new: None,
 ) -> tuple[Path, int]:
     """Render frames of the run folder `path`; return what was made and how many pictures are new.
 
     A picture that is there already, of the same frame with the same choices, is kept unless `force`. With
-    more than one frame a film is made of them at the end. Returns the film, or the picture of a single frame.
+    more than one frame a film is made of them at the end, "render.mp4" if they are all of the run's and else
+    with their numbers in its name. Returns the film, or the picture of a single frame.
 
     out: folder of the pictures, by default "render" in the run folder
     frames: numbers from start to stop, without stop, by step; None for all
@@ -73,7 +75,8 @@ def render_run(
             raise RunError(
                 f"--set {change}: a run that is there can change its {' and '.join(CHANGEABLE)} alone."
             )
-    numbers = _chosen(run, frames)
+    choices.check()
+    numbers = chosen_frames(run.frames, frames, "render")
     scene = load(run.path, changes)
     mitsuba()  # whoever lacks it is told before anything is written
     target = Path(out) if out is not None else run.path / FOLDER
@@ -82,9 +85,12 @@ def render_run(
     job = _Job(run, scene, choices, target, exr, threads)
     new = 0
     with RunFolder(target).lock():
+        with writing(target):
+            disk.sweep(target)
+        job.refuse_strangers(numbers)
         for done, number in enumerate(numbers):
             new += job.picture(number, force)
-            progress(done + 1, len(numbers))
+            progress(done + 1, len(numbers), new)
         if len(numbers) == 1:
             return job.path(numbers[0]), new
         return job.film(numbers), new
@@ -104,36 +110,52 @@ class _Job:
     def path(self, number: int) -> Path:
         return self._target / f"{number:06d}.png"
 
+    def refuse_strangers(self, numbers: Sequence[int]) -> None:
+        """Refuse to write over files of another maker. Errors: RunError."""
+        for number in numbers:
+            refuse_strangers(self.path(number))
+            if self._exr:
+                refuse_strangers(self.path(number).with_suffix(".exr"))
+
     def picture(self, number: int, force: bool) -> bool:
         """Make the picture of a frame; return whether it is new."""
         path, key = self.path(number), self._key(number)
         linear = path.with_suffix(".exr")
-        if not force and _key_of(path) == key and (linear.exists() or not self._exr):
+        if exr_key(linear) not in (None, key):  # it would pass for the light of the new picture
+            with writing(linear):
+                disk.remove(linear)
+        if not force and png_key(path) == key and (not self._exr or exr_key(linear) == key):
             return False
         light = self._light(read_frame(self._run.frames, number), number)
         if self._exr:
-            with writing(linear), disk.temporary_of(linear) as temporary:
-                mitsuba().Bitmap(light).write(str(temporary.with_suffix(".exr")))
-                temporary.with_suffix(".exr").replace(temporary)
-        _write_png(path, coded(light), key)
+            write_exr(linear, light, key)
+        write_png(path, coded(light), key)
         return True
 
     def film(self, numbers: Sequence[int]) -> Path:
         """Join the pictures to a film that plays as fast as the snow moved."""
         from neve.render.film import Film
 
-        path = self._target / FILM
+        whole = [*numbers] == frame_numbers(self._run.frames)
+        path = self._target / (FILM if whole else PART.format(numbers[0], numbers[-1]))
         film = Film(path, frame_rate(numbers, self._scene.run.fps), self._choices.all.size)
         for number in numbers:
-            film.add(_read_png(self.path(number)))
+            film.add(read_png(self.path(number)))
         film.close()
         return path
 
     def _light(self, content: Frame, number: int) -> NDArray[np.float32]:
         if self._tracer is None:
-            first = read_frame(self._run.frames, frame_numbers(self._run.frames)[0])
-            self._tracer = PathTracer(self._scene, self._choices, first.id, first.x, self._threads)
-        poses = zip(self._solids, content.solid_position, content.solid_rotation, strict=False)
+            numbers = frame_numbers(self._run.frames)
+            first, last = (read_frame(self._run.frames, n) for n in (numbers[0], numbers[-1]))
+            most = max(len(first.x), len(last.x))  # a source that flows has its most at the end
+            self._tracer = PathTracer(self._scene, self._choices, first.id, first.x, most, self._threads)
+        if len(content.solid_position) != len(self._solids):
+            raise RunError(
+                f"{frame_path(self._run.frames, number)} has {len(content.solid_position)} solids, and the"
+                f" scene of the run {len(self._solids)}: it is a frame of another run."
+            )
+        poses = zip(self._solids, content.solid_position, content.solid_rotation, strict=True)
         placed = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in poses]
         return self._tracer.draw(content.x, content.id, placed, number)
 
@@ -150,47 +172,3 @@ class _Job:
             "denoise": self._choices.denoise and has_denoiser(),
         }
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
-
-
-def _chosen(run: RunFolder, frames: slice | None) -> list[int]:
-    """Return the numbers of the frames to render. Errors: RunError if there are none."""
-    have = frame_numbers(run.frames)
-    if not have:
-        raise RunError(f"{run.frames} holds no frames, so there is nothing to render.")
-    if frames is None:
-        return have
-    stop = have[-1] + 1 if frames.stop is None else frames.stop
-    found = sorted({*have} & {*range(frames.start or 0, stop, frames.step or 1)})
-    if not found:
-        raise RunError(f"{run.frames} holds the frames {have[0]} to {have[-1]}, and none of those asked for.")
-    return found
-
-
-def _write_png(path: Path, image: NDArray[np.uint8], key: str) -> None:
-    from PIL import Image
-    from PIL.PngImagePlugin import PngInfo
-
-    info = PngInfo()
-    info.add_text(KEY, key)
-    with replacing(path) as file:
-        Image.fromarray(image).save(file, format="png", pnginfo=info)
-
-
-def _key_of(path: Path) -> str | None:
-    """Return what a picture says of itself; None for one that is missing, damaged or of another maker."""
-    from PIL import Image
-
-    try:
-        with Image.open(path) as image:
-            image.load()
-            found = getattr(image, "text", {}).get(KEY)
-    except (OSError, SyntaxError, ValueError):
-        return None
-    return found if isinstance(found, str) else None
-
-
-def _read_png(path: Path) -> NDArray[np.uint8]:
-    from PIL import Image
-
-    with writing(path), Image.open(path) as image:
-        return np.asarray(image.convert("RGB"))

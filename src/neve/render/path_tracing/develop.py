@@ -34,8 +34,10 @@ SURFACE = 0.9
 """Exposure of a white surface over that of a volume, which sends less of a low sun straight back."""
 KNEE, ROOM = 0.55, 0.41
 """Light up to which pictures are linear, and what the shoulder adds to it at most."""
-SNOW_WHITE = 0.72
-"""Albedo from which what is seen counts as snow."""
+SPARK = 1.5
+"""Light that is never taken for a spark of noise, in units of white."""
+SHADE = 0.25
+"""Light of a pixel below which it lies in shadow, where nothing glints."""
 
 
 def has_denoiser() -> bool:
@@ -58,22 +60,22 @@ def develop(
 
     light: of the picture; daylight: what it is exposed for; dx: of the snow's grid [m]; clean: denoise.
     """
-    if layers.albedo is None or layers.normal is None or layers.depth is None or layers.sky is None:
-        total = _clamped(layers.sun)
-        seen = _cleaned(total, None, None, GRAIN["other"]) if clean else total
-    else:
-        seen = np.zeros_like(layers.sun)
-        snow = np.clip((layers.albedo.min(axis=2) - SNOW_WHITE) / 0.1, 0.0, 1.0)
-        wide = SPREAD * dx * kind.clarity * lens.focal
-        radius = np.asarray(wide / np.maximum(layers.depth, 1e-3 * lens.distance), np.float32)
-        for part in (layers.sun, layers.sky):
-            whole = _clamped(part)
-            smooth = denoised(whole, layers.albedo, layers.normal) if clean else whole
-            spread_out = spread(smooth, snow, layers.depth, radius, SPREAD * dx)
-            seen += spread_out + GRAIN["diffuse"] * snow[..., None] * (whole - smooth)
     scale, balance = exposure(daylight)
     if layers.sky is not None:
         scale *= SURFACE
+    white = 1.0 / (scale * float(balance.min()))
+    if layers.snow is None or layers.depth is None or layers.sky is None:
+        total = _clamped(layers.sun, white)
+        seen = _cleaned(total, None, None, GRAIN["other"]) if clean else total
+    else:
+        seen = np.zeros_like(layers.sun)
+        wide = SPREAD * dx * kind.clarity * lens.focal
+        radius = np.asarray(wide / np.maximum(layers.depth, 1e-3 * lens.distance), np.float32)
+        for part in (layers.sun, layers.sky):
+            whole = _clamped(part, white)
+            smooth = denoised(whole, layers.albedo, layers.normal) if clean else whole
+            spread_out = spread(smooth, layers.snow, layers.depth, radius, SPREAD * dx)
+            seen += spread_out + GRAIN["diffuse"] * layers.snow[..., None] * (whole - smooth)
     out = np.maximum(seen, 0.0) * (scale * balance).astype(np.float32)
     if layers.flakes is not None and kind.sparkle:
         _glint(out, layers, lens, light, kind.sparkle)
@@ -129,9 +131,12 @@ def _cleaned(image: Floats, albedo: Floats | None, normal: Floats | None, grain:
     return smooth + grain * (image - smooth)
 
 
-def _clamped(image: Floats) -> Floats:
-    """Return the image without the brightest sparks: at most 1.3 of the 99.7th percentile."""
-    most = 1.3 * np.percentile(image.max(axis=2), 99.7)
+def _clamped(image: Floats, white: float) -> Floats:
+    """Return the image without the brightest sparks: at most 1.3 of the 99.7th percentile, or SPARK white.
+
+    The second keeps little snow before dark ground as bright as it is. white: light that is shown as 1.
+    """
+    most = max(1.3 * float(np.percentile(image.max(axis=2), 99.7)), SPARK * white)
     peak = np.maximum(image.max(axis=2, keepdims=True), 1e-12)
     return np.asarray(image * np.minimum(most / peak, 1.0), np.float32)
 
@@ -167,9 +172,9 @@ def _glint(out: Floats, layers: Layers, lens: Lens, light: Light, strength: floa
     else:
         bright = bright[seen]
     lit = out[r, q] @ LUMINANCE.astype(np.float32)
-    np.maximum.at(
-        out, (r, q), (np.clip(lit - 0.25, 0.0, 1.0) * (1.0 + 1.6 * strength * bright))[:, None] + 0.25
-    )
+    r, q, bright, lit = (values[lit > SHADE] for values in (r, q, bright, lit))
+    shine = SHADE + np.minimum(lit - SHADE, 1.0) * (1.0 + 1.6 * strength * bright)
+    np.maximum.at(out, (r, q), shine[:, None])
 
 
 def _whole(image: NDArray[Any]) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 VARIANT = "scalar_rgb"
-"""As fast here as the variant for LLVM, which ends the whole process with the LLVM of some systems."""
+"""It needs no LLVM: the variant for that ends the whole process with the LLVM of some systems."""
 
 
 class RenderError(RuntimeError):

@@ -95,8 +95,8 @@ made isotropic or as published; metaballs: balls of density, lit as in Nishita e
 class Quality:
     """Hold what a picture may cost.
 
-    look: unless another is chosen. samples: paths for each pixel, of each pass. bounces: of light.
-    grains, flakes: how many may be drawn. across: size of a grain [px]. size: of the picture [px]
+    look: unless another is chosen. samples: paths for each pixel, of each pass. bounces: of light at
+    surfaces. grains, flakes: how many may be drawn. across: size of a grain [px]. size: of the picture [px]
     """
 
     look: str
@@ -111,6 +111,6 @@ class Quality:
 QUALITIES = {
     "draft": Quality("diffuse", 4, 5, 1_600_000, 150_000, 1.3, (640, 360)),
     "good": Quality("diffuse", 8, 10, 8_000_000, 1_000_000, 1.1, (1280, 720)),
-    "final": Quality("medium", 20, 256, 8_000_000, 1_000_000, 1.1, (1280, 720)),
+    "final": Quality("medium", 20, 12, 8_000_000, 1_000_000, 1.1, (1280, 720)),
 }
 """How well pictures are drawn, by their word."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +20,13 @@ from numpy.typing import NDArray
 from neve.render.lighting import sun_color, sun_direction
 from neve.render.path_tracing.daylight import sky_toward
 from neve.render.path_tracing.optics import cornette_shanks
+from neve.surface.grains import loneliness
 from neve.surface.metaballs import Metaballs
 
 if TYPE_CHECKING:
     from neve._surface import Field
     from neve.render.path_tracing.lens import Lens
+    from neve.render.path_tracing.looks import Medium
     from neve.render.path_tracing.tracer import Layers
     from neve.scene.schema.scene import Light
 
@@ -33,7 +35,6 @@ Floats = NDArray[np.float32]
 
 G = 0.5
 """Mean forwardness of a scattering (the g of Cornette and Shanks)."""
-ALBEDO = np.array([0.985, 0.990, 0.995])
 HIGHER = 5.0
 """Light of all orders over that of the first two, in thick snow: what the exposure makes up for."""
 PATTERN = 2
@@ -61,8 +62,20 @@ class Lit:
     sky: Floats
 
 
-def lit(balls: Metaballs, extinction: float, light: Light, eye: Array) -> Lit:
-    """Return the light in balls of density seen from `eye` (3,) [m]. extinction: of packed snow [1/m]."""
+def together(x: NDArray[Any], spacing: float) -> NDArray[Any]:
+    """Return the particles (m, 3) of `x` (n, 3) [m] without the lone ones outside the box of all others.
+
+    The light is found in one box, and a crumb that has flown far away would make its cells large.
+    """
+    others = x[loneliness(x, spacing) < 1.0]
+    if not len(others):
+        return x
+    return np.asarray(x[((x >= others.min(axis=0)) & (x <= others.max(axis=0))).all(axis=1)])
+
+
+def lit(balls: Metaballs, medium: Medium, light: Light, eye: Array) -> Lit:
+    """Return the light in balls of density seen from `eye` (3,) [m]. medium: packed snow."""
+    extinction = medium.extinction
     centres = balls.centres
     low = centres.min(axis=0) - balls.radius
     size = centres.max(axis=0) + balls.radius - low
@@ -78,7 +91,7 @@ def lit(balls: Metaballs, extinction: float, light: Light, eye: Array) -> Lit:
     toward = np.asarray(sun_direction(light))
     sun[full] = transmitted(field, grid[full], toward, extinction, cell, reach)
     once = (rho * sun).reshape(shape)
-    sun = sun.reshape(shape) + _second(once, toward, extinction, cell)
+    sun = sun.reshape(shape) + _second(once, toward, medium, cell)
     sky = np.zeros((len(grid), 3), np.float32)
     view = eye - grid[full]
     view /= np.linalg.norm(view, axis=1, keepdims=True)
@@ -107,7 +120,7 @@ def transmitted(
     return np.asarray(np.exp(-depth))
 
 
-def composed(found: Lit, extinction: float, light: Light, lens: Lens, behind: Layers) -> Floats:
+def composed(found: Lit, medium: Medium, light: Light, lens: Lens, behind: Layers) -> Floats:
     """Return the picture (h, w, 3), linear: snow before what lies behind, whose light it takes away."""
     right, up, forward = lens.axes
     rows, columns = np.mgrid[0 : lens.height, 0 : lens.width] + 0.5
@@ -121,7 +134,7 @@ def composed(found: Lit, extinction: float, light: Light, lens: Lens, behind: La
     hit = np.flatnonzero(np.minimum(far, depth) > near)
     out, left = np.zeros((len(rays), 3)), np.ones(len(rays))
     light_in, through = _marched(
-        found, extinction, light, lens.eye, rays[hit], near[hit], np.minimum(far, depth)[hit]
+        found, medium, light, lens.eye, rays[hit], near[hit], np.minimum(far, depth)[hit]
     )
     out[hit], left[hit] = HIGHER * light_in, through
     solid = np.flatnonzero(np.isfinite(depth) & (depth < 50.0 * lens.distance))
@@ -129,19 +142,19 @@ def composed(found: Lit, extinction: float, light: Light, lens: Lens, behind: La
     ground = (lens.eye + rays[solid] * depth[solid, None]).astype(np.float32)
     reach = float(np.linalg.norm(np.array(found.sun.shape) * found.cell)) + 2.0 * lens.distance
     sun[solid] = transmitted(
-        found.field, ground, np.asarray(sun_direction(light)), extinction, found.cell, reach
+        found.field, ground, np.asarray(sun_direction(light)), medium.extinction, found.cell, reach
     )
     back = behind.sun.reshape(-1, 3) * sun[:, None] + behind.sky.reshape(-1, 3)
     return (out + left[:, None] * back).reshape(lens.height, lens.width, 3).astype(np.float32)
 
 
 def _marched(
-    found: Lit, extinction: float, light: Light, eye: Array, rays: Array, near: Array, far: Array
+    found: Lit, medium: Medium, light: Light, eye: Array, rays: Array, near: Array, far: Array
 ) -> tuple[Array, Array]:
     """Return the light scattered into rays (n, 3) between near and far [m] and the share that passes (n,)."""
     from scipy.ndimage import map_coordinates
 
-    toward = np.asarray(sun_direction(light))
+    toward, albedo = np.asarray(sun_direction(light)), np.asarray(medium.albedo)
     phase = cornette_shanks(rays @ toward, G)
     sun = np.asarray(sun_color(light)) * math.pi
     total, left = np.zeros((len(rays), 3)), np.ones(len(rays))
@@ -168,14 +181,14 @@ def _marched(
             ],
             axis=1,
         )
-        passed = np.exp(-extinction * step * rho)
-        source = ALBEDO * (phase[now, None] * direct[:, None] * sun + sky)
+        passed = np.exp(-medium.extinction * step * rho)
+        source = albedo * (phase[now, None] * direct[:, None] * sun + sky)
         total[now] += (left[now] * (1.0 - passed))[:, None] * source
         left[now] *= passed
     return total, left
 
 
-def _second(once: Floats, toward: Array, extinction: float, cell: float) -> Floats:
+def _second(once: Floats, toward: Array, medium: Medium, cell: float) -> Floats:
     """Return the light that arrives scattered once, in units of the sun's, from cells around.
 
     S2(x) = sum_q sigma_s rho T_sun (x + q) p(cos) e^{-sigma_t |q| / 2} cell^3 / |q|^2, with the angle between
@@ -188,9 +201,9 @@ def _second(once: Floats, toward: Array, extinction: float, cell: float) -> Floa
     far = np.linalg.norm(q, axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         cosine = (q @ toward) / far  # light travels along -toward, and from x + q to x along -q
-        weight = cornette_shanks(cosine, G) * np.exp(-0.5 * extinction * far) * cell**3 / far**2
+        weight = cornette_shanks(cosine, G) * np.exp(-0.5 * medium.extinction * far) * cell**3 / far**2
     weight[far == 0] = 0.0
-    scattering = extinction * float(ALBEDO.mean())
+    scattering = medium.extinction * sum(medium.albedo) / 3.0
     # What the sum cannot resolve, the cell itself, is a ball of the same volume around the place.
     own = 1.0 - math.exp(-scattering * cell * (3.0 / (4.0 * math.pi)) ** (1.0 / 3.0))
     total = correlate(once, (scattering * weight).astype(np.float32), mode="constant")
@@ -215,14 +228,11 @@ def _clipped(found: Lit, eye: Array, rays: Array) -> tuple[Array, Array]:
     return np.maximum(near, 0.0), np.maximum(a, b).min(axis=1)
 
 
-def metaballs_before(behind: Layers, balls: Metaballs, extinction: float, light: Light, lens: Lens) -> Layers:
-    """Return the layers of a picture with metaballs before what lies behind.
-
-    extinction: of packed snow [1/m].
-    """
+def metaballs_before(behind: Layers, balls: Metaballs, medium: Medium, light: Light, lens: Lens) -> Layers:
+    """Return the layers of a picture with metaballs before what lies behind; medium: packed snow."""
     seen = behind.sun
     if len(balls.centres):
-        seen = composed(lit(balls, extinction, light, lens.eye), extinction, light, lens, behind)
+        seen = composed(lit(balls, medium, light, lens.eye), medium, light, lens, behind)
     elif behind.sky is not None:
         seen = seen + behind.sky
-    return replace(behind, sun=seen, sky=None, albedo=None, normal=None)
+    return replace(behind, sun=seen, sky=None, albedo=None, normal=None, snow=None)

@@ -10,10 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.render.path_tracing.develop import develop
+from neve.render.path_tracing.engine import RenderError
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.looks import KINDS, QUALITIES, Quality
-from neve.render.path_tracing.metaball_light import metaballs_before
-from neve.render.path_tracing.snow import NOTHING, SnowGeometry, grain_count, lumps, snow_geometry
+from neve.render.path_tracing.metaball_light import metaballs_before, together
+from neve.render.path_tracing.snow import (
+    NOTHING,
+    SnowGeometry,
+    flake_share,
+    grain_count,
+    lumps,
+    snow_geometry,
+)
 from neve.render.path_tracing.tracer import Layers, Tracer
 from neve.surface.metaballs import snow_balls
 
@@ -44,6 +52,17 @@ class Choices:
     aperture: float = 0.0
     denoise: bool = True
 
+    def check(self) -> None:
+        """Refuse what the look would not show. Errors: RenderError."""
+        look = self.all.look
+        if look == "metaballs" and self.aperture:
+            raise RenderError("--aperture: the look metaballs is drawn through a pinhole; leave it out.")
+        if look in ("reference", "fast") and self.kind not in ("fresh", "blue_hour"):
+            raise RenderError(
+                f"--snow {self.kind}: the look {look} is made of the snow of Stomakhin et al. 2013; leave it"
+                " out, or choose the look medium or diffuse."
+            )
+
     @property
     def all(self) -> Quality:
         """The quality, with what was chosen besides."""
@@ -60,13 +79,19 @@ class PathTracer:
     """Draw frames of one run.
 
     What a particle is drawn as depends on its id and on its place in the first frame, how finely on the
-    scene and the number of particles then: nothing changes from one frame to the next but what moves.
+    scene and the most particles that a frame has: nothing changes from one frame to the next but what moves.
     """
 
     def __init__(
-        self, scene: Scene, choices: Choices, first_id: NDArray[Any], first_x: NDArray[Any], threads: int = 0
+        self,
+        scene: Scene,
+        choices: Choices,
+        first_id: NDArray[Any],
+        first_x: NDArray[Any],
+        most: int,
+        threads: int = 0,
     ) -> None:
-        """Prepare. first_id (n,), first_x (n, 3) [m]: the particles of the first frame.
+        """Prepare. first_id (n,), first_x (n, 3) [m]: particles of the first frame; most: that a frame has.
 
         Errors: RenderError without Mitsuba.
         """
@@ -74,9 +99,8 @@ class PathTracer:
         self._scene, self._choices, self._kind = scene, choices, KINDS[choices.kind]
         self._lens = Lens(scene.camera, *self.quality.size, aperture=choices.aperture)
         spacing = scene.numerics.spacing
-        self.count = grain_count(
-            spacing, self._lens.pixel, len(first_x), self.quality.grains, self.quality.across
-        )
+        self.count = grain_count(spacing, self._lens.pixel, most, self.quality.grains, self.quality.across)
+        self._flakes = flake_share(int(self.quality.flakes * self._kind.flakes), self.count * most)
         order = np.argsort(first_id)
         self._names, self._weights = first_id[order], lumps(first_x, spacing)[order]
         self._tracer = Tracer(scene, self._lens, self.quality, self.quality.look, self._kind, threads)
@@ -106,10 +130,9 @@ class PathTracer:
         if self.quality.look != "metaballs":
             return self._tracer.trace(self.geometry(x, id), solids, samples, seed)
         behind = self._tracer.trace(NOTHING, solids, samples, seed)
-        balls = snow_balls(x, self._scene.numerics.spacing)
-        return metaballs_before(
-            behind, balls, self._tracer.medium().extinction, self._tracer.light, self._lens
-        )
+        spacing = self._scene.numerics.spacing
+        balls = snow_balls(together(x, spacing), spacing)
+        return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, self._lens)
 
     def geometry(self, x: NDArray[Any], id: NDArray[Any]) -> SnowGeometry:
         """Return the snow of a frame as it is drawn."""
@@ -120,7 +143,7 @@ class PathTracer:
             self._weights_of(id),
             self._scene.numerics.spacing,
             self.count,
-            int(self.quality.flakes * self._kind.flakes),
+            self._flakes,
             size * self._kind.flake_size,
         )
 

@@ -77,19 +77,28 @@ def grain_count(spacing: float, pixel: float, particles: int, most: int, across:
     return int(max(1.0, min(wanted, 125.0, most / max(particles, 1))))
 
 
+def flake_share(most: int, grains: int) -> float:
+    """Return the share of flakes of which about `most` are drawn, if half of the `grains` lie at the surface.
+
+    It is that of a whole run: a share that followed each frame would take flakes away as snow flows in.
+    """
+    return min(1.0, most / max(0.5 * grains, 1.0))
+
+
 def snow_geometry(
     x: NDArray[Any],
     id: NDArray[Any],
     weights: NDArray[Any] | None,
     spacing: float,
     count: int,
-    flakes: int,
+    flakes: float,
     flake_size: float,
 ) -> SnowGeometry:
     """Return the surface and the flakes of a frame.
 
     x (n, 3) [m], finite; id (n,); weights (n,): see `lumps`; spacing [m]; count: grains of a particle;
-    flakes: about how many there may be; flake_size: their mean radius in grain sizes.
+    flakes: share of those at the surface that are drawn, see `flake_share`; flake_size: their mean radius
+    in grain sizes.
     """
     grains = grains_of(x, id, spacing, count)
     field = snow_field(grains, weights)
@@ -97,13 +106,12 @@ def snow_geometry(
     return SnowGeometry(surface, _flakes(grains, id, field, flakes, flake_size), grains.size)
 
 
-def _flakes(grains: Grains, id: NDArray[Any], field: Any, most: int, size: float) -> Flakes:
+def _flakes(grains: Grains, id: NDArray[Any], field: Any, share: float, size: float) -> Flakes:
     """Choose the flakes: grains at the surface, those whose random number is below a share that is the same
     in all frames."""
     first = np.asarray(id, np.uint64)[:, None] * np.uint64(512)
     each = np.asarray(first + np.arange(grains.count, dtype=np.uint64), np.uint64).ravel()
     names = hashed(each.astype(np.uint32) ^ (each >> np.uint64(32)).astype(np.uint32))
-    share = min(1.0, most / max(0.5 * len(names), 1.0))
     chosen = np.flatnonzero(names < np.uint32(share * (2**32 - 1)))
     here = grains.x[chosen]
     firm = field.sample(here)

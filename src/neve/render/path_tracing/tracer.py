@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -30,14 +31,19 @@ FREE_PATHS = 5.0
 """Mean free paths of light in a grid spacing of the snow, in the looks "medium" and "fast": sigma_t dx."""
 MOST_EXTINCTION = 362.0
 """Extinction that these have at most [1/m]: 724 (1 - 0.5), the paper's made isotropic."""
+LONGEST = 2048
+"""Scatterings after which roulette ends paths even where no light is lost."""
+MASK = 4
+"""Rays of each pixel that look whether it shows snow."""
 
 
 @dataclass
 class Layers:
     """Hold what the passes of a frame found, linear light, (height, width, 3) unless said.
 
-    sun, sky: light of each; of a look with one pass all is in `sun` and sky is None. albedo, normal (h, w,
-    3) and depth (h, w) [m] of what is seen, None where there is a volume
+    sun, sky: light of each; of a look with one pass all is in `sun` and sky is None. albedo and normal (h,
+    w, 3) of what is seen, and the share of snow in it (h, w), None where there is a volume. depth (h, w):
+    distance of what is seen first [m], 0 for the sky
     """
 
     sun: Floats
@@ -45,6 +51,7 @@ class Layers:
     albedo: Floats | None = None
     normal: Floats | None = None
     depth: Floats | None = None
+    snow: Floats | None = None
     flakes: Flakes | None = field(default=None)
 
 
@@ -157,15 +164,15 @@ class Tracer:
         return self._kept[key]
 
     def _integrator(self) -> dict[str, Any]:
-        bounces = self._quality.bounces
         if self._is_volume:
-            return {"type": "volpath", "max_depth": max(bounces, 128), "rr_depth": 48}
-        path = {"type": "path", "max_depth": min(bounces, 12), "rr_depth": 4}
+            return paths_in(self.medium())
+        path = {"type": "path", "max_depth": self._quality.bounces, "rr_depth": 4}
         return {"type": "aov", "aovs": "albedo:albedo,nn:sh_normal,dd:depth", "img": path}
 
     def _passes(self, scene: Any, flakes: Flakes, seed: int) -> Layers:
         if self._is_volume:
-            return Layers(self._render(scene, seed), flakes=flakes)
+            light = self._render(scene, seed)
+            return Layers(light, depth=self._first_hits(scene, seed)[..., -2], flakes=flakes)
         parameters = self._mi.traverse(scene)
         sky, sun = parameters["sky.scale"], parameters["sun.irradiance.value"]
         # One light is sampled at each hit: apart, with all samples for each, both are far less noisy.
@@ -182,12 +189,43 @@ class Tracer:
             0.5 * (first[..., 3:6] + second[..., 3:6]),
             0.5 * (first[..., 6:9] + second[..., 6:9]),
             0.5 * (first[..., 9] + second[..., 9]),
+            self._share_of_snow(scene, seed),
             flakes,
         )
 
+    def _first_hits(self, scene: Any, seed: int) -> Floats:
+        """Return, in the last two channels, the distance [m] of what one ray a pixel meets first, and the
+        number of its shape in the scene, from 1 on; 0 where there is none."""
+        both = self._load("first hits", {"type": "aov", "aovs": "dd:depth,ii:shape_index"})
+        return finite(self._mi.render(scene, integrator=both, spp=1, seed=seed))
+
+    def _share_of_snow(self, scene: Any, seed: int) -> Floats:
+        """Return the share of snow and flakes in each pixel (h, w), from MASK rays."""
+        own = [n for n, shape in enumerate(scene.shapes(), 1) if shape.id() in ("snow", "flakes")]
+        total = np.zeros((self._lens.height, self._lens.width), np.float32)
+        for k in range(MASK):
+            hits = self._first_hits(scene, MASK * seed + k)
+            total += np.isin(np.rint(hits[..., -1]), own)
+        return total / np.float32(MASK)
+
     def _render(self, scene: Any, seed: int) -> Floats:
-        image = np.array(self._mi.render(scene, seed=seed), np.float32)
-        return np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0)
+        return finite(self._mi.render(scene, seed=seed))
+
+
+def paths_in(medium: Medium) -> dict[str, Any]:
+    """Return the integrator of a volume.
+
+    No path is cut off, and roulette begins where half of the light is lost, w^n = 1/2 with w the largest
+    albedo. Each of its rounds ends at least 1 path in 20: before that it would leave the light of white snow
+    to a few bright sparks.
+    """
+    lost = max(1.0 - max(medium.albedo), 1e-9)
+    return {"type": "volpath", "max_depth": -1, "rr_depth": min(LONGEST, math.ceil(math.log(2.0) / lost))}
+
+
+def finite(image: Any) -> Floats:
+    """Return an image of Mitsuba as numbers, 0 where it has none."""
+    return np.nan_to_num(np.array(image, np.float32), nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def medium_of(medium: Medium) -> dict[str, Any]:
