@@ -68,6 +68,7 @@ void bind_model(nb::module_& m) {
           "add_snow",
           [](M& self, const std::string& law, const std::string& plasticity, const Numbers& constants) {
             self.snows.push_back(snow_of(law, plasticity, constants));
+            self.has_elastic_snow = self.has_elastic_snow || !self.snows.back().plastic;
           },
           nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"), "Add a row to the material table.")
       .def_ro("dx", &M::dx);

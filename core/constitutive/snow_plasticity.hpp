@@ -147,7 +147,8 @@ struct SnowPlasticity {
 
   // Flow that makes no energy, for strains whose way to the limits would: what the axes beyond the limit of that side
   // give goes to the axis that is farthest on the other side, and from where it meets the second one on, to both, so that
-  // the volume, and with it the pressure, stays; beyond the limit on all axes snow comes apart.
+  // the volume, and with it the pressure, stays; beyond the limit on all axes snow comes apart. What axes beyond the other
+  // limit flow on their way there changes the volume towards rest, and not past it.
   //
   // side: the sign of the strains that would flow against their stress. They are of one side only, stretched or pressed:
   // that which all axes share of tau presses or pulls.
@@ -156,13 +157,14 @@ struct SnowPlasticity {
                                        const Parameters<R>& q) {
     const auto stretched = side > splat<R>(0);
     const R one = splat<R>(1), limit = select(stretched, q.theta_s, R(-q.theta_c));
-    Vec3<R> e, over;
+    Vec3<R> e, from;
     for (int k = 0; k < 3; ++k) {
-      const R from = select(stretched, max(trial[k], clamped[k]), min(trial[k], clamped[k]));
-      e[k] = select(stretched, min(from, limit), max(from, limit));
-      over[k] = (from - e[k]) / (one + e[k]);
+      from[k] = select(stretched, max(trial[k], clamped[k]), min(trial[k], clamped[k]));
+      e[k] = select(stretched, min(from[k], limit), max(from[k], limit));
     }
-    const R given = volume_change(over);
+    const R at_first = volume_change(trial), other = volume_change(from), zero = splat<R>(0);
+    const R kept = select(stretched, max(at_first, min(other, zero)), min(at_first, max(other, zero)));
+    const R cut = volume_change(e), given = (kept - cut) / (one + cut);
     const R smallest = min(e.x, min(e.y, e.z)), largest = max(e.x, max(e.y, e.z));
     const R first = select(stretched, smallest, largest);
     const R second = max(min(e.x, e.y), min(max(e.x, e.y), e.z));

@@ -74,7 +74,7 @@ class HomeGather {
           if (exchange_) record(exchange_->of(solid.index), met, pack.m(), exchanged...);
         });
     const R J = determinant(now.material.F_E) * now.material.J_P;
-    const R room = ice_room(state_, p, count, J);
+    const R room = ice_room(model_, state_, p, count, J);
     extremes_.ice_room = min(room, extremes_.ice_room);
     if (any(near_ice(room))) add_ice(model_, state_, p, count, J, now.material.stress);
     check(pack, now);

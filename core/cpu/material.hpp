@@ -123,14 +123,22 @@ struct PackIce {
   }
 };
 
-// J over that at which snow that flows is ice.
+// J over that at which snow is ice, for snow that flows; no bound for other snow.
 template <class T>
-NEVE_INLINE Lanes<T> ice_room(const State<T>& state, std::size_t p, int count, const Lanes<T>& J) {
+NEVE_INLINE Lanes<T> ice_room(const Model<T>& model, const State<T>& state, std::size_t p, int count,
+                              const Lanes<T>& J) {
   using R = Lanes<T>;
   const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
   const R none = splat<R>(std::numeric_limits<T>::max());
   const R lighter = J * V0 * T(ice_density) / select(m > T(0), m, splat<R>(1));
-  return select(first_lanes<R>(count), max(lighter, R(J / T(most_without_ice))), none);
+  R room = select(first_lanes<R>(count), max(lighter, R(J / T(most_without_ice))), none);
+  if (model.has_elastic_snow) {
+    for (int l = 0; l < count; ++l) {
+      if (!model.snows[state.material[p + static_cast<std::size_t>(l)]].plastic)
+        room[l] = std::numeric_limits<T>::max();
+    }
+  }
+  return room;
 }
 
 // Lanes at, or within a tenth of, ice.
@@ -180,7 +188,7 @@ template <class T>
       model, state, p, count, F_E,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::stress(F, J_P, q); });
   const Lanes<T> J = determinant(F_E) * J_P;
-  if (any(detail::near_ice(detail::ice_room(state, p, count, J))))
+  if (any(detail::near_ice(detail::ice_room(model, state, p, count, J))))
     detail::add_ice(model, state, p, count, J, out);
   return out;
 }
@@ -193,7 +201,7 @@ template <class T>
       model, state, p, count, F_E,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::energy(F, J_P, q); });
   const Out J = determinant(F_E) * J_P;
-  if (any(detail::near_ice(detail::ice_room(state, p, count, J)))) {
+  if (any(detail::near_ice(detail::ice_room(model, state, p, count, J)))) {
     const detail::PackIce<T> pack(model, state, p, count);
     const Out psi = pack.ice.energy(max(pack.ice.beyond(J), splat<Out>(0)));
     out = select(pack.mark > Out{}, Out(out + psi), out);

@@ -22,6 +22,7 @@ struct Model {
   std::optional<double> flip_damping;  // rate [1/s] at which what the grid cannot see fades, for flip_alpha
   Vec3<T> gravity{T(0), T(0), T(-9.81)};  // [m/s2]
   std::vector<Snow> snows;                // the material table
+  bool has_elastic_snow = false;          // some of it does not flow
   std::vector<Solid<T>> solids;           // colliders and bodies; their poses change in time
   CoupledBodies bodies;                   // those of them that forces move
 

@@ -19,10 +19,12 @@ def clamp(F_trial, J_P, snow, elasticity):
     tau = principal(clipped, snow, elasticity)
     work = tau / clipped * (sigma - clipped)
     pulled = ((work < 0) & (sigma > clipped)).any(-1, keepdims=True)
+    J = column(sigma.prod(-1), 1)
+    wide, narrow = np.maximum(sigma, clipped), np.minimum(sigma, clipped)
     inside = np.where(
         pulled,
-        at_constant_volume(np.maximum(sigma, clipped), high),
-        1 / at_constant_volume(1 / np.minimum(sigma, clipped), 1 / low),
+        cut_at_volume(wide, high, np.maximum(J, np.minimum(column(wide.prod(-1), 1), 1))),
+        1 / cut_at_volume(1 / narrow, 1 / low, 1 / np.minimum(J, np.maximum(column(narrow.prod(-1), 1), 1))),
     )
     dissipated = work.sum(-1, keepdims=True)
     kept = np.where(dissipated < 0, inside, clipped)
@@ -36,13 +38,13 @@ def principal(s, snow, elasticity):
     return np.diagonal(tau, axis1=1, axis2=2)
 
 
-def at_constant_volume(s, limit):
-    """Cut stretches s (n, 3) to `limit` (n, 1); the smallest ones grow to one level and keep the product.
+def cut_at_volume(s, limit, volume):
+    """Cut stretches s (n, 3) to `limit` (n, 1); the smallest ones grow to one level: the product is `volume`.
 
     If that takes more than the limit, all end there.
     """
     cut = np.minimum(s, limit)
-    given = (s / cut).prod(-1)
+    given = volume[:, 0] / cut.prod(-1)
     first, second = np.sort(cut, axis=-1)[:, :2].T
     level = np.where(first * given < second, first * given, np.sqrt(first * second * given))
     return np.maximum(cut, np.minimum(column(level, 1), limit))

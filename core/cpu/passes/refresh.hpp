@@ -26,7 +26,7 @@ Report refresh(const Model<T>& model, State<T>& state) {
     Extremes<R> extremes;
     const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
     extremes.add(first_lanes<R>(count), v, now.modulus, m, V0, C, sum);
-    extremes.ice_room = detail::ice_room(state, p, count, R(determinant(F) * J_P));
+    extremes.ice_room = detail::ice_room(model, state, p, count, R(determinant(F) * J_P));
     return extremes.report();
   });
 }

@@ -87,7 +87,8 @@ def _require_modest_tree(tree: dict[str, Any], key: str) -> None:
 
 def _faces(primitive: dict[str, Any], accessors: list[Any]) -> int:
     index = primitive.get("indices", primitive["attributes"].get("POSITION"))
-    return max(int(accessors[index].get("count", 0)), 0) // 3
+    corners = max(int(accessors[index].get("count", 0)), 0)
+    return corners if primitive.get("mode") in (5, 6) else corners // 3  # strips and fans share corners
 
 
 def _require_few(count: int, what: str, key: str, most: int = MOST_PIECES) -> None:

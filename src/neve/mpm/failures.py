@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from neve import _core
 from neve.mpm.model import Model
 from neve.solver import Blowup
 
@@ -42,19 +41,11 @@ def require_progress(model: Model, report: Report, dt: float, seconds: float, st
 
 
 def no_step(
-    model: Model, state: State, report: Report, tried: int, steps: int, time: float, dt: float
+    model: Model, state: State, report: Report, what: str, tried: int, steps: int, time: float, dt: float
 ) -> Blowup:
-    """Return the Blowup of a step that was rejected `tried` times, the last time with dt [s]."""
+    """Return the Blowup of a step that was rejected `tried` times, the last time with dt [s], for `what`."""
     rows = np.flatnonzero(np.asarray(state.id) == report.offending_id)
     who = name_of(model, state, int(rows[0])) if len(rows) else "a particle"
-    if not report.finite:
-        what = "would have no finite value"
-    elif report.max_displacement > _core.displacement_limit:
-        what = f"would move by {report.max_displacement:.3g} cells"
-    elif report.min_volume_ratio >= _core.volume_ratio_limit:  # by the limits of neve.mpm.step_control
-        what = f"would be strained by {report.strain_rate * dt:.2g}"
-    else:
-        what = f"would be pressed to {max(report.min_volume_ratio, 0.0):.2g} of its volume"
     return Blowup(
         f"{who} {what} in step {steps + 1} (t = {time:.6g} s), even with a step {2 ** (tried - 1)} "
         f"times shorter (dt = {dt:.3g} s): {remedy(model)}"

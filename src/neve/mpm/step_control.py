@@ -24,6 +24,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from neve import _core
 from neve.mpm.failures import no_step
 from neve.mpm.step import Stages, step
 from neve.mpm.time_step import longest_stable, stable_step
@@ -66,7 +67,8 @@ def try_step(on: Stages, dt: float, before: Report, steps: int = 0, time: float 
         dt *= 0.5
         if rejected == 0:
             dt = min(dt, longest_stable(on.model, before).dt)
-    raise no_step(on.model, on.state, attempt.report, MAX_TRIES, steps, time, 2.0 * dt)
+    what = rejects(attempt.report, 2.0 * dt, on.model)
+    raise no_step(on.model, on.state, attempt.report, what, MAX_TRIES, steps, time, 2.0 * dt)
 
 
 class _Attempt:
@@ -103,11 +105,21 @@ def needs_trial(grid_report: GridReport, before: Report, dt: float, model: Model
     return not (grid_report.finite and harmless)
 
 
-def rejects(report: Report, dt: float, model: Model) -> bool:
-    """Tell whether a trial of a step of dt [s] must be rejected, by its report."""
-    strained = report.strain_rate * dt > _max_strain(model)
-    pressed = report.compression_rate * dt > model.max_compression
-    return report.rejected or strained or pressed or dt > _MOST_UNSTABLE * stable_step(model, report)
+def rejects(report: Report, dt: float, model: Model) -> str:
+    """Say why a trial of a step of dt [s] must be rejected, by its report; "" if it need not."""
+    if not report.finite:
+        return "would have no finite value"
+    if report.max_displacement > _core.displacement_limit:
+        return f"would move by {report.max_displacement:.3g} cells"
+    if report.min_volume_ratio < _core.volume_ratio_limit:
+        return f"would be pressed to {max(report.min_volume_ratio, 0.0):.2g} of its volume"
+    if report.strain_rate * dt > _max_strain(model):
+        return f"would be strained by {report.strain_rate * dt:.2g}"
+    if report.compression_rate * dt > model.max_compression:
+        return f"would be pressed by {report.compression_rate * dt:.2g}, at more than its work affords,"
+    if dt > _MOST_UNSTABLE * stable_step(model, report):
+        return f"would become so stiff that waves run at {report.wave:.3g} m/s"
+    return ""
 
 
 def _max_strain(model: Model) -> float:

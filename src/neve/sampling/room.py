@@ -18,7 +18,9 @@ MOST_PARTICLES = 2**31 - 1
 SAMPLE_BYTES = 80
 """Memory for each particle while the sources are filled one after the other [bytes]."""
 STATE_BYTES = {"float32": 200, "float64": 400}
-"""Memory for each particle of a simulation [bytes]."""
+"""Memory for each particle of a simulation [bytes], with the first four modes of its velocity."""
+MODE_BYTES = {"float32": 12, "float64": 24}
+"""Memory for each further mode of a particle [bytes]."""
 
 
 def require_room(size: NDArray[np.float64], volume: float, numerics: Numerics, name: str) -> None:
@@ -58,5 +60,7 @@ def require_room_for_all(particles: float, numerics: Numerics, held: bool = Fals
     stated = f"all sources together would take {particles:.2g} particles with numerics.dx = {numerics.dx:g}"
     if particles > MOST_PARTICLES:
         raise SceneError(f"{stated}, more than {MOST_PARTICLES:.2g}; use a larger dx or less snow")
-    if found := lacking(particles * (STATE_BYTES[numerics.precision] + (0 if held else SAMPLE_BYTES))):
+    modes = numerics.polypic_modes if numerics.transfer == "polypic" else 0
+    each = STATE_BYTES[numerics.precision] + max(modes - 4, 0) * MODE_BYTES[numerics.precision]
+    if found := lacking(particles * (each + (0 if held else SAMPLE_BYTES))):
         raise SceneError(f"{stated}, which {found}; use a larger dx or less snow")

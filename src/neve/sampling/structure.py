@@ -68,6 +68,8 @@ def chunks(space: Region, local: Array, seed: int) -> Structure:
     rind = 1.0 - depth / deepest
     noise = sheets(local, space.size, APART * deepest, WIDE * deepest, 1, seed)
     kept = (depth >= SMOOTH_RIM * deepest) | _in_lumps(space, local, deepest, seed)
+    if not kept.any():  # too thin for a lump
+        kept = np.ones_like(kept)
     density = exp(PACKED * rind)
     return Structure(
         kept=kept,

@@ -30,7 +30,7 @@ ASKING: tuple[int, ...] = tuple(getattr(_signal, n) for n in ("SIGTERM", "SIGHUP
 _PAUSE = 0.01
 """Wall time [s] after which an import is looked at again."""
 
-_listens = _is_ready = False
+_listens = _is_ready = _waits = False
 _first: int | None = None
 _held: Held | None = None
 
@@ -139,8 +139,10 @@ class Held:
 
 def hear(number: int, frame: FrameType | None) -> None:
     """Handle one of the signals."""
-    if number in ASKING and _first is not None:  # a second one, or one after Ctrl-C
+    global _waits
+    if number in ASKING and _first is not None and not _waits:  # a second one, or one after Ctrl-C
         return
+    _waits = False
     note(number)
     if _held is not None and not _held.is_heard:
         _held.tell()
@@ -150,6 +152,7 @@ def hear(number: int, frame: FrameType | None) -> None:
 
 def interrupt(frame: FrameType | None, sentence: str) -> None:
     """Raise KeyboardInterrupt with `sentence` in `frame`; from within an import, once it is done."""
+    global _waits
     if _listens and not _is_ready:
         try:  # noqa: SIM105 (contextlib is not there yet)
             os.write(2, b"neve: stopped\n")
@@ -157,15 +160,16 @@ def interrupt(frame: FrameType | None, sentence: str) -> None:
             pass
         os._exit(code())
     if _is_importing(frame):
-        _thread.start_new_thread(_again, (_thread.get_ident(),))
+        _waits = True
+        _thread.start_new_thread(_again, (_thread.get_ident(), CTRL_C if _first is None else _first))
         return
     raise KeyboardInterrupt(sentence) if sentence else KeyboardInterrupt
 
 
-def _again(thread: int) -> None:
+def _again(thread: int, number: int) -> None:
     time.sleep(_PAUSE)
     if hasattr(_signal, "pthread_kill"):
-        _signal.pthread_kill(thread, CTRL_C)
+        _signal.pthread_kill(thread, number)
     else:
         _thread.interrupt_main()
 

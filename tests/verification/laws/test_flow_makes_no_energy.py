@@ -73,14 +73,15 @@ LIMITS = {
 }
 
 
-@pytest.mark.parametrize("nu", [0.2, 0.45])
+@pytest.mark.parametrize("nu", [0.2, 0.45, 0.49, 0.499])
 @pytest.mark.parametrize("limits", LIMITS)
 @pytest.mark.parametrize("name", CLAMPED)
 def test_clamped_snow_makes_no_energy_within_its_limits(name, limits, nu):
     """Without hardening: all stretches end within their limits, and Psi does not grow.
 
     Where the clamp of Stomakhin et al. 2013 dissipates, sum_k dPsi/ds_k (s'_k - s_k) >= 0 with the stress of
-    the clamped state, the state is that one.
+    the clamped state, the state is that one. Psi is not convex in the stretches: strains of 5 % in one step
+    can then raise it by up to a fifth, at nu = 0.499, where a clamped pressed axis swells snow.
     """
     theta_c, theta_s = LIMITS[limits]
     law = replace(LAWS[name], nu=nu, theta_c=theta_c, theta_s=theta_s, xi=0.0)
@@ -91,14 +92,16 @@ def test_clamped_snow_makes_no_energy_within_its_limits(name, limits, nu):
     assert s.min() >= 1 - theta_c - 1e-12
     assert s.max() <= 1 + theta_s + 1e-12
     np.testing.assert_allclose(s.prod(1) * J_P, stretch.prod(1), rtol=1e-12)
-    assert (psi <= snow.energy(F, np.ones(len(F)), law) * (1 + 1e-9)).all()
     clamped = np.clip(stretch, 1 - theta_c, 1 + theta_s)
     sound = dissipation(stretch, clamped, law) > 0
+    grows = psi / snow.energy(F, np.ones(len(F)), law)
+    assert grows[~sound].max() <= 1 + 1e-9
+    assert grows.max() <= (1 + 1e-9 if nu < 0.48 else 1.2)
     np.testing.assert_allclose(s[sound], clamped[sound], rtol=0, atol=1e-12)
     assert not sound.all()
 
 
-@pytest.mark.parametrize("nu", [0.2, 0.45])
+@pytest.mark.parametrize("nu", [0.2, 0.45, 0.49, 0.499])
 @pytest.mark.parametrize("limits", LIMITS)
 @pytest.mark.parametrize("name", CLAMPED)
 def test_clamped_snow_dissipates_in_small_steps(name, limits, nu):

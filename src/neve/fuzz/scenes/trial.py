@@ -39,7 +39,7 @@ def endure(seed: int, number: int) -> Outcome:
 
     Facts of the outcome: particles; steps; rejected: steps that were rejected and tried again; gain, surge
     and swing of `neve.fuzz.scenes.energy.Budget`; judged: whether they count, as where the transfer bounds
-    energy.
+    energy; cut_short: whether the scene ended early, with snow pressed to ice.
     """
     where = f"fuzz scene {seed}/{number}"
     try:
@@ -61,6 +61,7 @@ def endure(seed: int, number: int) -> Outcome:
         "surge": budget.surge,
         "swing": budget.swing,
         "judged": trial.is_judged,
+        "cut_short": trial.is_cut_short,
     }
     numerics = scene.numerics
     laws = "+".join(dict.fromkeys(scene.snow_of(source).law for source in scene.sources))
@@ -88,7 +89,9 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     )
     return (
         f"{sum(facts['steps'] for facts in ran):,} steps, "
-        f"{sum(facts['rejected'] for facts in ran):,} of them shortened; energy judged in {len(judged):,}: "
+        f"{sum(facts['rejected'] for facts in ran):,} of them shortened; "
+        f"{sum(facts['cut_short'] for facts in ran):,} scenes cut short with snow pressed to ice; "
+        f"energy judged in {len(judged):,}: "
         f"largest gain {gain:.2g} % of what was put in (allowed {100 * MOST_GAIN:g} %), "
         f"surge {surge:.2g} % of what moved and was strained (allowed {100 * MOST_SURGE:g} %), "
         f"swing {swing:.2g} % (allowed {100 * MOST_SWING:g} %)"
@@ -104,7 +107,8 @@ class _Trial:
         if situation == "coincident":
             _stack(self.sim)
         self.rejected = 0
-        self.budget = Budget()
+        self.budget = Budget(scene.numerics.transfer)
+        self.is_cut_short = False
         self.is_judged = TRANSFERS[scene.numerics.transfer].has_bounded_energy
 
     def run(self) -> str:
@@ -123,14 +127,15 @@ class _Trial:
             if fault:
                 return f"{fault}, after {sim.steps} steps"
             if sim.steps > MOST_STEPS:
-                return "" if _is_ice(sim) else f"stuck: more than {MOST_STEPS:,} steps"
+                self.is_cut_short = _is_ice(sim)
+                return "" if self.is_cut_short else f"stuck: more than {MOST_STEPS:,} steps"
         return ""
 
 
 def _is_ice(sim: Simulation) -> bool:
-    """Tell whether snow is pressed to the density of ice somewhere."""
+    """Tell whether snow is pressed to the density of ice, and waves in it are what keeps steps short."""
     solver: MpmSolver = sim.solver  # type: ignore[assignment]
-    return inspect(solver.model, solver.state).crowding > 1.0
+    return inspect(solver.model, solver.state).crowding > 1.0 and sim.stats.bound in ("wave", "retry")
 
 
 def _stack(sim: Simulation) -> None:

@@ -41,11 +41,14 @@ def _one(group: list[str]) -> str:
 @contextlib.contextmanager
 def joined_warnings() -> Iterator[None]:
     """Hold back what the block warns of with SceneWarning, and warn of it `joined` at its end."""
-    with warnings.catch_warnings(record=True) as heard:
-        warnings.simplefilter("always", SceneWarning)
-        yield
-    for one in heard:
-        if not issubclass(one.category, SceneWarning):
-            warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
-    for sentence in joined(str(one.message) for one in heard if issubclass(one.category, SceneWarning)):
-        warnings.warn(sentence, SceneWarning, stacklevel=4)
+    heard: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always", SceneWarning)
+            yield
+    finally:
+        for one in heard:
+            if not issubclass(one.category, SceneWarning):
+                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+        for sentence in joined(str(one.message) for one in heard if issubclass(one.category, SceneWarning)):
+            warnings.warn(sentence, SceneWarning, stacklevel=4)

@@ -45,7 +45,8 @@ class _Snow(Part):
     plasticity: Literal["snow", "none"] = entry(
         "snow",
         f"What {listed(name for name, law in LAWS.items() if law.has_elastic_option)} do beyond their "
-        'limits: "snow" clamps the stretches and hardens; "none" is elastic alone.',
+        'limits: "snow" clamps the stretches and hardens; "none" is elastic alone, until an axis is crushed '
+        "to a hundredth.",
         "",
         LAWS[DEFAULT_LAW].source,
     )
