@@ -195,7 +195,7 @@ def test_another_scene_is_opened_by_name_only(server):
         assert "no scene that comes with Neve" in page.message("refused")["sentence"]
         await page.send(do="open", scene="throw_ball")
         await page.until(lambda p: p.message("scene")["name"] == "throw_ball", 120)
-        assert page.message("scene")["camera"]["fov"] == 42.0
+        assert page.message("scene")["camera"]["fov"] == 36.0
 
     converse(server, talk)
 

@@ -37,7 +37,7 @@ def test_boot_presses_with_its_weight_and_leaves_a_print() -> None:
 
     The impulse of a tenth of a second is (800 N + m g) times it, and the change of the momentum, to 1 % for
     the forces of the leg's joints. Afterwards the snow under the sole is lower by more than
-    half a cell, and two cells beside the boot nothing has moved by a quarter of a cell.
+    half a cell, and two cells beside the boot nothing has moved by a third of a cell.
     """
     scene = load("boot", QUICK_STEP)
     dx, depth = scene.numerics.dx, 0.062
@@ -57,7 +57,7 @@ def test_boot_presses_with_its_weight_and_leaves_a_print() -> None:
     assert after[under, 2].max() < depth - 0.5 * dx
     beside = np.abs(before[:, 1]) > 0.07 + 2 * dx
     assert np.count_nonzero(beside) > 100
-    assert np.linalg.norm(after[beside] - before[beside], axis=1).max() < 0.25 * dx
+    assert np.linalg.norm(after[beside] - before[beside], axis=1).max() < dx / 3
 
 
 def test_wheel_goes_ahead_sinks_slips_and_leaves_a_rut() -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import tempfile
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -55,8 +56,7 @@ def read_damaged(seed: int, number: int) -> Outcome:
 
 def _attempt(reader: Callable[[Path], object], path: Path) -> tuple[str, str]:
     """Return what is wrong with how `reader` takes the file, and the sentence by which it refuses it."""
-    _limit()
-    with warnings.catch_warnings(record=True) as heard:
+    with _limits(), warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
         try:
             reader(path)
@@ -89,15 +89,35 @@ def _peak() -> int:
     return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def _limit() -> None:
-    """Hold the process to its address space, and keep no grid of a damaged mesh."""
+@contextlib.contextmanager
+def _limits() -> Iterator[None]:
+    """Hold the process to its address space in the block, and keep no grid of a damaged mesh."""
+    cache = os.environ.get("NEVE_CACHE")
     os.environ["NEVE_CACHE"] = ""
-    if sys.platform != "win32":
-        import resource
+    try:
+        with _address_space():
+            yield
+    finally:
+        if cache is None:
+            del os.environ["NEVE_CACHE"]
+        else:
+            os.environ["NEVE_CACHE"] = cache
 
-        _, hard = resource.getrlimit(resource.RLIMIT_AS)
-        most = ADDRESS_SPACE if hard == resource.RLIM_INFINITY else min(ADDRESS_SPACE, hard)
-        resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+
+@contextlib.contextmanager
+def _address_space() -> Iterator[None]:
+    if sys.platform == "win32":
+        yield
+        return
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    bounds = [limit for limit in (soft, hard) if limit != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min([ADDRESS_SPACE, *bounds]), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
 def _scene(path: Path) -> None:
