@@ -96,10 +96,12 @@ def test_darker_snow_is_darker_as_metaballs():
 
 
 def test_a_crumb_far_away_does_not_widen_the_box():
-    """A lone particle outside the box of the rest is left out, one inside is not, nor is snow of loners."""
+    """A lone particle far outside the box of the rest is left out, one near or inside it is not, nor is snow
+    of loners."""
     h = 0.1
     x = np.stack(np.meshgrid(*[np.arange(6)] * 3, indexing="ij"), -1).reshape(-1, 3) * h
     both = np.concatenate([x, x + np.array([3.0, 0.0, 0.0]), [[1.5, 0.2, 0.2]]])
-    far = np.concatenate([both, [[0.0, 0.0, 90.0]]])
+    near, far = (np.concatenate([both, [[0.0, 0.0, z]]]) for z in (9.0, 9e4))
+    assert np.array_equal(together(near, h), near)
     assert np.array_equal(together(far, h), both)
     assert np.array_equal(together(far[-2:], h), far[-2:])

@@ -21,7 +21,7 @@ from neve.render.lighting import sun_color, sun_direction
 from neve.render.path_tracing.daylight import sky_toward
 from neve.render.path_tracing.optics import cornette_shanks
 from neve.surface.grains import loneliness
-from neve.surface.metaballs import Metaballs
+from neve.surface.metaballs import RADIUS, Metaballs
 
 if TYPE_CHECKING:
     from neve._surface import Field
@@ -63,14 +63,23 @@ class Lit:
 
 
 def together(x: NDArray[Any], spacing: float) -> NDArray[Any]:
-    """Return the particles (m, 3) of `x` (n, 3) [m] without the lone ones outside the box of all others.
+    """Return the particles (m, 3) of `x` (n, 3) [m] that fit in one box of cells of light.
 
-    The light is found in one box, and a crumb that has flown far away would make its cells large.
+    They are all of them, unless crumbs that have flown far away would make its cells larger: then the lone
+    ones outside the box of all others are left out.
     """
+    if not len(x) or _cells(x, RADIUS * spacing) <= MOST:
+        return x
     others = x[loneliness(x, spacing) < 1.0]
     if not len(others):
         return x
     return np.asarray(x[((x >= others.min(axis=0)) & (x <= others.max(axis=0))).all(axis=1)])
+
+
+def _cells(x: NDArray[Any], radius: float) -> float:
+    """Return how many of the smallest cells the box of balls at `x` (n, 3) [m] would have."""
+    size = (x.max(axis=0) - x.min(axis=0)).astype(np.float64) + 2.0 * radius
+    return float(np.prod(size / (COARSE * radius)))
 
 
 def lit(balls: Metaballs, medium: Medium, light: Light, eye: Array) -> Lit:
