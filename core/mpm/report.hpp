@@ -13,7 +13,6 @@ inline constexpr double volume_ratio_limit = 0.05;  // det(I + dt grad v) [1]
 // What g2p found in the particles, or refresh() before the first step.
 struct Report {
   static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-  static constexpr double never = std::numeric_limits<double>::infinity();
 
   double wave = 0;              // largest elastic wave speed c = sqrt(modulus V0 / m), hardened [m/s]
   double speed = 0;             // largest particle speed |v| [m/s]
@@ -22,9 +21,9 @@ struct Report {
   double compression_rate = 0;  // largest -tr grad v [1/s]
   double max_displacement = 0;  // longest way of a particle in this step [cells]
   double min_volume_ratio = 1;  // smallest det(I + dt grad v) [1]
-  double ice_room = never;      // smallest J over that of ice [1]
-  bool finite = true;           // every particle has finite x, v, F_E, J_P and stress
-  bool drifted = false;         // some particle left its home's tile: sort before the next p2g
+  double ice_room = std::numeric_limits<double>::infinity();  // smallest J over that of ice [1]
+  bool finite = true;    // every particle has finite x, v, F_E, J_P and stress
+  bool drifted = false;  // some particle left its home's tile: sort before the next p2g
   std::uint32_t offending_id =
       nobody;  // lowest birth number among the particles that make the step unacceptable
 
