@@ -1,9 +1,12 @@
-// NumPy views of the core's memory, without a copy.
+// From and to NumPy: views of the core's memory, without a copy; points, and values that Python takes over.
 #pragma once
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <vector>
+
+#include "math/mat3.hpp"
 #include "mpm/state.hpp"
 
 namespace neve::bind {
@@ -47,6 +50,20 @@ View<T> fresh(T*& data, std::initializer_list<std::size_t> shape) {
   data = new T[size > 0 ? size : 1]();
   nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
   return View<T>(data, shape, owner);
+}
+
+inline std::vector<Vec3<float>> points_of(const In<float, nb::shape<-1, 3>>& x) {
+  std::vector<Vec3<float>> out(x.shape(0));
+  for (std::size_t p = 0; p < out.size(); ++p) out[p] = {x(p, 0), x(p, 1), x(p, 2)};
+  return out;
+}
+
+// An array of the given shape that takes the values over.
+template <class T>
+View<T> array(std::vector<T>&& values, std::initializer_list<std::size_t> shape) {
+  auto* kept = new std::vector<T>(std::move(values));
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return View<T>(kept->data(), shape, owner);
 }
 
 }  // namespace neve::bind

@@ -1,6 +1,4 @@
 // Python's door to the pictures: neve._render.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -12,17 +10,19 @@
 
 #include <mutex>
 
+#include "bind/arrays.hpp"
 #include "bind/words.hpp"
 #include "render/picture.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using namespace neve::bind;
 using namespace neve::render;
 
 namespace {
 
-using Points = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using Numbers = nb::ndarray<const float, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Points = In<float, nb::shape<-1, 3>>;
+using Numbers = In<float, nb::shape<-1>>;
 using Triple = std::tuple<float, float, float>;
 
 int known_level(int level) {
@@ -31,19 +31,6 @@ int known_level(int level) {
 }
 
 Vec3f vec(const Triple& a) { return {std::get<0>(a), std::get<1>(a), std::get<2>(a)}; }
-
-std::vector<Vec3f> copy(const Points& x) {
-  std::vector<Vec3f> out(x.shape(0));
-  for (std::size_t p = 0; p < out.size(); ++p) out[p] = {x(p, 0), x(p, 1), x(p, 2)};
-  return out;
-}
-
-template <class T>
-auto array(std::vector<T>&& values, std::initializer_list<std::size_t> shape) {
-  auto* kept = new std::vector<T>(std::move(values));
-  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
-}
 
 // Apply f to every point and return the numbers as an array.
 template <class F>
@@ -127,7 +114,7 @@ auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volu
     throw nb::value_error("J_P has one number per particle");
   if (!(volume > 0 && cell_size > 0)) throw nb::value_error("volume and cell_size are above zero");
   if (solids.size() > most_solids) throw nb::value_error("too many solids to draw");
-  const std::vector<Vec3f> points = copy(x);
+  const std::vector<Vec3f> points = points_of(x);
   const Camera& camera = shared.painter.camera();
   std::vector<std::uint8_t> rgb(std::size_t(camera.width) * std::size_t(camera.height) * 3);
   {
@@ -144,7 +131,7 @@ void bind_density(nb::module_& m) {
       .def(
           "__init__",
           [](Density* self, const Points& x, float volume, float cell_size) {
-            new (self) Density(copy(x), volume, cell_size);
+            new (self) Density(points_of(x), volume, cell_size);
           },
           "x"_a, "volume"_a, "cell_size"_a)
       .def(

@@ -1,33 +1,20 @@
 // Python's door to surfaces: neve._surface.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/tuple.h>
 
+#include "bind/arrays.hpp"
 #include "surface/grains.hpp"
 #include "surface/nets.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using namespace neve::bind;
 using namespace neve::surface;
 
 namespace {
 
-using Points = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using Numbers = nb::ndarray<const float, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Points = In<float, nb::shape<-1, 3>>;
+using Numbers = In<float, nb::shape<-1>>;
 using Names = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
-
-std::vector<Vec3f> copy(const Points& x) {
-  std::vector<Vec3f> out(x.shape(0));
-  for (std::size_t p = 0; p < out.size(); ++p) out[p] = {x(p, 0), x(p, 1), x(p, 2)};
-  return out;
-}
-
-template <class T>
-auto array(std::vector<T>&& values, std::initializer_list<std::size_t> shape) {
-  auto* kept = new std::vector<T>(std::move(values));
-  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
-}
 
 void check(const Points& x, const Numbers& amounts, float cell_size) {
   if (!(cell_size > 0 && cell_size < 1e9f)) throw nb::value_error("cell_size is above zero");
@@ -38,7 +25,7 @@ void check(const Points& x, const Numbers& amounts, float cell_size) {
 void make_points(Field* self, const Points& x, const Numbers& amounts, float cell_size, int blurs) {
   check(x, amounts, cell_size);
   if (blurs < 0 || blurs > 8) throw nb::value_error("blurs: from 0 to 8");
-  const std::vector<Vec3f> points = copy(x);
+  const std::vector<Vec3f> points = points_of(x);
   nb::gil_scoped_release release;
   new (self) Field(of_points(points, {amounts.data(), amounts.shape(0)}, cell_size, blurs));
 }
@@ -46,7 +33,7 @@ void make_points(Field* self, const Points& x, const Numbers& amounts, float cel
 Field balls(const Points& x, const Numbers& amounts, float radius, float cell_size) {
   check(x, amounts, cell_size);
   if (!(radius > 0 && radius <= 64 * cell_size)) throw nb::value_error("radius: above 0, up to 64 cells");
-  const std::vector<Vec3f> points = copy(x);
+  const std::vector<Vec3f> points = points_of(x);
   nb::gil_scoped_release release;
   return of_balls(points, {amounts.data(), amounts.shape(0)}, radius, cell_size);
 }
@@ -97,7 +84,7 @@ auto make_grains(const Points& x, const Names& id, const Numbers& lone, float sp
   if (id.shape(0) != x.shape(0) || lone.shape(0) != x.shape(0))
     throw nb::value_error("id and lone have one number for each particle");
   if (!(spacing > 0) || count < 1 || count > 512) throw nb::value_error("spacing is above 0, count 1 to 512");
-  const std::vector<Vec3f> points = copy(x);
+  const std::vector<Vec3f> points = points_of(x);
   std::vector<Vec3f> found;
   {
     nb::gil_scoped_release release;

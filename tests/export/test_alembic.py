@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from neve.build import solids
+from neve.colliders.triangles import triangles
 from neve.export.formats.alembic import Alembic
 from neve.export.run import Choices, export_run
-from neve.export.solids import triangles
+from neve.export.solids import FAR, MOST_HEIGHTS
 from neve.io.errors import RunError
 from neve.scene.reading.load import load
 from neve.surface.mesh import snow_surface
@@ -69,7 +70,12 @@ def test_solids_move_as_in_the_frames(run_path, frame, up, scale):
         for k in (0, 4):
             matrix = array([list(row) for row in place.getSchema().getValue(at(k)).getMatrix()])
             want = frame(k)
-            x, y, z = scale * (triangles(solid)[0] @ want.solid_rotation[i].T + want.solid_position[i]).T
+            x, y, z = (
+                scale
+                * (
+                    triangles(solid, FAR, MOST_HEIGHTS)[0] @ want.solid_rotation[i].T + want.solid_position[i]
+                ).T
+            )
             meant = np.stack([x, z, -y] if up == "y" else [x, y, z], axis=1)
             np.testing.assert_allclose(own @ matrix[:3, :3] + matrix[3, :3], meant, atol=1e-4 * scale)
 

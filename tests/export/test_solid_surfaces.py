@@ -8,7 +8,8 @@ import trimesh
 
 from neve.build import solids
 from neve.colliders.solid import Solid
-from neve.export.solids import FAR, MOST_HEIGHTS, surfaces, triangles
+from neve.colliders.triangles import triangles
+from neve.export.solids import FAR, MOST_HEIGHTS, surfaces
 from neve.geometry.heights import thinned, triangulated
 from neve.render.path_tracing.solids import _field
 from neve.scene.reading.load import load
@@ -72,7 +73,7 @@ def test_a_terrain_is_its_map(tmp_path):
         'file = "map.npy"\nsize = [8.0, 3.0]\n'
     )
     (terrain,) = solids(load(tmp_path / "scene.toml"))
-    vertices, faces = triangles(terrain)
+    vertices, faces = triangles(terrain, FAR, MOST_HEIGHTS)
     assert vertices[0].tolist() == [-4.0, -1.5, pytest.approx(heights[0, 0])]
     assert vertices[-1].tolist() == [4.0, 1.5, pytest.approx(heights[-1, -1])]
     a, b, c = (vertices[faces[:, k]] for k in range(3))

@@ -8,9 +8,10 @@ import pytest
 import trimesh
 
 from neve.build import solids
+from neve.colliders.triangles import triangles
 from neve.export.formats.glb import Scene
 from neve.export.run import Choices, export_run
-from neve.export.solids import triangles
+from neve.export.solids import FAR, MOST_HEIGHTS
 from neve.scene.reading.load import load
 from neve.surface.mesh import snow_surface
 
@@ -63,7 +64,7 @@ def check_snow_and_solids(found, run_path, content):
     assert snow.volume == pytest.approx(len(content.x) * spacing_of(run_path) ** 3, rel=0.34)
     for i, solid in enumerate(solids(load(run_path))):
         mesh = found.get(solid.name, found.get(solid.name.replace(".", "_")))
-        corners, faces = triangles(solid)
+        corners, faces = triangles(solid, FAR, MOST_HEIGHTS)
         places = corners @ content.solid_rotation[i].T + content.solid_position[i]
         np.testing.assert_allclose(mesh.triangles, places[faces], atol=2e-6 * max(1.0, np.abs(places).max()))
 

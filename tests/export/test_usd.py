@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from neve.build import solids
+from neve.colliders.triangles import triangles
 from neve.export.run import Choices, export_run
-from neve.export.solids import triangles
+from neve.export.solids import FAR, MOST_HEIGHTS
 from neve.scene.reading.load import load
 
 pxr = pytest.importorskip("pxr.Usd", reason="pip install usd-core, of the extra export")
@@ -52,13 +53,18 @@ def test_solids_move_as_in_the_frames(run_path, frame, up, scale):
     assert UsdGeom.GetStageMetersPerUnit(stage) * scale == 1.0
     for i, solid in enumerate(solids(load(run_path))):
         mesh = UsdGeom.Mesh(stage.GetPrimAtPath(f"/World/Solids/{solid.name.replace('.', '_')}"))
-        assert len(mesh.GetFaceVertexIndicesAttr().Get()) == 3 * len(triangles(solid)[1])
+        assert len(mesh.GetFaceVertexIndicesAttr().Get()) == 3 * len(triangles(solid, FAR, MOST_HEIGHTS)[1])
         own = np.array(mesh.GetPointsAttr().Get())
         for number in (0, 4):
             matrix = np.array(mesh.ComputeLocalToWorldTransform(number))
             seen = own @ matrix[:3, :3] + matrix[3, :3]
             want = frame(number)
-            x, y, z = scale * (triangles(solid)[0] @ want.solid_rotation[i].T + want.solid_position[i]).T
+            x, y, z = (
+                scale
+                * (
+                    triangles(solid, FAR, MOST_HEIGHTS)[0] @ want.solid_rotation[i].T + want.solid_position[i]
+                ).T
+            )
             meant = np.stack([x, z, -y] if up == "y" else [x, y, z], axis=1)
             np.testing.assert_allclose(seen, meant, atol=2e-6 * scale * max(1.0, np.abs(meant).max() / scale))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,6 +15,7 @@ from typing import Any, BinaryIO, ClassVar, Self
 from neve.colliders.solid import Solid
 from neve.export.axes import Axes, Up
 from neve.export.moment import Moment
+from neve.export.solids import SolidSurface, surfaces
 from neve.io.errors import RunError, reason
 from neve.system import disk
 
@@ -50,6 +52,8 @@ class Format(ABC):
     A subclass has a word in `neve.export.registry.FORMATS`. Every file appears whole or not at all.
     """
 
+    ending: ClassVar[str] = ""
+    """How the names of its files end, where a frame has one file of its own."""
     up: ClassVar[Up] = "z"
     """The axis that points up unless another is asked for: as programs that read the format expect."""
     takes_fields: ClassVar[bool] = True
@@ -69,9 +73,14 @@ class Format(ABC):
         if self.package is not None:
             require(*self.package)
 
-    @abstractmethod
+    @functools.cached_property
+    def solids(self) -> list[tuple[int, SolidSurface]]:
+        """The solids that can be seen, in units of the file, each with its place in the list of the job."""
+        return surfaces(self.job.solids, self.job.axes.scale)
+
     def names(self, frame: int) -> tuple[str, ...]:
         """Return the names of the files of a frame; of a `whole` format, that of its file."""
+        return (f"{NAME}_{frame:06d}.{self.ending}",)
 
     def begin(self, frames: Sequence[int]) -> None:
         """Prepare to write these frames, in this order; called before the first of them."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.colliders.solid import Solid
-from neve.geometry.heights import thinned, triangulated
+from neve.colliders.triangles import triangles
 
 Floats = NDArray[np.float32]
 Faces = NDArray[np.int32]
@@ -44,20 +44,7 @@ def surfaces(solids: tuple[Solid, ...], scale: float) -> list[tuple[int, SolidSu
             word += f"_{i}"
         words.add(word)
         if solid.visible:
-            vertices, faces = triangles(solid)
+            vertices, faces = triangles(solid, FAR, MOST_HEIGHTS)
             scaled = np.asarray(vertices * scale, np.float32)
             found.append((i, SolidSurface(solid.name, word, scaled, faces, solid.color)))
     return found
-
-
-def triangles(solid: Solid) -> tuple[NDArray[np.float64], Faces]:
-    """Return corners (n, 3) [m] and triangles (m, 3) of a solid in its own frame.
-
-    An endless plane is a square of 2 FAR; of a terrain it is what its map shows.
-    """
-    if solid.mesh is not None:
-        return np.asarray(solid.mesh.vertices, np.float64), solid.mesh.faces
-    if solid.terrain is not None:
-        return triangulated(*thinned(solid.terrain.heights, solid.terrain.size, MOST_HEIGHTS))
-    vertices, faces = solid.form.unit_surface()
-    return vertices * (np.full(3, FAR) if solid.endless else solid.half), faces

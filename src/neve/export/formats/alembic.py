@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from neve.export.format import NAME, Format, Job, made_by_library, require
 from neve.export.moment import Moment
-from neve.export.solids import SolidSurface, surfaces
+from neve.export.solids import SolidSurface
 from neve.io.errors import RunError
 
 FILE = f"{NAME}.abc"
@@ -37,7 +37,6 @@ class Alembic(Format):
         library = require("alembic3d", "alembic3d")
         self._abc, self._geom, self._core = library.Abc, library.AbcGeom, library.AbcCoreAbstract
         self._imath = require("imath", "alembic3d")
-        self._solids = surfaces(job.solids, job.axes.scale)
         self._stack = contextlib.ExitStack()
         self._open: _Open | None = None
 
@@ -106,7 +105,7 @@ class _Open:
         self._points = geom.OPoints(top, NAME, self._times)
         self._surface = geom.OPolyMesh(top, SURFACE, self._times)
         self._fields: dict[str, Any] = {}
-        self._poses = {i: self._add_solid(top, i, surface) for i, surface in owner._solids}
+        self._poses = {i: self._add_solid(top, i, surface) for i, surface in owner.solids}
 
     def add(self, moment: Moment) -> None:
         """Add the samples of a frame."""

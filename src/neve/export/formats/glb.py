@@ -12,9 +12,8 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.export.format import NAME, Format, Job, replacing
+from neve.export.format import NAME, Format, replacing
 from neve.export.moment import Moment
-from neve.export.solids import surfaces
 
 FLOAT, UNSIGNED = 5126, 5125
 VERTICES, CORNERS = 34962, 34963
@@ -30,16 +29,9 @@ class Glb(Format):
     Velocities [units/s] are the attribute _VELOCITY of the vertices. glTF has y up and metres.
     """
 
+    ending = "glb"
     up = "y"
     takes_fields = False
-
-    def __init__(self, job: Job) -> None:
-        super().__init__(job)
-        self._solids = surfaces(job.solids, job.axes.scale)
-
-    def names(self, frame: int) -> tuple[str, ...]:
-        """Return the name of the file of a frame."""
-        return (f"{NAME}_{frame:06d}.glb",)
 
     def write(self, moment: Moment) -> None:
         """Write the file of a frame."""
@@ -51,7 +43,7 @@ class Glb(Format):
             assert snow.velocity is not None
             more = {"NORMAL": snow.normals, "_VELOCITY": snow.velocity}
             scene.add(NAME, snow.vertices, snow.faces, SNOW_COLOR, np.eye(4), more)
-        for i, surface in self._solids:
+        for i, surface in self.solids:
             color = surface.color or SOLID_COLOR
             scene.add(surface.name, surface.vertices, surface.faces, color, moment.poses[i], {})
         with replacing(self.path(self.names(moment.frame)[0])) as file:

@@ -8,9 +8,8 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.export.format import NAME, Format, Job, replacing
+from neve.export.format import NAME, Format, replacing
 from neve.export.moment import Moment
-from neve.export.solids import surfaces
 
 CHUNK = 2**15
 """Lines that are put together at once."""
@@ -22,16 +21,9 @@ class Obj(Format):
     The name of an object is that of its solid, with _ for all but letters and digits.
     """
 
+    ending = "obj"
     up = "y"
     takes_fields = False
-
-    def __init__(self, job: Job) -> None:
-        super().__init__(job)
-        self._solids = surfaces(job.solids, job.axes.scale)
-
-    def names(self, frame: int) -> tuple[str, ...]:
-        """Return the name of the file of a frame."""
-        return (f"{NAME}_{frame:06d}.obj",)
 
     def write(self, moment: Moment) -> None:
         """Write the file of a frame."""
@@ -42,7 +34,7 @@ class Obj(Format):
             file.write(f"# Neve, {moment.time!r} s\n".encode())
             _write(file, NAME, snow.vertices, snow.faces, 1, snow.normals)
             first = 1 + len(snow.vertices)
-            for i, surface in self._solids:
+            for i, surface in self.solids:
                 pose = moment.poses[i]
                 places = surface.vertices @ pose[:3, :3].T + pose[:3, 3]
                 _write(file, surface.word, places, surface.faces, first)

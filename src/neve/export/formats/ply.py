@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.export.format import NAME, Format, replacing
+from neve.export.format import Format, replacing
 from neve.export.moment import Moment
 
 CHUNK = 2**16
@@ -27,9 +27,7 @@ class Ply(Format):
     Whole numbers have 4 bytes: the format has no longer ones, and some programs read no shorter ones.
     """
 
-    def names(self, frame: int) -> tuple[str, ...]:
-        """Return the name of the file of a frame."""
-        return (f"{NAME}_{frame:06d}.ply",)
+    ending = "ply"
 
     def write(self, moment: Moment) -> None:
         """Write the file of a frame."""

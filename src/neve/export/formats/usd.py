@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from neve.export.format import NAME, Format, Job, made_by_library, replacing, require
 from neve.export.moment import Moment
-from neve.export.solids import SolidSurface, surfaces
+from neve.export.solids import SolidSurface
 from neve.io.errors import RunError
 
 WORLD = "/World"
@@ -37,6 +37,7 @@ class Usd(Format):
     matrix transposed, as USD multiplies rows from the left. Time codes are numbers of frames.
     """
 
+    ending = "usdc"
     package = ("pxr.Usd", "usd-core")
 
     def __init__(self, job: Job) -> None:
@@ -45,20 +46,15 @@ class Usd(Format):
             name: require(f"pxr.{name}", "usd-core") for name in ("Gf", "Sdf", "Tf", "UsdGeom", "Vt")
         }
         self._usd = require("pxr.Usd", "usd-core")
-        self._solids = surfaces(job.solids, job.axes.scale)
         self._began = False
-
-    def names(self, frame: int) -> tuple[str, ...]:
-        """Return the name of the layer of a frame."""
-        return (f"{NAME}_{frame:06d}.usdc",)
 
     def shared_names(self) -> tuple[str, ...]:
         """Return the names of the stage, of its manifest, and of the solids."""
-        return (f"{NAME}.usda", MANIFEST, *([SOLIDS] if self._solids else []))
+        return (f"{NAME}.usda", MANIFEST, *([SOLIDS] if self.solids else []))
 
     def write(self, moment: Moment) -> None:
         """Write the layer of a frame, and the solids if this is the first one."""
-        if self._solids and not self._began:
+        if self.solids and not self._began:
             self._write_solids(moment)
         self._began = True
         with self._stage(self.path(self.names(moment.frame)[0])) as stage:
@@ -73,7 +69,7 @@ class Usd(Format):
             return
         attributes = self._attributes(first)
         self._write_text(MANIFEST, lambda stage: self._declare_all(stage, attributes))
-        below = (f"./{SOLIDS}",) if self._solids else ()
+        below = (f"./{SOLIDS}",) if self.solids else ()
         frames = list(times)
         self._write_text(f"{NAME}.usda", lambda stage: self._put_together(stage, attributes, frames), below)
 
@@ -95,7 +91,7 @@ class Usd(Format):
             if name not in ("v", "id"):
                 kind, value = self._primvar(field)
                 values[SNOW, f"primvars:{name}", kind] = value
-        for i, surface in self._solids:
+        for i, surface in self.solids:
             if self.job.solids[i].motion != "static":
                 matrix = self._pxr["Gf"].Matrix4d(moment.poses[i].T.tolist())
                 values[solid_path(surface), "xformOp:transform", kinds.Matrix4d] = matrix
@@ -164,7 +160,7 @@ class Usd(Format):
             self._describe(stage)
             geom.Xform.Define(stage, WORLD)
             geom.Scope.Define(stage, f"{WORLD}/Solids")
-            for i, surface in self._solids:
+            for i, surface in self.solids:
                 mesh = geom.Mesh.Define(stage, solid_path(surface))
                 mesh.CreatePointsAttr(vectors(Vt, surface.vertices))
                 counts = np.full(len(surface.faces), 3, np.int32)

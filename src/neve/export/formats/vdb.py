@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from neve.export.format import NAME, Format, replacing
+from neve.export.format import Format, replacing
 from neve.export.formats.vdb_tree import VdbGrid, leaves_of, write_vdb
 from neve.export.grid import snow_grid
 from neve.export.moment import Moment
@@ -15,12 +15,9 @@ class Vdb(Format):
     inactive and 0.
     """
 
+    ending = "vdb"
     takes_fields = False
     weighs = True
-
-    def names(self, frame: int) -> tuple[str, ...]:
-        """Return the name of the file of a frame."""
-        return (f"{NAME}_{frame:06d}.vdb",)
 
     def write(self, moment: Moment) -> None:
         """Write the file of a frame."""

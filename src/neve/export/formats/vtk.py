@@ -13,7 +13,6 @@ from neve.export.format import NAME, Format, Job, replacing
 from neve.export.formats.vtk_grid import write_image
 from neve.export.formats.vtk_xml import Appended, at, collection
 from neve.export.moment import Moment
-from neve.export.solids import surfaces
 
 GRID, STILL, MOVING = "grid", "solids_still", "solids"
 
@@ -33,9 +32,8 @@ class Vtk(Format):
 
     def __init__(self, job: Job) -> None:
         super().__init__(job)
-        shown = surfaces(job.solids, job.axes.scale)
-        self._still = [(i, surface) for i, surface in shown if job.solids[i].motion == "static"]
-        self._moving = [(i, surface) for i, surface in shown if job.solids[i].motion != "static"]
+        self._still = [(i, surface) for i, surface in self.solids if job.solids[i].motion == "static"]
+        self._moving = [(i, surface) for i, surface in self.solids if job.solids[i].motion != "static"]
         self._began = False
 
     def names(self, frame: int) -> tuple[str, ...]:

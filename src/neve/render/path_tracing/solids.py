@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.colliders.triangles import triangles as surface
 from neve.geometry.heights import thinned, triangulated
 from neve.render.lighting import STEEL
 from neve.render.path_tracing.engine import bitmap, mitsuba, triangles
@@ -114,15 +115,10 @@ def loaded(bsdf: dict[str, Any]) -> Any:
 
 def outline(solid: Solid) -> tuple[Array, NDArray[np.int64]]:
     """Return vertices (n, 3) [m] in the solid's own frame and faces (m, 3), anticlockwise from outside."""
-    if solid.mesh is not None:
-        return np.asarray(solid.mesh.vertices, np.float64), np.asarray(solid.mesh.faces, np.int64)
     if solid.terrain is not None:
         return _field(np.asarray(solid.terrain.heights, np.float64), solid.terrain.size)
-    if solid.endless:
-        square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float64) * WIDE
-        return square, np.array([[0, 1, 2], [0, 2, 3]])
-    vertices, faces = solid.form.unit_surface()
-    return vertices * solid.half, np.asarray(faces, np.int64)
+    vertices, faces = surface(solid, WIDE, MOST_HEIGHTS)
+    return vertices, faces.astype(np.int64)
 
 
 def _field(heights: Array, size: tuple[float, float]) -> tuple[Array, NDArray[np.int64]]:

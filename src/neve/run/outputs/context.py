@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import logging
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -40,6 +41,17 @@ class Output(Protocol):
     def close(self, context: FrameContext) -> None:
         """Finish after the last frame, or after the frame in which the user stopped the run."""
         ...
+
+
+def warn_of_lost(path: Path, frames: Sequence[int]) -> None:
+    """Log that `path` lacks frames for good, if it does."""
+    if frames:
+        logging.getLogger("neve").warning(
+            "%s lacks frame %d and %d more, which the run keeps no files of",
+            path,
+            frames[0],
+            len(frames) - 1,
+        )
 
 
 @runtime_checkable

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Annotated, Literal, Self
@@ -18,7 +17,7 @@ from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_path, read_frame
 from neve.io.links import refuse_link
 from neve.io.npz import mark_of
-from neve.run.outputs.context import FrameContext, RunContext
+from neve.run.outputs.context import FrameContext, RunContext, warn_of_lost
 from neve.run.outputs.registry import register_output
 from neve.scene.schema.outputs import Scheduled
 from neve.scene.values.fields import Real, entry
@@ -95,13 +94,7 @@ class ExportOutput:
                 gone.append(frame)
             else:
                 self._export(context, frame, content)
-        if gone:
-            logging.getLogger("neve").warning(
-                "%s lacks frame %d and %d more, which the run keeps no files of",
-                self._folder.path,
-                gone[0],
-                len(gone) - 1,
-            )
+        warn_of_lost(self._folder.path, gone)
 
     def write(self, context: FrameContext) -> None:
         """Write the files of this frame."""

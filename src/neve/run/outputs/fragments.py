@@ -17,7 +17,7 @@ from neve.io.frames import Frame, frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
 from neve.io.table import read_table, table_text
 from neve.registry import METHODS
-from neve.run.outputs.context import FrameContext, RunContext
+from neve.run.outputs.context import FrameContext, RunContext, warn_of_lost
 from neve.run.outputs.registry import entries, register_output, schedule_of
 from neve.scene.schema.outputs import RESERVED, Scheduled
 from neve.scene.values.fields import Real, Whole, entry
@@ -76,14 +76,8 @@ class FragmentOutput:
                 gone.append(frame)
         if counted:
             self._table.replace(counted)
-        if gone:
-            logging.getLogger("neve").warning(
-                "%s lacks frame %d and %d more, which the run keeps no files of",
-                self._table.path,
-                gone[0],
-                len(gone) - 1,
-            )
-        elif counted and not self._table.is_as_written:
+        warn_of_lost(self._table.path, gone)
+        if counted and not gone and not self._table.is_as_written:
             logging.getLogger("neve").warning("%s is counted again from the frames", self._table.path)
 
     def write(self, context: FrameContext) -> None:
