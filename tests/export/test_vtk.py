@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from neve.build import solids
+from neve.colliders.triangles import triangles
 from neve.export.formats import vtk_grid
 from neve.export.run import Choices, export_run
-from neve.export.solids import triangles
+from neve.export.solids import FAR, MOST_HEIGHTS
 from neve.io.checkpoint import read_checkpoint
 from neve.scene.reading.load import load
 
@@ -74,7 +75,7 @@ def test_solids_are_where_they_are_in_the_frame(run_path, frame, read):
     for i, solid in enumerate(solids(load(run_path))):
         if i == 0:
             continue
-        corners, _ = triangles(solid)
+        corners, _ = triangles(solid, FAR, MOST_HEIGHTS)
         mine = np.unique(faces[arrays["solid"] == i])
         moved = corners @ want.solid_rotation[i].T + want.solid_position[i]
         np.testing.assert_allclose(x[mine], moved, atol=1e-6)
