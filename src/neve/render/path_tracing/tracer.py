@@ -33,8 +33,8 @@ MOST_EXTINCTION = 362.0
 """Extinction that these have at most [1/m]: 724 (1 - 0.5), the paper's made isotropic."""
 LONGEST = 2048
 """Scatterings after which roulette ends paths even where no light is lost."""
-MASK = 4
-"""Rays of each pixel that look whether it shows snow."""
+HITS = 4
+"""Rays of each pixel that look what it shows."""
 
 
 @dataclass
@@ -53,6 +53,19 @@ class Layers:
     depth: Floats | None = None
     snow: Floats | None = None
     flakes: Flakes | None = field(default=None)
+
+
+@dataclass(frozen=True)
+class FirstHits:
+    """Hold what rays meet first.
+
+    albedo and normal (h, w, 3); depth (h, w) [m], 0 for the sky; snow (h, w): share of snow and flakes
+    """
+
+    albedo: Floats
+    normal: Floats
+    depth: Floats
+    snow: Floats
 
 
 class Tracer:
@@ -166,13 +179,12 @@ class Tracer:
     def _integrator(self) -> dict[str, Any]:
         if self._is_volume:
             return paths_in(self.medium())
-        path = {"type": "path", "max_depth": self._quality.bounces, "rr_depth": 4}
-        return {"type": "aov", "aovs": "albedo:albedo,nn:sh_normal,dd:depth", "img": path}
+        return {"type": "path", "max_depth": self._quality.bounces, "rr_depth": 4}
 
     def _passes(self, scene: Any, flakes: Flakes, seed: int) -> Layers:
         if self._is_volume:
             light = self._render(scene, seed)
-            return Layers(light, depth=self._first_hits(scene, seed)[..., -2], flakes=flakes)
+            return Layers(light, depth=self._first_hits(scene, 1, seed).depth, flakes=flakes)
         parameters = self._mi.traverse(scene)
         sky, sun = parameters["sky.scale"], parameters["sun.irradiance.value"]
         # One light is sampled at each hit: apart, with all samples for each, both are far less noisy.
@@ -183,30 +195,26 @@ class Tracer:
         parameters["sun.irradiance.value"], parameters["sun.sampling_weight"] = 0.0 * sun, 0.0
         parameters.update()
         second = self._render(scene, 2 * seed + 1)
-        return Layers(
-            first[..., :3],
-            second[..., :3],
-            0.5 * (first[..., 3:6] + second[..., 3:6]),
-            0.5 * (first[..., 6:9] + second[..., 6:9]),
-            0.5 * (first[..., 9] + second[..., 9]),
-            self._share_of_snow(scene, seed),
-            flakes,
-        )
+        seen = self._first_hits(scene, HITS, seed)
+        return Layers(first, second, seen.albedo, seen.normal, seen.depth, seen.snow, flakes)
 
-    def _first_hits(self, scene: Any, seed: int) -> Floats:
-        """Return, in the last two channels, the distance [m] of what one ray a pixel meets first, and the
-        number of its shape in the scene, from 1 on; 0 where there is none."""
-        both = self._load("first hits", {"type": "aov", "aovs": "dd:depth,ii:shape_index"})
-        return finite(self._mi.render(scene, integrator=both, spp=1, seed=seed))
+    def _first_hits(self, scene: Any, rays: int, seed: int) -> FirstHits:
+        """Return what `rays` rays through each pixel meet first, on average.
 
-    def _share_of_snow(self, scene: Any, seed: int) -> Floats:
-        """Return the share of snow and flakes in each pixel (h, w), from MASK rays."""
+        They are rays of their own: Mitsuba's integrator "aov" takes each path of light that is nested in it
+        twice.
+        """
+        what = {"type": "aov", "aovs": "albedo:albedo,nn:sh_normal,dd:depth,ii:shape_index"}
+        integrator = self._load("first hits", what)
         own = [n for n, shape in enumerate(scene.shapes(), 1) if shape.id() in ("snow", "flakes")]
-        total = np.zeros((self._lens.height, self._lens.width), np.float32)
-        for k in range(MASK):
-            hits = self._first_hits(scene, MASK * seed + k)
-            total += np.isin(np.rint(hits[..., -1]), own)
-        return total / np.float32(MASK)
+        total = np.zeros((self._lens.height, self._lens.width, 8), np.float32)
+        for k in range(rays):
+            image = self._mi.render(scene, integrator=integrator, spp=1, seed=rays * seed + k)
+            hits = finite(image)[..., -8:]
+            hits[..., 7] = np.isin(np.rint(hits[..., 7]), own)  # a number of a shape has no average
+            total += hits
+        total /= np.float32(rays)
+        return FirstHits(total[..., :3], total[..., 3:6], total[..., 6], total[..., 7])
 
     def _render(self, scene: Any, seed: int) -> Floats:
         return finite(self._mi.render(scene, seed=seed))
