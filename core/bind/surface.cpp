@@ -2,6 +2,7 @@
 #include <nanobind/stl/tuple.h>
 
 #include "bind/arrays.hpp"
+#include "surface/carry.hpp"
 #include "surface/grains.hpp"
 #include "surface/nets.hpp"
 
@@ -16,6 +17,12 @@ using Points = In<float, nb::shape<-1, 3>>;
 using Numbers = In<float, nb::shape<-1>>;
 using Names = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 
+// Points as they lie in an array: three numbers each, without a gap.
+std::span<const Vec3f> vectors(const Points& x) {
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  return {reinterpret_cast<const Vec3f*>(x.data()), x.shape(0)};
+}
+
 void check(const Points& x, const Numbers& amounts, float cell_size) {
   if (!(cell_size > 0 && cell_size < 1e9f)) throw nb::value_error("cell_size is above zero");
   if (amounts.shape(0) != 1 && amounts.shape(0) != x.shape(0))
@@ -25,17 +32,15 @@ void check(const Points& x, const Numbers& amounts, float cell_size) {
 void make_points(Field* self, const Points& x, const Numbers& amounts, float cell_size, int blurs) {
   check(x, amounts, cell_size);
   if (blurs < 0 || blurs > 8) throw nb::value_error("blurs: from 0 to 8");
-  const std::vector<Vec3f> points = points_of(x);
   nb::gil_scoped_release release;
-  new (self) Field(of_points(points, {amounts.data(), amounts.shape(0)}, cell_size, blurs));
+  new (self) Field(of_points(vectors(x), {amounts.data(), amounts.shape(0)}, cell_size, blurs));
 }
 
 Field balls(const Points& x, const Numbers& amounts, float radius, float cell_size) {
   check(x, amounts, cell_size);
   if (!(radius > 0 && radius <= 64 * cell_size)) throw nb::value_error("radius: above 0, up to 64 cells");
-  const std::vector<Vec3f> points = points_of(x);
   nb::gil_scoped_release release;
-  return of_balls(points, {amounts.data(), amounts.shape(0)}, radius, cell_size);
+  return of_balls(vectors(x), {amounts.data(), amounts.shape(0)}, radius, cell_size);
 }
 
 auto blocks(const Field& field) {
@@ -63,9 +68,13 @@ auto values(const Field& field) {
 }
 
 auto sample(const Field& field, const Points& x) {
-  std::vector<float> out(x.shape(0));
-  for (std::size_t p = 0; p < out.size(); ++p) out[p] = field.sample({x(p, 0), x(p, 1), x(p, 2)});
-  return array(std::move(out), {x.shape(0)});
+  float* out = nullptr;
+  auto held = fresh(out, {x.shape(0)});
+  const std::span<const Vec3f> at = vectors(x);
+  nb::gil_scoped_release release;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t p = 0; p < std::int64_t(at.size()); ++p) out[p] = field.sample(at[std::size_t(p)]);
+  return held;
 }
 
 auto surface(const Field& field, float level) {
@@ -80,20 +89,62 @@ auto surface(const Field& field, float level) {
                         array(std::move(found.faces), {m, 3}));
 }
 
-auto make_grains(const Points& x, const Names& id, const Numbers& lone, float spacing, int count) {
+using Matrices = In<float, nb::shape<-1, 3, 3>>;
+
+// Matrices lie in arrays row by row.
+Mat3f matrix(const float* a) { return {{a[0], a[3], a[6]}, {a[1], a[4], a[7]}, {a[2], a[5], a[8]}}; }
+void put(const Mat3f& m, float* a) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) a[3 * i + j] = m(i, j);
+}
+
+auto make_grains(const Points& x, const Names& id, const Numbers& lone, const Matrices& offset, float spacing,
+                 int count) {
   if (id.shape(0) != x.shape(0) || lone.shape(0) != x.shape(0))
     throw nb::value_error("id and lone have one number for each particle");
+  if (offset.shape(0) != x.shape(0) && offset.shape(0) != 1)
+    throw nb::value_error("offset has one matrix, or one for each particle");
   if (!(spacing > 0) || count < 1 || count > 512) throw nb::value_error("spacing is above 0, count 1 to 512");
-  const std::vector<Vec3f> points = points_of(x);
-  std::vector<Vec3f> found;
+  float* out = nullptr;
+  auto held = fresh(out, {x.shape(0) * std::size_t(count), 3});
+  const std::size_t each = offset.shape(0) > 1 ? 9 : 0;
+  const float* first = offset.data();
+  nb::gil_scoped_release release;
+  grains(
+      vectors(x), {id.data(), id.shape(0)}, {lone.data(), lone.shape(0)},
+      [&](std::size_t p) { return matrix(first + each * p); }, spacing, count, reinterpret_cast<Vec3f*>(out));
+  return held;
+}
+
+auto make_gradients(const Points& first, const Points& x, const In<std::int32_t, nb::shape<-1, -1>>& near) {
+  const std::size_t n = x.shape(0), count = near.shape(1);
+  if (first.shape(0) != n || near.shape(0) != n)
+    throw nb::value_error("first, x and near have a row for each particle");
+  for (std::size_t k = 0; k < n * count; ++k)
+    if (near.data()[k] < 0 || std::size_t(near.data()[k]) >= n) throw nb::value_error("near: rows of x");
+  float* out = nullptr;
+  auto held = fresh(out, {n, 3, 3});
+  nb::gil_scoped_release release;
+  const std::vector<Mat3f> found = gradients(vectors(first), vectors(x), {near.data(), n * count}, count);
+  for (std::size_t p = 0; p < n; ++p) put(found[p], out + 9 * p);
+  return held;
+}
+
+auto make_carried(const Matrices& F) {
+  const std::size_t n = F.shape(0);
+  float *turn = nullptr, *offset = nullptr;
+  auto turns = fresh(turn, {n, 3, 3}), offsets = fresh(offset, {n, 3, 3});
   {
+    const float* from = F.data();
     nb::gil_scoped_release release;
-    found = grains(points, {id.data(), id.shape(0)}, {lone.data(), lone.shape(0)}, spacing, count);
+#pragma omp parallel for schedule(static)
+    for (std::int64_t p = 0; p < std::int64_t(n); ++p) {
+      const Carried found = carried(matrix(from + 9 * p));
+      put(found.turn, turn + 9 * p);
+      put(found.offset, offset + 9 * p);
+    }
   }
-  std::vector<float> out;
-  out.reserve(3 * found.size());
-  for (const Vec3f& p : found) out.insert(out.end(), {p.x, p.y, p.z});
-  return array(std::move(out), {found.size(), 3});
+  return nb::make_tuple(turns, offsets);
 }
 
 }  // namespace
@@ -109,5 +160,9 @@ NB_MODULE(_surface, m) {
       .def("values", &values, "Values of the cells of each block.")
       .def("sample", &sample, "x"_a, "Value at points, between the centres of cells.")
       .def("surface", &surface, "level"_a, "Vertices, normals and faces of the surface of that value.");
-  m.def("grains", &make_grains, "x"_a, "id"_a, "lone"_a, "spacing"_a, "count"_a, "Grains of particles.");
+  m.def("grains", &make_grains, "x"_a, "id"_a, "lone"_a, "offset"_a, "spacing"_a, "count"_a,
+        "Grains of particles.");
+  m.def("gradients", &make_gradients, "first"_a, "x"_a, "near"_a,
+        "Deformation by what neighbours have done.");
+  m.def("carried", &make_carried, "F"_a, "Rotations, and deformations kept within bounds.");
 }

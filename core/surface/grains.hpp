@@ -55,9 +55,11 @@ inline int crumb_of(int grain, int count) {
 // Return the grains of particles, `count` for each, one particle after the other.
 // Among others a particle fills its cell of side 1.15 spacing. A lone one is no ball: its grains gather in up to eight
 // crumbs, each half of the one before, which lie about as far apart as the spacing.
-// x: positions [m]; id: of each; lone: 0 among others, 1 alone; spacing: of particles at rest [m].
-inline std::vector<Vec3f> grains(std::span<const Vec3f> x, std::span<const std::int64_t> id,
-                                 std::span<const float> lone, float spacing, int count) {
+// x: positions [m]; id: of each; lone: 0 among others, 1 alone; offset(p): matrix that carries the places of the grains
+// beside particle p; spacing: of particles at rest [m]. Writes to `out`, one for each grain.
+template <class F>
+void grains(std::span<const Vec3f> x, std::span<const std::int64_t> id, std::span<const float> lone,
+            F&& offset, float spacing, int count, Vec3f* out) {
   const float size = spacing / std::cbrt(float(count));
   std::vector<int> crumb(static_cast<std::size_t>(count));
   std::vector<float> members(most_crumbs, 0.0f);
@@ -65,24 +67,23 @@ inline std::vector<Vec3f> grains(std::span<const Vec3f> x, std::span<const std::
     crumb[std::size_t(g)] = crumb_of(g, count);
     members[std::size_t(crumb[std::size_t(g)])] += 1;
   }
-  std::vector<Vec3f> out(x.size() * std::size_t(count));
 #pragma omp parallel for schedule(static)
   for (std::int64_t p = 0; p < std::int64_t(x.size()); ++p) {
-    const Dice dice(std::uint64_t(id[std::size_t(p)]));
+    const Dice dice{std::uint64_t(id[std::size_t(p)])};
     const float alone = lone[std::size_t(p)];
+    const Mat3f carry = offset(std::size_t(p));
     for (int g = 0; g < count; ++g) {
-      Vec3f offset = spread(dice, g) * (1.15f * spacing);
+      Vec3f place = spread(dice, g) * (1.15f * spacing);
       if (alone > 0) {
         const std::uint32_t c = std::uint32_t(crumb[std::size_t(g)]), n = 16 + 4 * std::uint32_t(g);
         const Vec3f centre = in_ball(dice(1000 + 3 * c), dice(1001 + 3 * c), dice(1002 + 3 * c)) * spacing;
         const Vec3f within =
             in_ball(dice(2000 + n), dice(2001 + n), dice(2002 + n)) * (0.62f * std::cbrt(members[c]));
-        offset = mix(offset, centre + within * size, alone);
+        place = mix(place, centre + within * size, alone);
       }
-      out[std::size_t(p) * std::size_t(count) + std::size_t(g)] = x[std::size_t(p)] + offset;
+      out[std::size_t(p) * std::size_t(count) + std::size_t(g)] = x[std::size_t(p)] + carry * place;
     }
   }
-  return out;
 }
 
 }  // namespace neve::surface

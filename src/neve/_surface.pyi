@@ -40,11 +40,30 @@ class Field:
         """
 
 def grains(
-    x: NDArray[np.float32], id: NDArray[np.int64], lone: NDArray[np.float32], spacing: float, count: int
+    x: NDArray[np.float32],
+    id: NDArray[np.int64],
+    lone: NDArray[np.float32],
+    offset: NDArray[np.float32],
+    spacing: float,
+    count: int,
 ) -> NDArray[np.float32]:
     """Return the grains (n * count, 3) of particles, one particle after the other.
 
-    x (n, 3) [m]; id (n,): their places depend on it alone; lone (n,): 0 among others, 1 alone;
-    spacing: of particles at rest [m]; count: 1 to 512.
+    x (n, 3) [m]; id (n,); lone (n,): 0 among others, 1 alone; offset: matrices that move the places of grains
+    beside their particle, (n, 3, 3), or (1, 3, 3) for all; spacing: of particles at rest [m]; count: 1 to
+    512.
     Errors: ValueError for other sizes.
     """
+
+def gradients(
+    first: NDArray[np.float32], x: NDArray[np.float32], near: NDArray[np.int32]
+) -> NDArray[np.float32]:
+    """Return the deformation gradients (n, 3, 3) that move the neighbours of each particle best.
+
+    first, x (n, 3) [m]: places before and now, not finite where a particle is gone; near (n, k): rows of the
+    neighbours. Errors: ValueError for other sizes or rows.
+    """
+
+def carried(F: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return of deformation gradients F (n, 3, 3) the rotations R, F = R S, and R S with S between 0.65 and
+    1.5, both (n, 3, 3)."""

@@ -32,7 +32,7 @@ FOLDER = "render"
 FILM = "render.mp4"
 PART = "render_{:06d}-{:06d}.mp4"
 """Name of a film of some frames, by the first and the last: it takes the place of no film of all."""
-FORMAT = 3
+FORMAT = 4
 """Changes when the same choices give another picture."""
 CHANGEABLE = ("camera", "light")
 """Tables of the scene that may be changed once the snow has moved."""
@@ -157,7 +157,7 @@ class _Job:
             )
         poses = zip(self._solids, content.solid_position, content.solid_rotation, strict=True)
         placed = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in poses]
-        return self._tracer.draw(content.x, content.id, placed, number)
+        return self._tracer.draw(content.x, content.id, placed, number, content.more.get("F_E"))
 
     def _key(self, number: int) -> str:
         """Return a word for all that the picture of a frame depends on."""

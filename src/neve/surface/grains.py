@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from neve import _surface
 from neve._surface import Field
+from neve.surface.carry import STILL, Carry
 from neve.surface.volume import amounts, points
 
 Floats = NDArray[np.float32]
@@ -27,13 +28,15 @@ class Grains:
     """Hold the grains of the particles of a frame.
 
     x (n k, 3): positions [m], the k grains of a particle one after the other. count: k. size: edge of the
-    cube that a grain takes [m], s / k^(1/3). lone (n,): 0 for a particle among others, 1 for a lone one
+    cube that a grain takes [m], s / k^(1/3). lone (n,): 0 for a particle among others, 1 for a lone one.
+    carry: how the snow of the particles has moved
     """
 
     x: Floats
     count: int
     size: float
     lone: Floats
+    carry: Carry = STILL
 
     @property
     def particle(self) -> NDArray[np.int64]:
@@ -41,21 +44,21 @@ class Grains:
         return np.arange(len(self.x)) // self.count
 
 
-def grains_of(x: NDArray[Any], id: NDArray[Any], spacing: float, count: int) -> Grains:
+def grains_of(x: NDArray[Any], id: NDArray[Any], spacing: float, count: int, carry: Carry = STILL) -> Grains:
     """Return `count` grains of each particle.
 
     Among others the grains of a particle fill its cell evenly, jittered. Those of a lone particle gather in
     crumbs, each half of the one before, so that debris is no cloud of equal balls. Where a grain lies beside
-    its particle depends on the particle's id and its surroundings alone: nothing crawls from frame to frame.
+    its particle depends on the particle's id, its surroundings and `carry` alone: nothing crawls from frame
+    to frame, and what turns or shears takes its grains along.
 
     x: positions (n, 3) [m]; id (n,); spacing s: of particles at rest [m]; count: 1 to 512.
     """
     places = points(x)
     lone = loneliness(places, spacing)
     names = np.ascontiguousarray(id).astype(np.int64, copy=False)
-    return Grains(
-        _surface.grains(places, names, lone, spacing, count), count, spacing / count ** (1.0 / 3.0), lone
-    )
+    found = _surface.grains(places, names, lone, carry.offset, spacing, count)
+    return Grains(found, count, spacing / count ** (1.0 / 3.0), lone, carry)
 
 
 def loneliness(x: NDArray[Any], spacing: float) -> Floats:

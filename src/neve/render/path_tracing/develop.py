@@ -156,6 +156,8 @@ def _glint(out: Floats, layers: Layers, lens: Lens, light: Light, strength: floa
     z = 2.0 * unit(names, 12) - 1.0
     turn, flat = 2.0 * np.pi * unit(names, 13), np.sqrt(np.maximum(1.0 - z * z, 0.0))
     facet = np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
+    turns = flakes.turns[chosen] if len(flakes.turns) > 1 else flakes.turns
+    facet = (turns @ facet[:, :, None])[:, :, 0]
     toward = lens.eye - centres
     half = toward / np.linalg.norm(toward, axis=1, keepdims=True) + np.asarray(sun_direction(light))
     half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-9)

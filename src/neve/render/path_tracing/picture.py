@@ -23,6 +23,7 @@ from neve.render.path_tracing.snow import (
     snow_geometry,
 )
 from neve.render.path_tracing.tracer import Layers, Tracer
+from neve.surface.carry import Origin, carried
 from neve.surface.metaballs import snow_balls
 
 if TYPE_CHECKING:
@@ -78,8 +79,9 @@ class Choices:
 class PathTracer:
     """Draw frames of one run.
 
-    What a particle is drawn as depends on its id and on its place in the first frame, how finely on the
-    scene and the most particles that a frame has: nothing changes from one frame to the next but what moves.
+    What a particle is drawn as depends on its id, on its place in the first frame and on how the snow around
+    it has moved since, how finely on the scene and the most particles that a frame has: nothing changes from
+    one frame to the next but what moves.
     """
 
     def __init__(
@@ -103,16 +105,23 @@ class PathTracer:
         self._flakes = flake_share(int(self.quality.flakes * self._kind.flakes), self.count * most)
         order = np.argsort(first_id)
         self._names, self._weights = first_id[order], lumps(first_x, spacing)[order]
+        self._origin = Origin(first_id, first_x)
         self._tracer = Tracer(scene, self._lens, self.quality, self.quality.look, self._kind, threads)
 
     def draw(
-        self, x: NDArray[Any], id: NDArray[Any], solids: Sequence[tuple[Solid, Pose]], seed: int
+        self,
+        x: NDArray[Any],
+        id: NDArray[Any],
+        solids: Sequence[tuple[Solid, Pose]],
+        seed: int,
+        F_E: NDArray[Any] | None = None,
     ) -> Floats:
         """Return exposed linear light (height, width, 3), 1 is white.
 
-        x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; seed: of the paths.
+        x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; seed: of the paths; F_E (n,
+        3, 3): deformation gradients that carry the grains; None: those that neighbours tell.
         """
-        layers = self._layers(x, id, solids, seed)
+        layers = self._layers(x, id, solids, seed, F_E)
         return develop(
             layers,
             self._lens,
@@ -124,18 +133,24 @@ class PathTracer:
         )
 
     def _layers(
-        self, x: NDArray[Any], id: NDArray[Any], solids: Sequence[tuple[Solid, Pose]], seed: int
+        self,
+        x: NDArray[Any],
+        id: NDArray[Any],
+        solids: Sequence[tuple[Solid, Pose]],
+        seed: int,
+        F_E: NDArray[Any] | None = None,
     ) -> Layers:
         samples = self.quality.samples
         if self.quality.look != "metaballs":
-            return self._tracer.trace(self.geometry(x, id), solids, samples, seed)
+            return self._tracer.trace(self.geometry(x, id, F_E), solids, samples, seed)
         behind = self._tracer.trace(NOTHING, solids, samples, seed)
         spacing = self._scene.numerics.spacing
         balls = snow_balls(together(x, spacing), spacing)
         return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, self._lens)
 
-    def geometry(self, x: NDArray[Any], id: NDArray[Any]) -> SnowGeometry:
+    def geometry(self, x: NDArray[Any], id: NDArray[Any], F_E: NDArray[Any] | None = None) -> SnowGeometry:
         """Return the snow of a frame as it is drawn."""
+        F = self._origin.gradients(id, x) if F_E is None else F_E
         size = FLAKE_SIZE["diffuse" if self.quality.look == "diffuse" else "other"]
         return snow_geometry(
             x,
@@ -145,6 +160,7 @@ class PathTracer:
             self.count,
             self._flakes,
             size * self._kind.flake_size,
+            carried(F),
         )
 
     def _weights_of(self, id: NDArray[Any]) -> Floats:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.sampling.noise import DEVIATION, fractal
+from neve.surface.carry import STILL, Carry
 from neve.surface.grains import Grains, grains_of
 from neve.surface.mesh import LEVEL, SurfaceMesh, mesh_of, snow_field
 
@@ -31,15 +32,21 @@ _PRIMES = (0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D, 0x27D4EB2F, 0x165667B1)
 
 @dataclass(frozen=True)
 class Flakes:
-    """Hold flakes: centres (n, 3) and radii (n,) [m], and a number (n,) each keeps for the whole run."""
+    """Hold flakes.
+
+    centres (n, 3) and radii (n,) [m]; names (n,): a number each keeps for the whole run; turns: rotation of
+    their snow since the first frame, (n, 3, 3) or (1, 3, 3)
+    """
 
     centres: Floats
     radii: Floats
     names: NDArray[np.uint32]
+    turns: Floats = field(default_factory=lambda: STILL.turn)
 
     def triangles(self) -> tuple[Floats, NDArray[np.uint32]]:
-        """Return vertices (4 n, 3) and faces (4 n, 3): a tetrahedron each, turned at random by its number."""
-        turned = _turned()[self.names % np.uint32(_TURNS)]
+        """Return vertices (4 n, 3) and faces (4 n, 3): a tetrahedron each, turned at random by its number,
+        and with its snow."""
+        turned = _turned()[self.names % np.uint32(_TURNS)] @ self.turns.transpose(0, 2, 1)
         vertices = self.centres[:, None] + self.radii[:, None, None] * turned
         faces = (4 * np.arange(len(self.centres)))[:, None, None] + _SIDES
         return vertices.reshape(-1, 3), faces.reshape(-1, 3).astype(np.uint32)
@@ -93,20 +100,21 @@ def snow_geometry(
     count: int,
     flakes: float,
     flake_size: float,
+    carry: Carry = STILL,
 ) -> SnowGeometry:
     """Return the surface and the flakes of a frame.
 
     x (n, 3) [m], finite; id (n,); weights (n,): see `lumps`; spacing [m]; count: grains of a particle;
     flakes: share of those at the surface that are drawn, see `flake_share`; flake_size: their mean radius
-    in grain sizes.
+    in grain sizes; carry: how the snow of the particles has moved.
     """
-    grains = grains_of(x, id, spacing, count)
-    field = snow_field(grains, weights)
-    surface = mesh_of(field, LEVEL)
-    return SnowGeometry(surface, _flakes(grains, id, field, flakes, flake_size), grains.size)
+    grains = grains_of(x, id, spacing, count, carry)
+    firm = snow_field(grains, weights)
+    surface = mesh_of(firm, LEVEL)
+    return SnowGeometry(surface, _flakes(grains, id, firm, flakes, flake_size), grains.size)
 
 
-def _flakes(grains: Grains, id: NDArray[Any], field: Any, share: float, size: float) -> Flakes:
+def _flakes(grains: Grains, id: NDArray[Any], within: Any, share: float, size: float) -> Flakes:
     """Choose the flakes: grains at the surface, those whose random number is below a share that is the same
     in all frames."""
     first = np.asarray(id, np.uint64)[:, None] * np.uint64(512)
@@ -114,15 +122,19 @@ def _flakes(grains: Grains, id: NDArray[Any], field: Any, share: float, size: fl
     names = hashed(each.astype(np.uint32) ^ (each >> np.uint64(32)).astype(np.uint32))
     chosen = np.flatnonzero(names < np.uint32(share * (2**32 - 1)))
     here = grains.x[chosen]
-    firm = field.sample(here)
+    firm = within.sample(here)
     t = np.clip((FIRM - firm) / (FIRM - LOOSE), 0.0, 1.0)
     chosen, here, t = (a[t > 0.0] for a in (chosen, here, t))
     kept = names[chosen]
+    turns = grains.carry.turn
+    if len(turns) > 1:
+        turns = turns[chosen // grains.count]
     jitter = np.stack([unit(kept, k) - 0.5 for k in range(3)], axis=1) * (0.8 * grains.size)
+    jitter = (turns @ jitter[:, :, None])[:, :, 0]
     # A sum of uniform numbers stands for a normal one: radii spread by a factor of about 1.5.
     normal = (unit(kept, 3) + unit(kept, 4) + unit(kept, 5) - 1.5) * 2.0
     radii = size * grains.size * np.exp(0.45 * normal) * np.sqrt(t)
-    return Flakes((here + jitter).astype(np.float32), radii.astype(np.float32), kept)
+    return Flakes((here + jitter).astype(np.float32), radii.astype(np.float32), kept, turns)
 
 
 def hashed(a: NDArray[np.uint32], k: int = 0) -> NDArray[np.uint32]:
