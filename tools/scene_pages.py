@@ -16,6 +16,7 @@ from neve.scene.schema.roles import SHAPES
 from neve.scene.schema.scene import (
     Body,
     Camera,
+    CameraKeyframe,
     Collider,
     Control,
     Keyframe,
@@ -111,7 +112,8 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ("[[bodies.motor.keyframes]]", "Targets of a motor over time.", Target),
     ("[[robots]]", "Robots and vehicles from files, which snow moves too.", Robot),
     ("[[robots.controls]]", "Commands to the actuators of a robot, and when they are given.", Control),
-    ("[camera]", "Camera of the film.", Camera),
+    ("[camera]", "Camera of films and pictures ([film.md](film.md#the-camera)).", Camera),
+    ("[[camera.keyframes]]", "Views at several times.", CameraKeyframe),
     ("[light]", "Light of the film.", Light),
     ("[run]", "Length of the run.", Run),
     (

@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.looks import KINDS, QUALITIES, REFERENCE, Medium, capped, similar
 from neve.render.path_tracing.optics import cornette_shanks, henyey_greenstein, slab_reflectance
 from neve.render.path_tracing.tracer import MOST_EXTINCTION, Tracer, medium_of, paths_in
-from neve.scene.schema.scene import Camera, Numerics, Scene, Source
+from neve.scene.schema.scene import Numerics, Scene, Source
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(200)
 
@@ -148,9 +147,9 @@ def test_the_similar_medium_sends_back_what_the_reference_does(mi):
 def test_the_fast_look_sends_back_what_the_reference_does(mi, dx):
     """Its own medium, whose extinction is capped, does so for snow of many grid spacings, which is thick to
     light in both: within 2 % on average over the colours, for a block of 16 spacings."""
-    lens, quality = Lens(Camera(), 16, 16), QUALITIES["final"]
+    quality = QUALITIES["final"]
     scene = Scene(sources=(Source.of("sphere"),), numerics=Numerics(dx=dx))
-    fast = Tracer(scene, lens, quality, "fast", KINDS["fresh"]).medium()
+    fast = Tracer(scene, quality, "fast", KINDS["fresh"]).medium()
     assert fast.extinction <= MOST_EXTINCTION < similar(REFERENCE).extinction
     found, reference = (reflectance(mi, m, 20_000, 8 * dx).mean() for m in (fast, REFERENCE))
     assert found == pytest.approx(reference, rel=0.02)

@@ -107,6 +107,21 @@ def test_pictures_are_kept_and_made_again_where_they_must(folder, capsys):
 
 
 @needs_mitsuba
+def test_a_camera_that_moves_draws_anew_what_it_sees_otherwise(folder, capsys):
+    """A turntable shows the first frame from where the camera stands anyhow, a camera that follows does not;
+    with the same camera nothing is drawn again."""
+    turning = ("--set", "camera.turntable=90")
+    follows = ("--set", "camera.follow=snow", "--set", "camera.offset=[0.0,0.0,0.5]")
+    for arguments, new in (((), 3), (turning, 2), (turning, 0), (follows, 3), (follows, 0)):
+        assert code("render", folder, *SMALL, *arguments) == 0
+        assert f": {new} new pictures" in capsys.readouterr().out
+    seen = np.asarray(Image.open(folder / "render/000002.png")).astype(float).mean(axis=2)
+    assert seen[22:26, 21:27].mean() > 1.5 * seen[22:26, :6].mean()  # the ball, 7 pixels below the middle
+    assert code("render", folder, *SMALL, "--set", "camera.follow=bodies.0") == 2
+    assert 'camera.follow = "bodies.0" is not allowed' in capsys.readouterr().err
+
+
+@needs_mitsuba
 def test_light_is_never_that_of_another_picture(folder):
     """An EXR goes when its PNG is made anew without one, stays with the picture that it belongs to, and is
     made where it lacks."""

@@ -14,6 +14,7 @@ from neve.render.path_tracing.engine import mitsuba
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.picture import Choices, PathTracer
 from neve.render.path_tracing.tracer import finite
+from neve.render.shot import opening
 from neve.scene.schema.scene import Body, Camera, Collider, Light, Numerics, Scene, Source
 
 CAMERA = Camera(position=(1.5, -4.0, 1.2), target=(0.3, 0.2, 0.6), fov=34)
@@ -70,9 +71,11 @@ def layers_of(snow, choices):
         camera=Camera(position=(0.0, -4.0, 0.6), target=(0.0, 0.0, 0.6), fov=30),
     )
     id = np.arange(len(snow))
-    tracer = PathTracer(scene, choices, id, snow, len(snow))
+    view = opening(scene.camera)
+    tracer = PathTracer(scene, choices, id, snow, len(snow), [view])
     placed = [(s, Pose.at_rest(p, np.eye(3))) for s, p in zip(solids_of(scene), PLACES, strict=True)]
-    return tracer._layers(snow.astype(np.float32), id, placed, 1), tracer._lens
+    lens = Lens(view, 96, 64)
+    return tracer._layers(snow.astype(np.float32), id, placed, lens, 1), lens
 
 
 PLACES = np.array([[-0.5, -0.8, 0.6], [0.9, -0.4, 0.6]])

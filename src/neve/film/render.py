@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import astuple
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ from neve.io.run_folder import RunFolder
 from neve.render.path_tracing.develop import coded, has_denoiser
 from neve.render.path_tracing.engine import mitsuba
 from neve.render.path_tracing.picture import Choices, PathTracer
+from neve.render.shot import Shot, View
 from neve.system import disk
 
 if TYPE_CHECKING:
@@ -105,6 +107,8 @@ class _Job:
         self._run, self._scene, self._choices, self._target = run, scene, choices, target
         self._exr, self._threads = exr, threads
         self._solids: tuple[Solid, ...] = solids_of(scene)
+        self._shot = Shot(scene.camera, self._solids, scene.numerics.dx)
+        self._views: dict[int, View] = {}
         self._tracer: PathTracer | None = None
 
     def path(self, number: int) -> Path:
@@ -144,12 +148,26 @@ class _Job:
         film.close()
         return path
 
+    @property
+    def views(self) -> dict[int, View]:
+        """The view of the camera in each frame of the run, by its number."""
+        if not self._views:
+            numbers = frame_numbers(self._run.frames)
+            times = {number: number / self._scene.run.fps for number in numbers}
+            for number in numbers if self._shot.follows else ():
+                content = read_frame(self._run.frames, number)
+                self._shot.see(times[number], content.x, content.v, content.id, content.solid_position)
+            self._views = {number: self._shot.at(time) for number, time in times.items()}
+        return self._views
+
     def _light(self, content: Frame, number: int) -> NDArray[np.float32]:
         if self._tracer is None:
             numbers = frame_numbers(self._run.frames)
             first, last = (read_frame(self._run.frames, n) for n in (numbers[0], numbers[-1]))
             most = max(len(first.x), len(last.x))  # a source that flows has its most at the end
-            self._tracer = PathTracer(self._scene, self._choices, first.id, first.x, most, self._threads)
+            self._tracer = PathTracer(
+                self._scene, self._choices, first.id, first.x, most, [*self.views.values()], self._threads
+            )
         if len(content.solid_position) != len(self._solids):
             raise RunError(
                 f"{frame_path(self._run.frames, number)} has {len(content.solid_position)} solids, and the"
@@ -157,7 +175,8 @@ class _Job:
             )
         poses = zip(self._solids, content.solid_position, content.solid_rotation, strict=True)
         placed = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in poses]
-        return self._tracer.draw(content.x, content.id, placed, number, content.more.get("F_E"))
+        F_E = content.more.get("F_E")
+        return self._tracer.draw(content.x, content.id, placed, self.views[number], number, F_E)
 
     def _key(self, number: int) -> str:
         """Return a word for all that the picture of a frame depends on."""
@@ -166,7 +185,8 @@ class _Job:
             "format": FORMAT,
             "frame": mark_of(frame_path(self._run.frames, number)),
             "number": number,
-            "camera": scene.camera.model_dump(mode="json"),
+            "view": astuple(self.views[number]),
+            "pixel": self._choices.pixel(self.views.values()),
             "light": scene.light.model_dump(mode="json"),
             "choices": [*vars(quality).values(), self._choices.kind, self._choices.aperture],
             "denoise": self._choices.denoise and has_denoiser(),

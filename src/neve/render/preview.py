@@ -18,6 +18,7 @@ from neve.render.lighting import (
     sun_color,
     sun_direction,
 )
+from neve.render.shot import View, opening
 
 if TYPE_CHECKING:
     from neve._core import HeightField
@@ -49,37 +50,45 @@ class Preview:
         width, height: of the picture [px].
         threads: at most this many; 0 means as many as OpenMP takes by itself.
         """
-        camera, light, numerics = scene.camera, scene.light, scene.numerics
+        light, numerics = scene.light, scene.numerics
         self.size = (width, height)
         self.threads = threads
         self.volume = particle_volume(numerics, radius)
         self.cell_size = density_cell(numerics, radius)
         self._meshes: dict[int, tuple[object, _render.Mesh]] = {}
-        self._painter = _render.Painter(
-            _render.Camera(camera.position, camera.target, camera.up, camera.fov, width, height),
-            _render.Light(sun_direction(light), sun_color(light), sky_color(light)),
-        )
+        self._light = _render.Light(sun_direction(light), sun_color(light), sky_color(light))
+        self._start = opening(scene.camera)
+        self._view: View | None = None
 
     def draw(
         self,
         x: npt.NDArray[np.floating[Any]],
         solids: Sequence[tuple[Solid, Pose]],
         J_P: npt.NDArray[np.floating[Any]] | None = None,
+        view: View | None = None,
     ) -> npt.NDArray[np.uint8]:
         """Draw one frame.
 
         x: positions (n, 3) [m], of any float type and layout; particles that are not finite are left out.
         solids: colliders and bodies, and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow
-        is drawn looser.
+        is drawn looser. view: of the camera; without it that of the scene's at the start.
         Returns the picture (height, width, 3), sRGB.
         """
+        painter = self._seen_from(view or self._start)
         places = np.ascontiguousarray(x, dtype=np.float32)
         ratio = np.ones(0, np.float32) if J_P is None else np.ascontiguousarray(J_P, dtype=np.float32)
         drawn = [self._drawn(solid, pose) for solid, pose in solids if solid.visible]
-        picture: npt.NDArray[np.uint8] = self._painter.draw(
+        picture: npt.NDArray[np.uint8] = painter.draw(
             places, ratio, self.volume, self.cell_size, drawn, self.threads
         )
         return picture
+
+    def _seen_from(self, view: View) -> _render.Painter:
+        """Return who draws from `view`; he keeps what is the same in all frames, until the view changes."""
+        if self._view != view:
+            camera = _render.Camera(view.position, view.target, view.up, view.fov, *self.size)
+            self._view, self._painter = view, _render.Painter(camera, self._light)
+        return self._painter
 
     def _drawn(self, solid: Solid, pose: Pose) -> _render.Solid:
         """Translate a solid and its pose for the renderer."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from neve.geometry.pose import Pose
 from neve.io.frames import Frame
+from neve.render.shot import Shot, View
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -27,7 +28,9 @@ class Painter:
     solids: colliders and bodies, in the order of the poses in a frame. threads: None or 0 for all.
     size: width and height [pixels], SIZE by default. radius: of a particle [m], by default as the scene says
 
-    It draws what a frame file holds, so that a film drawn afterwards is the same film.
+    It draws what a frame file holds, so that a film drawn afterwards is the same film. A camera that follows
+    something knows the frames up to the one that is drawn, as in a run that goes on; those before it must
+    have been drawn, or seen by `shot`.
     """
 
     def __init__(
@@ -43,6 +46,7 @@ class Painter:
         self._solids = solids
         self._threads = threads or 0
         self._radius = radius
+        self.shot = Shot(scene.camera, solids, scene.numerics.dx)
 
     @functools.cached_property
     def _preview(self) -> Preview:
@@ -52,7 +56,19 @@ class Painter:
 
     def draw(self, content: Frame) -> NDArray[np.uint8]:
         """Return the image of a frame, (height, width, 3)."""
-        return self.draw_arrays(content.x, content.J_P, content.solid_position, content.solid_rotation)
+        self.look(content)
+        view = self.shot.at(content.time, ahead=False)
+        return self.draw_arrays(content.x, content.J_P, content.solid_position, content.solid_rotation, view)
+
+    def look(self, content: Frame) -> None:
+        """Let the camera see a frame that is not drawn."""
+        self.shot.see(content.time, content.x, content.v, content.id, content.solid_position)
+
+    def look_back(self, frames: Iterable[int], read: Callable[[int], Frame]) -> None:
+        """Let a camera that follows something see `frames`, in order, which `read` returns."""
+        if self.shot.follows:
+            for frame in frames:
+                self.look(read(frame))
 
     def draw_arrays(
         self,
@@ -60,11 +76,13 @@ class Painter:
         J_P: NDArray[np.float32] | None,
         positions: Iterable[NDArray[np.floating]],
         rotations: Iterable[NDArray[np.floating]],
+        view: View | None = None,
     ) -> NDArray[np.uint8]:
         """Return the image (height, width, 3) of particles at `x` [m], (n, 3), with J_P (n,), if it is known.
 
-        positions, rotations: of each solid, (3,) [m] and (3, 3); those of further solids are left out
+        positions, rotations: of each solid, (3,) [m] and (3, 3); those of further solids are left out.
+        view: of the camera; without it that of the scene's at the start
         """
         places = zip(self._solids, positions, rotations, strict=False)
         solids = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in places]
-        return self._preview.draw(x, solids, J_P=J_P)
+        return self._preview.draw(x, solids, J_P=J_P, view=view)

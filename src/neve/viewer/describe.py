@@ -9,6 +9,7 @@ import numpy as np
 
 from neve.colliders.solid import Solid
 from neve.render.lighting import STEEL, density_cell, is_ground, sky_color, sun_color, sun_direction
+from neve.render.shot import Shot, View, opening
 from neve.scene.reading.files import own_files
 from neve.scene.reading.presets import preset_about, presets
 from neve.scene.schema.scene import Light, Scene
@@ -29,6 +30,7 @@ def describe(player: Player) -> messages.SceneMessage:
             player.solids(),
             described(player.color_modes(), player.running()),
             player.radius(),
+            _first_view(player),
         ),
         "kind": "scene",
         "number": player.number,
@@ -40,15 +42,32 @@ def describe(player: Player) -> messages.SceneMessage:
     }
 
 
+def _first_view(player: Player) -> View:
+    """Return the view of the scene's camera at the start; what it follows is where the page shows it."""
+    scene, snapshot = player.scene, player.latest
+    if scene.camera.follow is None or snapshot is None:
+        return opening(scene.camera)
+    shot = Shot(scene.camera, player.solids(), scene.numerics.dx)
+    x = np.asarray(snapshot.x)
+    places = [position for position, _ in snapshot.poses]
+    shot.see(snapshot.time, x, np.zeros_like(x), np.arange(len(x)), places)
+    return shot.at(0.0)
+
+
 def drawn(
-    name: str, scene: Scene, solids: tuple[Solid, ...], modes: list[messages.Mode], radius: float
+    name: str,
+    scene: Scene,
+    solids: tuple[Solid, ...],
+    modes: list[messages.Mode],
+    radius: float,
+    view: View | None = None,
 ) -> messages.Drawn:
     """Return what is drawn beside the particles: camera, light, solids, and how large a particle is.
 
-    `radius`: of a particle [m].
+    radius: of a particle [m]. view: of the camera; without it that of the scene's at the start.
     Light is in the units of the film (neve.render), whose curve the page uses as well.
     """
-    camera = scene.camera
+    camera = view or opening(scene.camera)
     return {
         "name": name,
         "about": scene.about,

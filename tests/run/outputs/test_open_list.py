@@ -33,7 +33,7 @@ every_seconds = 0.1
 [[outputs]]
 kind = "film"
 name = "side.mp4"
-camera = { position = [9.0, 0.0, 1.0] }
+camera = { position = [9.0, 0.0, 1.0], follow = "snow", follow_time = 0.12 }
 
 [[outputs]]
 kind = "fragments"

@@ -10,16 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from neve.scene.schema.scene import Camera
+    from neve.render.shot import View
+    from neve.scene.schema.camera import Camera
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Lens:
-    """Hold a camera and the size of its picture [px]; aperture: radius of the lens [m], 0 for a pinhole."""
+    """Hold the view of a camera and the size of its picture [px]; aperture: radius of the lens [m].
 
-    camera: Camera
+    An aperture of 0 is that of a pinhole.
+    """
+
+    camera: View | Camera
     width: int
     height: int
     aperture: float = 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,7 @@ from neve.surface.metaballs import snow_balls
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
     from neve.geometry.pose import Pose
+    from neve.render.shot import View
     from neve.scene.schema.scene import Scene
 
 Floats = NDArray[np.float32]
@@ -75,6 +76,10 @@ class Choices:
             size=self.size or found.size,
         )
 
+    def pixel(self, views: Iterable[View]) -> float:
+        """Return the finest footprint of a pixel at the target of a view [m]."""
+        return min(Lens(view, *self.all.size).pixel for view in views)
+
 
 class PathTracer:
     """Draw frames of one run.
@@ -91,40 +96,48 @@ class PathTracer:
         first_id: NDArray[Any],
         first_x: NDArray[Any],
         most: int,
+        views: Sequence[View],
         threads: int = 0,
     ) -> None:
         """Prepare. first_id (n,), first_x (n, 3) [m]: particles of the first frame; most: that a frame has.
 
+        views: of the camera in all frames; grains are as fine as the nearest asks for.
         Errors: RenderError without Mitsuba.
         """
         self.quality = choices.all
         self._scene, self._choices, self._kind = scene, choices, KINDS[choices.kind]
-        self._lens = Lens(scene.camera, *self.quality.size, aperture=choices.aperture)
         spacing = scene.numerics.spacing
-        self.count = grain_count(spacing, self._lens.pixel, most, self.quality.grains, self.quality.across)
+        pixel = choices.pixel(views)
+        self.count = grain_count(spacing, pixel, most, self.quality.grains, self.quality.across)
         self._flakes = flake_share(int(self.quality.flakes * self._kind.flakes), self.count * most)
         order = np.argsort(first_id)
         self._names, self._weights = first_id[order], lumps(first_x, spacing)[order]
         self._origin = Origin(first_id, first_x)
-        self._tracer = Tracer(scene, self._lens, self.quality, self.quality.look, self._kind, threads)
+        self._tracer = Tracer(scene, self.quality, self.quality.look, self._kind, threads)
+
+    def _lens(self, view: View) -> Lens:
+        return Lens(view, *self.quality.size, aperture=self._choices.aperture)
 
     def draw(
         self,
         x: NDArray[Any],
         id: NDArray[Any],
         solids: Sequence[tuple[Solid, Pose]],
+        view: View,
         seed: int,
         F_E: NDArray[Any] | None = None,
     ) -> Floats:
         """Return exposed linear light (height, width, 3), 1 is white.
 
-        x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; seed: of the paths; F_E (n,
-        3, 3): deformation gradients that carry the grains; None: those that neighbours tell.
+        x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; view: of the camera; seed: of
+        the paths; F_E (n, 3, 3): deformation gradients that carry the grains; None: those that neighbours
+        tell.
         """
-        layers = self._layers(x, id, solids, seed, F_E)
+        lens = self._lens(view)
+        layers = self._layers(x, id, solids, lens, seed, F_E)
         return develop(
             layers,
-            self._lens,
+            lens,
             self._tracer.light,
             self._scene.light,
             self._kind,
@@ -137,16 +150,17 @@ class PathTracer:
         x: NDArray[Any],
         id: NDArray[Any],
         solids: Sequence[tuple[Solid, Pose]],
+        lens: Lens,
         seed: int,
         F_E: NDArray[Any] | None = None,
     ) -> Layers:
         samples = self.quality.samples
         if self.quality.look != "metaballs":
-            return self._tracer.trace(self.geometry(x, id, F_E), solids, samples, seed)
-        behind = self._tracer.trace(NOTHING, solids, samples, seed)
+            return self._tracer.trace(self.geometry(x, id, F_E), solids, lens, samples, seed)
+        behind = self._tracer.trace(NOTHING, solids, lens, samples, seed)
         spacing = self._scene.numerics.spacing
         balls = snow_balls(together(x, spacing), spacing)
-        return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, self._lens)
+        return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, lens)
 
     def geometry(self, x: NDArray[Any], id: NDArray[Any], F_E: NDArray[Any] | None = None) -> SnowGeometry:
         """Return the snow of a frame as it is drawn."""

@@ -69,14 +69,12 @@ class FirstHits:
 
 
 class Tracer:
-    """Trace frames of a scene with one camera, light and look."""
+    """Trace frames of a scene with one light and look."""
 
-    def __init__(
-        self, scene: Scene, lens: Lens, quality: Quality, look: str, kind: Kind, threads: int = 0
-    ) -> None:
+    def __init__(self, scene: Scene, quality: Quality, look: str, kind: Kind, threads: int = 0) -> None:
         """Prepare what is the same in all frames. Errors: RenderError without Mitsuba."""
         self._mi = mitsuba(threads)
-        self._scene, self._lens, self._quality, self._look, self._kind = scene, lens, quality, look, kind
+        self._scene, self._quality, self._look, self._kind = scene, quality, look, kind
         self._materials = Materials()
         self._kept: dict[str, Any] = {}
         light = scene.light
@@ -88,35 +86,45 @@ class Tracer:
         )
 
     def trace(
-        self, snow: SnowGeometry, solids: Sequence[tuple[Solid, Pose]], samples: int, seed: int
+        self,
+        snow: SnowGeometry,
+        solids: Sequence[tuple[Solid, Pose]],
+        lens: Lens,
+        samples: int,
+        seed: int,
     ) -> Layers:
-        """Return the light of a frame. samples: paths a pixel, of each pass; seed: of random numbers."""
+        """Return the light of a frame, seen through `lens`.
+
+        samples: paths a pixel, of each pass; seed: of random numbers.
+        """
         parts: dict[str, Any] = {"type": "scene", **emitters(self.light)}
         for n, (solid, pose) in enumerate(solids):
             if solid.visible:
-                parts[f"solid{n}"] = self._solid(solid, pose, n)
+                parts[f"solid{n}"] = self._solid(solid, pose, n, lens)
         parts |= self._snow(snow)
         parts["integrator"] = self._integrator()
         film = {
             "type": "hdrfilm",
-            "width": self._lens.width,
-            "height": self._lens.height,
+            "width": lens.width,
+            "height": lens.height,
             # No sample counts for two pixels, or their noise is alike and the denoiser keeps it.
             "rfilter": {"type": "tent", "radius": 0.5},
             "pixel_format": "rgb",
             "component_format": "float32",
         }
-        parts["sensor"] = self._lens.sensor(self._mi, film, samples, seed)
+        parts["sensor"] = lens.sensor(self._mi, film, samples, seed)
         scene = self._mi.load_dict(parts)
         return self._passes(scene, snow.flakes, seed)
 
-    def _solid(self, solid: Solid, pose: Pose, n: int) -> Any:
-        """Return the mesh of a solid; one that stays where it is is made once."""
+    def _solid(self, solid: Solid, pose: Pose, n: int, lens: Lens) -> Any:
+        """Return the mesh of a solid; one that stays where it is is made once, the ground for each view."""
         key = f"solid{n}"
-        if key in self._kept:
+        if key in self._kept and self._kept[f"{key} seen"] in (None, lens):
             return self._kept[key]
+        self._kept[f"{key} seen"] = None
         if is_ground(solid) and solid.terrain is None:
-            shape = ground(self._lens, pose.position, pose.rotation, self._scene.numerics.dx, key)
+            self._kept[f"{key} seen"] = lens
+            shape = ground(lens, pose.position, pose.rotation, self._scene.numerics.dx, key)
         else:
             bsdf_key = f"bsdf {solid.finish} {solid.color}"
             if bsdf_key not in self._kept:
@@ -207,13 +215,13 @@ class Tracer:
         what = {"type": "aov", "aovs": "albedo:albedo,nn:sh_normal,dd:depth,ii:shape_index"}
         integrator = self._load("first hits", what)
         own = [n for n, shape in enumerate(scene.shapes(), 1) if shape.id() in ("snow", "flakes")]
-        total = np.zeros((self._lens.height, self._lens.width, 8), np.float32)
+        found = []
         for k in range(rays):
             image = self._mi.render(scene, integrator=integrator, spp=1, seed=rays * seed + k)
             hits = finite(image)[..., -8:]
             hits[..., 7] = np.isin(np.rint(hits[..., 7]), own)  # a number of a shape has no average
-            total += hits
-        total /= np.float32(rays)
+            found.append(hits)
+        total = np.asarray(np.mean(found, axis=0, dtype=np.float32))
         return FirstHits(total[..., :3], total[..., 3:6], total[..., 6], total[..., 7])
 
     def _render(self, scene: Any, seed: int) -> Floats:

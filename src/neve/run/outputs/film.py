@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
-from neve.io.atomic import writing
+from numpy.typing import NDArray
+
+from neve.io.atomic import replacing, writing
 from neve.io.errors import RunError
 from neve.io.frames import Frame, frame_numbers, frame_path, read_frame, write_frame
+from neve.io.npz import read_npz, write_npz
 from neve.io.run_folder import parts_of
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
@@ -27,6 +31,8 @@ if TYPE_CHECKING:
 FILE = "preview.mp4"
 SLOWEST = Fraction(1, 1000)
 """Least rate of pictures that an MP4 file can hold [1/s]."""
+SEEN = "seen.npz"
+"""What the camera of an unfinished film has seen, where the run does not keep all frames."""
 COPIES = 60
 """Frames that ffmpeg may still hold when a process is killed: a segment of `neve.render.film`."""
 
@@ -68,6 +74,7 @@ class FilmOutput:
         self._film = Film(path, rate, self._painter.size, start=0 if run.redraw else len(earlier))
         missing = range(len(earlier)) if run.redraw else self._film.missing
         self._lost = [(index, earlier[index]) for index in missing]
+        self._look_back(earlier)
 
     def write(self, context: FrameContext) -> None:
         """Add the frame to the film."""
@@ -76,6 +83,8 @@ class FilmOutput:
             self._frames.keep(context.frame, context.content)
             self._add(context.content, self._next)
             self._next += 1
+            if self._painter.shot.follows and self._frames.sparse:
+                self._frames.write_seen(self._painter.shot.state())
 
     def close(self, context: FrameContext) -> None:
         """Finish the film file; a stopped run leaves the film of what is done."""
@@ -92,6 +101,15 @@ class FilmOutput:
         if isinstance(error, Exception) and self._film:
             with contextlib.suppress(RuntimeError):  # the first error is the one to report
                 self._film.close(keep=True)
+
+    def _look_back(self, earlier: Sequence[int]) -> None:
+        """Let a camera that follows something know the frames up to `done`."""
+        if not self._painter.shot.follows or not earlier:
+            return
+        if (seen := self._frames.read_seen()) is not None:
+            self._painter.shot.recall(seen)
+        else:
+            self._painter.look_back(earlier, self._frames.read)
 
     def _add_lost(self) -> None:
         while self._lost:
@@ -123,6 +141,18 @@ class _Frames:
             write_frame(self._copies, frame, content)
             old = frame_numbers(self._copies)[: -2 * COPIES]
             disk.remove_files(self._copies, [frame_path(self._copies, number).name for number in old])
+
+    def write_seen(self, seen: Mapping[str, NDArray[Any]]) -> None:
+        """Keep what the camera has seen of frames that may be gone. Errors: RunError."""
+        with replacing(self._copies / SEEN) as file:
+            write_npz(file, seen)
+
+    def read_seen(self) -> dict[str, NDArray[Any]] | None:
+        """Return what `write_seen` has kept; None if there is nothing, or it is damaged."""
+        try:
+            return read_npz(self._copies / SEEN)
+        except (OSError, ValueError):
+            return None
 
     def read(self, frame: int) -> Frame:
         """Return the frame. Errors: RunError if the run keeps no file of it, and it is no recent one."""

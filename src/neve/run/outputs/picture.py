@@ -60,6 +60,8 @@ class PictureOutput:
         rows = read_log(folder.log, context.run.scene.numerics.method)
         wanted = telling_frame(rows) if rows else context.frame // 2
         frame = min(kept, key=lambda number: abs(number - wanted))
+        earlier = [number for number in kept if number < frame]
+        self._painter.look_back(earlier, lambda number: read_frame(folder.frames, number))
         write_png(folder.path / self.name, self._painter.draw(read_frame(folder.frames, frame)))
 
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from neve.scene.reading.validation_errors import shown
 from neve.scene.schema.roles import Surface
-from neve.scene.schema.scene import Numerics, Scene
+from neve.scene.schema.scene import Camera, Numerics, Scene
 from neve.scene.schema.sources import Profile, Source, Variation
 from neve.scene.values.allowed import words
 from neve.scene.values.choices import LAWS, TRANSFERS, listed, users
@@ -30,6 +30,7 @@ def unused(scene: Scene) -> Iterator[str]:
         if source.profile:
             yield from _of_profile(source.profile, f"sources.{i}.profile")
         yield from _of_strength(scene, source, f"sources.{i}")
+    yield from _of_camera(scene.camera)
     solids: dict[str, Sequence[Surface]] = {
         "colliders": scene.colliders,
         "bodies": scene.bodies,
@@ -47,6 +48,14 @@ def unused(scene: Scene) -> Iterator[str]:
             yield from _without_effect(body, name, "axis", 'joint = "free"', joints)
         if not body.contacts:
             yield from _without_effect(body, name, "friction", "contacts = false", f"{name}.contacts = true")
+
+
+def _of_camera(camera: Camera) -> Iterator[str]:
+    if camera.follow is not None and camera.target != Camera().target:
+        yield (
+            f'camera.target has no effect with follow = "{camera.follow}", which takes its place: leave one '
+            "of them out, or shift the view by camera.offset"
+        )
 
 
 def _of_transfer(numerics: Numerics) -> Iterator[str]:

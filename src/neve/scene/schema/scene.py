@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from neve.registry import DEVICES, METHODS
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
+from neve.scene.schema.camera import Camera, CameraKeyframe, unknown
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.material import Overrides, Snow, most_strength, problem
 from neve.scene.schema.outputs import OutputEntry, conflict
@@ -34,21 +35,19 @@ from neve.scene.values.fields import (
     Method,
     Modes,
     Part,
-    Point3,
     Rate3,
     Real,
     Step,
     Switch,
     Whole,
     entry,
-    norm,
     rounded_down,
     wrong,
 )
 
 __all__ = [
-    "Body", "Camera", "Collider", "Control", "Keyframe", "Light", "Motor", "Numerics", "Overrides", "Part",
-    "Profile", "Robot", "Run", "Scene", "Snow", "Source", "Target", "Variation", "World",
+    "Body", "Camera", "CameraKeyframe", "Collider", "Control", "Keyframe", "Light", "Motor", "Numerics",
+    "Overrides", "Part", "Profile", "Robot", "Run", "Scene", "Snow", "Source", "Target", "Variation", "World",
 ]  # fmt: skip
 
 
@@ -164,30 +163,6 @@ class Numerics(Part):
         return float(self.dx / self.particles_per_cell ** (1.0 / 3.0))
 
 
-class Camera(Part):
-    """Place the camera of the film."""
-
-    position: Point3 = entry((4.0, -6.0, 2.0), "Where the camera stands.", "m")
-    target: Point3 = entry((0.0, 0.0, 0.5), "Point in the middle of the picture.", "m")
-    fov: Real = entry(35.0, "Vertical angle of view.", "degrees", gt=1, lt=170)
-    up: Point3 = entry(
-        (0.0, 0.0, 1.0), "Direction that is up in the picture; not zero, not along the view.", "1"
-    )
-
-    @model_validator(mode="after")
-    def _check(self) -> Camera:
-        view = tuple(b - a for a, b in zip(self.position, self.target, strict=True))
-        x, y, z = view
-        a, b, c = self.up
-        if norm(view) < 1e-9:
-            raise wrong("target", "must differ from camera.position")
-        if norm((y * c - z * b, z * a - x * c, x * b - y * a)) <= 1e-6 * norm(view) * norm(self.up):
-            raise wrong(
-                "up", "must not be zero or point along the view from camera.position to camera.target"
-            )
-        return self
-
-
 class Light(Part):
     """Set the sun and the sky of the film."""
 
@@ -247,6 +222,18 @@ class Scene(Part):
     def _files(self) -> Scene:
         if found := conflict(self.outputs, self.run.fps):
             raise wrong(f"outputs.{found[0]}", found[1])
+        return self
+
+    @model_validator(mode="after")
+    def _followed(self) -> Scene:
+        solids = [
+            f"{name}.{i}" for name in ("colliders", "bodies") for i, _ in enumerate(getattr(self, name))
+        ]
+        cameras: dict[str, Camera | None] = {"camera": self.camera}
+        cameras |= {f"outputs.{i}.camera": getattr(o, "camera", None) for i, o in enumerate(self.outputs)}
+        for key, camera in cameras.items():
+            if camera is not None and (found := unknown(camera, solids, len(self.robots))):
+                raise wrong(f"{key}.follow", found)
         return self
 
     @model_validator(mode="after")

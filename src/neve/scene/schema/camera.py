@@ -1,0 +1,138 @@
+"""Describe the camera of films and pictures: where it stands, how it moves, what it keeps in sight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pydantic import model_validator
+
+from neve.scene.values.fields import (
+    ZERO,
+    Coordinate,
+    Part,
+    Point3,
+    Real,
+    Switch,
+    check_times,
+    entry,
+    norm,
+    wrong,
+)
+
+SNOW = "snow"
+"""What `follow` names, if it is no solid."""
+
+
+class CameraKeyframe(Part):
+    """Say where a camera is at one moment; what is left out is the camera's own."""
+
+    t: Real = entry(0.0, "Time.", "s", ge=0, le=1e6)
+    position: Point3 | None = entry(None, "Where the camera stands at `t`.", "m")
+    target: Point3 | None = entry(None, "Point in the middle of the picture at `t`.", "m")
+    fov: Real | None = entry(None, "Vertical angle of view at `t`.", "degrees", gt=1, lt=170)
+    up: Point3 | None = entry(None, "Direction that is up in the picture at `t`.", "1")
+
+
+class Camera(Part):
+    """Place the camera of films and pictures, and move it."""
+
+    position: Point3 = entry((4.0, -6.0, 2.0), "Where the camera stands.", "m")
+    target: Point3 = entry((0.0, 0.0, 0.5), "Point in the middle of the picture.", "m")
+    fov: Real = entry(35.0, "Vertical angle of view.", "degrees", gt=1, lt=170)
+    up: Point3 = entry(
+        (0.0, 0.0, 1.0), "Direction that is up in the picture; not zero, not along the view.", "1"
+    )
+    keyframes: tuple[CameraKeyframe, ...] = entry(
+        (),
+        "Views at increasing times. Between them position, target, fov and up follow monotone cubic curves, "
+        "without overshoot; the camera rests before the first and after the last. Excludes turntable.",
+        "",
+        "Fritsch and Butland 1984 (from memory)",
+    )
+    turntable: Coordinate = entry(
+        0.0,
+        "Rate at which the camera turns about `up` through its target from t = 0 on, anticlockwise seen from "
+        "above; 360 over the length of the run is once around. Excludes keyframes.",
+        "degrees/s",
+    )
+    follow: str | None = entry(
+        None,
+        'What stays in the middle of the picture, in place of `target`: "snow", the middle of the snow that '
+        'moves or has moved, or a solid, such as "bodies.0", "colliders.1" or "robots.0.NAME".',
+        "",
+    )
+    offset: Point3 = entry(
+        ZERO, "Added to the place of what is followed: what is in the middle of the picture then.", "m"
+    )
+    dolly: Switch = entry(
+        False,
+        "Whether the camera travels along with what it follows; otherwise it turns where it stands.",
+        "",
+    )
+    follow_time: Real = entry(
+        0.5,
+        "How long before and after a moment places of what is followed count, the less the further away; "
+        "longer is calmer.",
+        "s",
+        ge=0,
+        le=1000,
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Camera:
+        check_times(self.keyframes)
+        if self.keyframes and self.turntable:
+            raise wrong("turntable", "cannot be combined with keyframes; leave one of them out")
+        if self.follow is None:
+            self._check_alone()
+            return self
+        if not self.follow:
+            raise wrong("follow", 'must be "snow" or the name of a solid, such as "bodies.0"')
+        for i, key in enumerate(self.keyframes):
+            if key.target is not None:
+                raise wrong(
+                    f"keyframes.{i}.target", "cannot be combined with camera.follow; leave one of them out"
+                )
+        return self
+
+    def _check_alone(self) -> None:
+        """Check what a camera that follows nothing may not have, and where it looks."""
+        if self.dolly:
+            raise wrong("dolly", 'needs camera.follow = "snow" or the name of a solid')
+        if self.offset != ZERO:
+            raise wrong("offset", 'needs camera.follow = "snow" or the name of a solid')
+        self._check_view("", self)
+        for i, key in enumerate(self.keyframes):
+            self._check_view(f"keyframes.{i}.", key)
+
+    def _check_view(self, where: str, view: Camera | CameraKeyframe) -> None:
+        position, target, up = (
+            self.position if view.position is None else view.position,
+            self.target if view.target is None else view.target,
+            self.up if view.up is None else view.up,
+        )
+        x, y, z = (b - a for a, b in zip(position, target, strict=True))
+        a, b, c = up
+        if norm((x, y, z)) < 1e-9:
+            key = "position" if where and view.target is None else "target"
+            other = "target" if key == "position" else "position"
+            raise wrong(f"{where}{key}", f"must differ from the camera's {other}")
+        if norm((y * c - z * b, z * a - x * c, x * b - y * a)) <= 1e-6 * norm((x, y, z)) * norm(up):
+            key = "up" if not where or view.up is not None else "target" if view.target else "position"
+            sentence = "up must not be zero or point along the view from position to target"
+            raise wrong(f"{where}{key}", sentence[3:] if key == "up" else f"is no view: {sentence}")
+
+
+def unknown(camera: Camera, solids: Sequence[str], robots: int) -> str | None:
+    """Return the end of a sentence if `camera` follows what is not there; None if all is well.
+
+    solids: names of the colliders and bodies; robots: how many there are, whose parts only their files name
+    """
+    name = camera.follow
+    if name is None or name == SNOW or name in solids:
+        return None
+    parts = name.split(".")
+    if len(parts) > 2 and parts[0] == "robots" and parts[1].isdecimal() and int(parts[1]) < robots:
+        return None
+    known = ", ".join(f'"{word}"' for word in (SNOW, *solids))
+    return f"must name what is there: {known}" + (', or a part of a robot, "robots.0.NAME"' if robots else "")
