@@ -181,18 +181,18 @@ BASE = {"sources": [{"shape": "sphere"}], "colliders": [{"shape": "plane"}]}
     ("camera", "key", "said"),
     [
         ({"keyframes": [{"t": 1}, {"t": 1}]}, "keyframes.1.t = 1 ", "must be later than the keyframe before"),
-        ({"keyframes": [{"target": [4, -6, 2]}]}, "keyframes.0.target", "must differ from the camera's posi"),
+        ({"keyframes": [{"target": [4, -6, 2]}]}, "keyframes.0.target", "must differ from camera.position"),
         (
             {"keyframes": [{"position": [0, 0, 0.5]}]},
             "keyframes.0.position",
-            "must differ from the camera",
+            "must differ from camera.target",
         ),
         ({"keyframes": [{"up": [0, 0, 0]}]}, "keyframes.0.up", "must not be zero or point along the view"),
         ({"keyframes": [{"position": [0, 0, 9]}]}, "keyframes.0.position", "is no view: up must not be zero"),
         ({"keyframes": [{"fov": 0}]}, "keyframes.0.fov = 0 ", "greater than 1 and less than 170"),
         ({"keyframes": [{"time": 0}]}, "keyframes.0.time", "t, position, target, fov"),
         ({"turntable": 9, "keyframes": [{"t": 1}]}, "turntable = 9 ", "cannot be combined with keyframes"),
-        ({"target": [4, -6, 2]}, "target", "must differ from the camera's position"),
+        ({"target": [4, -6, 2]}, "target", "must differ from camera.position"),
         ({"follow": "bodies.0"}, "follow = ", 'must name what is there: "snow", "colliders.0"'),
         ({"follow": ""}, "follow = ", 'must be "snow" or the name of a solid'),
         (

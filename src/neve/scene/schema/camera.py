@@ -116,7 +116,7 @@ class Camera(Part):
         if norm((x, y, z)) < 1e-9:
             key = "position" if where and view.target is None else "target"
             other = "target" if key == "position" else "position"
-            raise wrong(f"{where}{key}", f"must differ from the camera's {other}")
+            raise wrong(f"{where}{key}", f"must differ from camera.{other}")
         if norm((y * c - z * b, z * a - x * c, x * b - y * a)) <= 1e-6 * norm((x, y, z)) * norm(up):
             key = "up" if not where or view.up is not None else "target" if view.target else "position"
             sentence = "up must not be zero or point along the view from position to target"
