@@ -103,3 +103,20 @@ def test_the_denoiser_takes_noise_and_leaves_light():
     assert left.mean() == pytest.approx(0.2, rel=0.05)
     assert right.mean() == pytest.approx(0.8, rel=0.05)
     assert left.std() < noisy[:, 4 : SIZE // 2 - 4].std() / 3
+
+
+def test_what_happens_far_away_changes_nothing_here():
+    """White snow that comes into the right of a dark picture leaves its left as it was, to the bit, and with
+    the denoiser, which looks some pixels far, to a grey level."""
+    levels = np.full((SIZE, 4 * SIZE), 0.05) * np.random.default_rng(2).gamma(8.0, 1 / 8, (SIZE, 4 * SIZE))
+    white = levels.copy()
+    white[:, 3 * SIZE :] += 3.0
+    lens = Lens(LENS.camera, 4 * SIZE, SIZE)
+
+    def left(picture, clean):
+        layers = Layers(light_that_shows(picture))
+        return develop(layers, lens, LIGHT, LIGHT, KINDS["blue_hour"], 0.05, clean)[:, :SIZE]
+
+    assert np.array_equal(left(levels, False), left(white, False))
+    if importlib.util.find_spec("mitsuba_oidn") is not None:
+        assert np.abs(left(levels, True) - left(white, True)).max() < 1 / 255

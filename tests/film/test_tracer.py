@@ -11,7 +11,7 @@ from neve.build import solids as solids_of
 from neve.geometry.pose import Pose
 from neve.render.path_tracing.daylight import emitters, sky_toward
 from neve.render.path_tracing.engine import mitsuba
-from neve.render.path_tracing.lens import Lens
+from neve.render.path_tracing.lens import Lens, sampler
 from neve.render.path_tracing.picture import Choices, PathTracer
 from neve.render.path_tracing.tracer import finite
 from neve.render.shot import opening
@@ -61,21 +61,28 @@ def snow():
     ]
 
 
-def layers_of(snow, choices):
-    """Layers of snow, a board before its left half and a white ball on its right."""
-    scene = Scene(
+def scene_of():
+    """A block of snow, a board before its left half and a white ball on its right."""
+    return Scene(
         sources=(Source.of("box", center=(0.0, 0.0, 0.6), size=(0.8, 0.8, 0.8)),),
         colliders=(Collider.of("box", center=(-0.5, -0.8, 0.6), size=(0.8, 0.02, 1.6)),),
         bodies=(Body.of("sphere", center=(0.9, -0.4, 0.6), radius=0.3, color=(0.95, 0.95, 0.95)),),
         numerics=Numerics(dx=0.1),
         camera=Camera(position=(0.0, -4.0, 0.6), target=(0.0, 0.0, 0.6), fov=30),
     )
+
+
+def placed():
+    """The board and the ball where they are."""
+    return [(s, Pose.at_rest(p, np.eye(3))) for s, p in zip(solids_of(scene_of()), PLACES, strict=True)]
+
+
+def layers_of(snow, choices):
+    """Layers of the scene."""
     id = np.arange(len(snow))
-    view = opening(scene.camera)
-    tracer = PathTracer(scene, choices, id, snow, len(snow), [view])
-    placed = [(s, Pose.at_rest(p, np.eye(3))) for s, p in zip(solids_of(scene), PLACES, strict=True)]
-    lens = Lens(view, 96, 64)
-    return tracer._layers(snow.astype(np.float32), id, placed, lens, 1), lens
+    view = opening(scene_of().camera)
+    tracer, lens = PathTracer(scene_of(), choices, id, snow, len(snow), [view]), Lens(view, 96, 64)
+    return tracer._layers(snow.astype(np.float32), id, placed(), lens), lens
 
 
 PLACES = np.array([[-0.5, -0.8, 0.6], [0.9, -0.4, 0.6]])
@@ -99,3 +106,41 @@ def test_snow_of_any_kind_is_snow_and_a_white_ball_is_not(snow, kind):
     column, row, _ = lens.project(places)
     assert layers.snow[row.astype(int), column.astype(int)].tolist() == [1.0, 0.0, 0.0]
     assert layers.snow[2, 90] == 0.0
+
+
+def test_still_snow_looks_still(snow):
+    """Two frames of the same snow are the same picture, to the bit, and snow that moves five metres away
+    changes no more than one pixel in a hundred of what stands still (paths of light that met it)."""
+    choices, id = Choices("draft", samples=2, size=(96, 64)), np.arange(len(snow) + 512)
+    far = snow[:512] * 0.5 + [3.0, 4.0, 0.0]
+    frames = [np.concatenate([snow, far + shift]).astype(np.float32) for shift in (0.0, 0.0, [0.2, 0.1, 0.3])]
+    view = opening(scene_of().camera)
+    tracer, lens = PathTracer(scene_of(), choices, id, frames[0], len(id), [view]), Lens(view, 96, 64)
+    first, same, other = (tracer._layers(x, id, placed(), lens) for x in frames)
+    for name in ("sun", "sky", "albedo", "normal", "depth", "snow"):
+        assert np.array_equal(getattr(first, name), getattr(same, name))
+    here = first.snow > 0
+    here[:, 80:] = False  # the far snow is seen there
+    assert here.sum() > 400
+    moved = (np.abs(first.sun - other.sun) + np.abs(first.sky - other.sky)).max(axis=2) > 0
+    assert moved[here].mean() < 0.01
+    assert moved.any()
+
+
+def test_noise_stays_while_the_camera_does():
+    """The seed is the same for one view and for views that differ by a thousandth of a pixel, and another one
+    for a camera that moves by a pixel, turns or zooms."""
+    view = Camera(position=(1.0, -4.0, 1.2), target=(0.3, 0.2, 0.6), fov=34)
+
+    def seed(**change):
+        return Lens(view.model_copy(update=change), 96, 64).seed
+
+    assert seed(position=(1.0, -4.0 + 1e-9, 1.2)) == seed()
+    for change in ({"position": (1.0, -4.01, 1.2)}, {"target": (0.31, 0.2, 0.6)}, {"fov": 34.1}):
+        assert seed(**change) != seed()
+
+
+@pytest.mark.parametrize("samples", [1, 2, 3, 5, 7, 12, 13, 23])
+def test_as_many_paths_as_asked_for(samples):
+    """No sampler takes more paths than it is told to."""
+    assert mitsuba().load_dict(sampler(samples, 0)).sample_count() == samples

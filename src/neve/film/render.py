@@ -34,7 +34,7 @@ FOLDER = "render"
 FILM = "render.mp4"
 PART = "render_{:06d}-{:06d}.mp4"
 """Name of a film of some frames, by the first and the last: it takes the place of no film of all."""
-FORMAT = 4
+FORMAT = 5
 """Changes when the same choices give another picture."""
 CHANGEABLE = ("camera", "light")
 """Tables of the scene that may be changed once the snow has moved."""
@@ -176,7 +176,7 @@ class _Job:
         poses = zip(self._solids, content.solid_position, content.solid_rotation, strict=True)
         placed = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in poses]
         F_E = content.more.get("F_E")
-        return self._tracer.draw(content.x, content.id, placed, self.views[number], number, F_E)
+        return self._tracer.draw(content.x, content.id, placed, self.views[number], F_E)
 
     def _key(self, number: int) -> str:
         """Return a word for all that the picture of a frame depends on."""

@@ -35,7 +35,7 @@ SURFACE = 0.9
 KNEE, ROOM = 0.55, 0.41
 """Light up to which pictures are linear, and what the shoulder adds to it at most."""
 SPARK = 1.5
-"""Light that is never taken for a spark of noise, in units of white."""
+"""Light of a pass beyond which it is taken for a spark of noise and cut off, in units of white."""
 SHADE = 0.25
 """Light of a pixel below which it lies in shadow, where nothing glints."""
 
@@ -45,12 +45,19 @@ def has_denoiser() -> bool:
     return importlib.util.find_spec("mitsuba_oidn") is not None
 
 
-def denoised(image: Floats, albedo: Floats | None = None, normal: Floats | None = None) -> Floats:
-    """Return an image (h, w, 3) without noise, by Open Image Denoise."""
+def denoised(
+    image: Floats, white: float = 1.0, albedo: Floats | None = None, normal: Floats | None = None
+) -> Floats:
+    """Return an image (h, w, 3) without noise, by Open Image Denoise.
+
+    white: light that is shown as 1. Without it the denoiser would take its measure of what is bright from
+    the whole image, and snow that comes into the picture would change all of it.
+    """
     import mitsuba_oidn
 
     more = {} if albedo is None or normal is None else {"albedo": _whole(albedo), "normal": _whole(normal)}
-    return np.asarray(mitsuba_oidn.denoise(_whole(image), hdr=True, **more), np.float32)
+    found = mitsuba_oidn.denoise(_whole(image), hdr=True, input_scale=1.0 / white, **more)
+    return np.asarray(found, np.float32)
 
 
 def develop(
@@ -66,14 +73,17 @@ def develop(
     white = 1.0 / (scale * float(balance.min()))
     if layers.snow is None or layers.depth is None or layers.sky is None:
         total = _clamped(layers.sun, white)
-        seen = _cleaned(total, None, None, GRAIN["other"]) if clean else total
+        seen = total
+        if clean:
+            smooth = denoised(total, white)
+            seen = smooth + GRAIN["other"] * (total - smooth)
     else:
         seen = np.zeros_like(layers.sun)
         wide = SPREAD * dx * kind.clarity * lens.focal
         radius = np.asarray(wide / np.maximum(layers.depth, 1e-3 * lens.distance), np.float32)
         for part in (layers.sun, layers.sky):
             whole = _clamped(part, white)
-            smooth = denoised(whole, layers.albedo, layers.normal) if clean else whole
+            smooth = denoised(whole, white, layers.albedo, layers.normal) if clean else whole
             spread_out = spread(smooth, layers.snow, layers.depth, radius, SPREAD * dx)
             seen += spread_out + GRAIN["diffuse"] * layers.snow[..., None] * (whole - smooth)
     out = np.maximum(seen, 0.0) * (scale * balance).astype(np.float32)
@@ -126,19 +136,13 @@ def coded(light: Floats) -> NDArray[np.uint8]:
     return np.asarray(255.0 * np.where(shown <= 0.0031308, low, high) + 0.5, np.uint8)
 
 
-def _cleaned(image: Floats, albedo: Floats | None, normal: Floats | None, grain: float) -> Floats:
-    smooth = denoised(image, albedo, normal)
-    return smooth + grain * (image - smooth)
-
-
 def _clamped(image: Floats, white: float) -> Floats:
-    """Return the image without the brightest sparks: at most 1.3 of the 99.7th percentile, or SPARK white.
+    """Return the image without the brightest sparks, at most SPARK white: the same in every frame.
 
-    The second keeps little snow before dark ground as bright as it is. white: light that is shown as 1.
+    white: light that is shown as 1.
     """
-    most = max(1.3 * float(np.percentile(image.max(axis=2), 99.7)), SPARK * white)
     peak = np.maximum(image.max(axis=2, keepdims=True), 1e-12)
-    return np.asarray(image * np.minimum(most / peak, 1.0), np.float32)
+    return np.asarray(image * np.minimum(SPARK * white / peak, 1.0), np.float32)
 
 
 def _glint(out: Floats, layers: Layers, lens: Lens, light: Light, strength: float) -> None:

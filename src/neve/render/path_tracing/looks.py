@@ -109,8 +109,8 @@ class Quality:
 
 
 QUALITIES = {
-    "draft": Quality("diffuse", 4, 5, 1_600_000, 150_000, 1.3, (640, 360)),
-    "good": Quality("diffuse", 8, 10, 8_000_000, 1_000_000, 1.1, (1280, 720)),
+    "draft": Quality("diffuse", 6, 5, 1_600_000, 150_000, 1.3, (640, 360)),
+    "good": Quality("diffuse", 12, 10, 8_000_000, 1_000_000, 1.1, (1280, 720)),
     "final": Quality("medium", 20, 12, 8_000_000, 1_000_000, 1.1, (1280, 720)),
 }
 """How well pictures are drawn, by their word."""

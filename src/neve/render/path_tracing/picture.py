@@ -124,17 +124,15 @@ class PathTracer:
         id: NDArray[Any],
         solids: Sequence[tuple[Solid, Pose]],
         view: View,
-        seed: int,
         F_E: NDArray[Any] | None = None,
     ) -> Floats:
         """Return exposed linear light (height, width, 3), 1 is white.
 
-        x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; view: of the camera; seed: of
-        the paths; F_E (n, 3, 3): deformation gradients that carry the grains; None: those that neighbours
-        tell.
+        x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; view: of the camera; F_E (n,
+        3, 3): deformation gradients that carry the grains; None: those that neighbours tell.
         """
         lens = self._lens(view)
-        layers = self._layers(x, id, solids, lens, seed, F_E)
+        layers = self._layers(x, id, solids, lens, F_E)
         return develop(
             layers,
             lens,
@@ -151,13 +149,12 @@ class PathTracer:
         id: NDArray[Any],
         solids: Sequence[tuple[Solid, Pose]],
         lens: Lens,
-        seed: int,
         F_E: NDArray[Any] | None = None,
     ) -> Layers:
         samples = self.quality.samples
         if self.quality.look != "metaballs":
-            return self._tracer.trace(self.geometry(x, id, F_E), solids, lens, samples, seed)
-        behind = self._tracer.trace(NOTHING, solids, lens, samples, seed)
+            return self._tracer.trace(self.geometry(x, id, F_E), solids, lens, samples)
+        behind = self._tracer.trace(NOTHING, solids, lens, samples)
         spacing = self._scene.numerics.spacing
         balls = snow_balls(together(x, spacing), spacing)
         return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, lens)

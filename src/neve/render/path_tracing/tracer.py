@@ -91,11 +91,10 @@ class Tracer:
         solids: Sequence[tuple[Solid, Pose]],
         lens: Lens,
         samples: int,
-        seed: int,
     ) -> Layers:
         """Return the light of a frame, seen through `lens`.
 
-        samples: paths a pixel, of each pass; seed: of random numbers.
+        samples: paths a pixel, of each pass.
         """
         parts: dict[str, Any] = {"type": "scene", **emitters(self.light)}
         for n, (solid, pose) in enumerate(solids):
@@ -112,9 +111,9 @@ class Tracer:
             "pixel_format": "rgb",
             "component_format": "float32",
         }
-        parts["sensor"] = lens.sensor(self._mi, film, samples, seed)
+        parts["sensor"] = lens.sensor(self._mi, film, samples, lens.seed)
         scene = self._mi.load_dict(parts)
-        return self._passes(scene, snow.flakes, seed)
+        return self._passes(scene, snow.flakes, lens.seed)
 
     def _solid(self, solid: Solid, pose: Pose, n: int, lens: Lens) -> Any:
         """Return the mesh of a solid; one that stays where it is is made once, the ground for each view."""
