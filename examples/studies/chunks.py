@@ -3,7 +3,7 @@
     python examples/studies/chunks.py run [CASE]... [--out DIR] [--threads N]  # one to ten minutes each
     python examples/studies/chunks.py show [--out DIR] [--images DIR]  # pictures, plot (matplotlib), table
 
-A case is a preset, a snow and a resolution, such as collide_chunks, collide_fine, collide_fractal, wall_soft.
+A case is a scene, a snow and a resolution, such as collide_chunks, collide_fine, collide_fractal, wall_soft.
 """
 
 from __future__ import annotations
@@ -21,12 +21,13 @@ from neve.render.preview import Preview
 from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
-PRESETS = {
-    "collide": ("snowballs_collide", 2, 0.6, 0.08),
-    "wall": ("snowball_wall", 1, 0.6, 0.066),
+HERE = Path(__file__).parent
+SCENES = {
+    "collide": (str(HERE / "clods_collide.toml"), 2, 0.6, 0.08),
+    "wall": (str(HERE / "clods_wall.toml"), 1, 0.6, 0.066),
     "throw": ("throw_ball", 1, 0.9, 0.06),
 }
-"""Case -> preset, number of sources, moment at which fragments are counted [s], coarsest numerics.dx [m]."""
+"""Case -> scene, number of sources, moment at which fragments are counted [s], coarsest numerics.dx [m]."""
 SOFT = 'snow={kind="wet"}'
 """Uniform soft snow."""
 FINER = {"chunks": 1.0, "fine": 1.4, "finest": 2.0}
@@ -35,18 +36,18 @@ CUTS = np.arange(-4.0, 0.1, 0.5)
 
 
 class Case(NamedTuple):
-    """One run: a preset, changes to it, its moment of measuring [s], the coarse dx over its own."""
+    """One run: a scene, changes to it, its moment of measuring [s], the coarse dx over its own."""
 
-    preset: str
+    scene: str
     changes: list[str]
     moment: float
     finer: float
 
 
 def case(name: str) -> Case:
-    """Return the case of a name: `PRESET_KIND`."""
+    """Return the case of a name: `SCENE_KIND`."""
     short, kind = name.split("_")
-    preset, sources, moment, dx = PRESETS[short]
+    scene, sources, moment, dx = SCENES[short]
     finer = FINER.get(kind, 1.0)
     changes = [f"numerics.dx={dx / finer:.5g}"]
     for i in range(sources):
@@ -66,12 +67,12 @@ def case(name: str) -> Case:
         changes += [SOFT]
     if kind == "fractal":
         changes += ["snow.p0=1.3e4"]
-    return Case(preset, changes, moment, finer)
+    return Case(scene, changes, moment, finer)
 
 
 NAMES = [
     f"{short}_{kind}"
-    for short in PRESETS
+    for short in SCENES
     for kind in (*FINER, "uniform", "soft", *(["fractal"] if short != "throw" else []))
 ]
 
@@ -82,7 +83,7 @@ def measure(name: str, out: Path, threads: int | None) -> None:
     The least fragment has the mass of LEAST particles of the coarsest run at every resolution.
     """
     chosen = case(name)
-    scene = load(chosen.preset, chosen.changes)
+    scene = load(chosen.scene, chosen.changes)
     sim = Simulation(scene, threads=threads)
     sim.advance(chosen.moment)
     s = sim.state
@@ -121,25 +122,27 @@ def show(out: Path, images: Path) -> None:
 
 
 def plot(results: dict[str, Any], path: Path) -> None:
-    """Plot how many fragments are heavier than a share of the snow, one panel a preset."""
+    """Plot how many fragments are heavier than a share of the snow, one panel a scene."""
     import matplotlib as mpl
 
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
     figure, panels = plt.subplots(
-        1, len(PRESETS), figsize=(5 * len(PRESETS), 4), sharey=True, layout="constrained"
+        1, len(SCENES), figsize=(5 * len(SCENES), 4), sharey=True, layout="constrained"
     )
-    for panel, short in zip(panels, PRESETS, strict=True):
+    for panel, short in zip(panels, SCENES, strict=True):
         for name, t in results.items():
-            preset, kind = name.split("_")
-            if preset != short or not t["fragments"]:
+            scene, kind = name.split("_")
+            if scene != short or not t["fragments"]:
                 continue
             mass = np.array(t["mass"][1:])
             style = "-" if kind in FINER else "--"
             label = f"{kind}: dx {t['dx']:.3g} m" if kind in FINER else kind
             panel.step(mass, np.arange(1, len(mass) + 1), style, where="pre", label=label)
-        panel.set(xscale="log", yscale="log", xlabel="share m of the whole mass", title=PRESETS[short][0])
+        panel.set(
+            xscale="log", yscale="log", xlabel="share m of the whole mass", title=Path(SCENES[short][0]).stem
+        )
         panel.set_xlim(2e-4, 1.2)
         panel.grid(alpha=0.3)
         panel.legend(fontsize=8)

@@ -81,7 +81,7 @@ def test_panel_values_can_be_set_back():
 
 def test_wrong_values_get_the_sentence_of_the_scene():
     """Range, rule between fields, unknown key and wrong kind are each told in one sentence."""
-    scene = load("collide")
+    scene = load("collide", ['snow={kind="reference"}'])
     for path, value, told in [
         ("snow.nu", 0.7, "snow.nu = 0.7 is not allowed"),
         ("snow.xi", 80.0, "xi theta_c and xi theta_s at most 0.5"),
@@ -147,7 +147,8 @@ def test_entries_are_added_moved_and_deleted():
 def test_tables_in_entries_are_shown_made_and_taken_away():
     """A list of tables grows by its last entry, a second later; an optional table comes and goes."""
     scene, _ = edit.added(
-        load("throw_cube"), commands.Add(do="add", kind="colliders", shape="box", at=(0, 0, 0))
+        load("ball_on_snow", ["bodies=[]"]),
+        commands.Add(do="add", kind="colliders", shape="box", at=(0, 0, 0)),
     )
     path = "colliders.1.keyframes"
     grown = edit.enlarged(edit.enlarged(scene, path), path)
