@@ -82,7 +82,7 @@ def layers_of(snow, choices):
     id = np.arange(len(snow))
     view = opening(scene_of().camera)
     tracer, lens = PathTracer(scene_of(), choices, id, snow, len(snow), [view]), Lens(view, 96, 64)
-    return tracer._layers(snow.astype(np.float32), id, placed(), lens), lens
+    return tracer._layers(snow.astype(np.float32), id, (placed(), lens)), lens
 
 
 PLACES = np.array([[-0.5, -0.8, 0.6], [0.9, -0.4, 0.6]])
@@ -116,7 +116,7 @@ def test_still_snow_looks_still(snow):
     frames = [np.concatenate([snow, far + shift]).astype(np.float32) for shift in (0.0, 0.0, [0.2, 0.1, 0.3])]
     view = opening(scene_of().camera)
     tracer, lens = PathTracer(scene_of(), choices, id, frames[0], len(id), [view]), Lens(view, 96, 64)
-    first, same, other = (tracer._layers(x, id, placed(), lens) for x in frames)
+    first, same, other = (tracer._layers(x, id, (placed(), lens)) for x in frames)
     for name in ("sun", "sky", "albedo", "normal", "depth", "snow"):
         assert np.array_equal(getattr(first, name), getattr(same, name))
     here = first.snow > 0

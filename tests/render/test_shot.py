@@ -139,6 +139,15 @@ def test_what_moves_evenly_is_met_exactly():
     np.testing.assert_allclose(shot.at(0.513).target, (1.026, 0, 0.75), atol=1e-9)
 
 
+def test_a_dolly_stays_at_its_height():
+    """A camera that travels along with what falls goes with it across `up` alone, and so never into the
+    ground."""
+    shot, none = Shot(Camera(position=(0, -5, 1), follow="snow", dolly=True)), np.zeros((1, 3))
+    for t in (0.0, 0.1, 0.2):
+        shot.see(t, np.array([[3 * t, t, 5.0 - 20.0 * t]]), none, np.zeros(1, int), [])
+        np.testing.assert_allclose(shot.at(t, ahead=False).position, (3 * t, t - 5, 1), atol=1e-9)
+
+
 def test_a_camera_that_has_been_told_what_was_seen_sees_the_same():
     """`recall` of `state` gives the same bits as having seen the frames; a frame counts once."""
     camera = Camera(position=(0, -8, 1.5), follow="snow")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from neve.build import solids as solids_of
 from neve.film.pictures import exr_key, png_key, read_png, refuse_strangers, write_exr, write_png
-from neve.geometry.pose import Pose
+from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
 from neve.io.atomic import writing
 from neve.io.errors import RunError
 from neve.io.frames import Frame, chosen_frames, frame_numbers, frame_path, frame_rate, read_frame
@@ -173,10 +173,45 @@ class _Job:
                 f"{frame_path(self._run.frames, number)} has {len(content.solid_position)} solids, and the"
                 f" scene of the run {len(self._solids)}: it is a frame of another run."
             )
-        poses = zip(self._solids, content.solid_position, content.solid_rotation, strict=True)
-        placed = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in poses]
+        moving = self._moving(content, number)
         F_E = content.more.get("F_E")
-        return self._tracer.draw(content.x, content.id, placed, self.views[number], F_E)
+        return self._tracer.draw(content.x, content.v, content.id, moving, self._open_for, F_E)
+
+    @property
+    def _open_for(self) -> float:
+        """How long the shutter is open [s]."""
+        return self._scene.camera.shutter / self._scene.run.fps
+
+    def _beside(self, number: int) -> list[int]:
+        """Return the numbers of the frames before and after a frame, of those that are there."""
+        numbers = frame_numbers(self._run.frames)
+        k = numbers.index(number)
+        return [numbers[j] for j in (k - 1, k + 1) if 0 <= j < len(numbers)]
+
+    def _moving(
+        self, content: Frame, number: int
+    ) -> Callable[[float], tuple[list[tuple[Solid, Pose]], View]]:
+        """Return what tells of a time after the frame [s] where the solids are, and the view.
+
+        A solid moves evenly to its place in the frame before or after, whichever the time is nearer to.
+        """
+        beside = (
+            [(n, read_frame(self._run.frames, n)) for n in self._beside(number)] if self._open_for else []
+        )
+        fps = self._scene.run.fps
+
+        def placed(dt: float) -> tuple[list[tuple[Solid, Pose]], View]:
+            position: NDArray[Any] = content.solid_position
+            rotation: NDArray[Any] = content.solid_rotation
+            for n, other in beside:
+                share = dt * fps / (n - number)
+                if share > 0.0 and other.solid_position.shape == position.shape:
+                    position, rotation = between(content, other, share)
+            poses = zip(self._solids, position, rotation, strict=True)
+            view = self._shot.at(number / fps + dt) if dt else self.views[number]
+            return [(solid, Pose.at_rest(x, R)) for solid, x, R in poses], view
+
+        return placed
 
     def _key(self, number: int) -> str:
         """Return a word for all that the picture of a frame depends on."""
@@ -187,8 +222,25 @@ class _Job:
             "number": number,
             "view": astuple(self.views[number]),
             "pixel": self._choices.pixel(self.views.values()),
+            "blur": self._blur(number),
             "light": scene.light.model_dump(mode="json"),
             "choices": [*vars(quality).values(), self._choices.kind, self._choices.aperture],
             "denoise": self._choices.denoise and has_denoiser(),
         }
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
+
+    def _blur(self, number: int) -> list[Any] | None:
+        """Return what else a picture depends on that is blurred."""
+        if not self._open_for:
+            return None
+        time, half = number / self._scene.run.fps, 0.5 * self._open_for
+        marks = [mark_of(frame_path(self._run.frames, n)) for n in self._beside(number)]
+        return [self._open_for, marks, *(astuple(self._shot.at(time + dt)) for dt in (-half, half))]
+
+
+def between(here: Frame, there: Frame, share: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return places (s, 3) [m] and rotations (s, 3, 3) of the solids on the way from a frame to another."""
+    position = (1.0 - share) * here.solid_position + share * there.solid_position
+    pairs = zip(here.solid_rotation.astype(np.float64), there.solid_rotation.astype(np.float64), strict=True)
+    turned = [rotation_matrix(share * rotation_vector(R1 @ R0.T)) @ R0 for R0, R1 in pairs]
+    return np.asarray(position, np.float64), np.array(turned).reshape(-1, 3, 3)

@@ -129,7 +129,8 @@ class Shot:
         if self._times:
             target = self._followed(t, ahead) + camera.offset
             if camera.dolly:
-                position = position + target - (self._followed(self._times[0], ahead) + camera.offset)
+                way = target - (self._followed(self._times[0], ahead) + camera.offset)
+                position = position + way - (way @ up) / (up @ up) * up  # as high as before, over any ground
         if camera.turntable:
             axis = up / np.linalg.norm(up)
             turn = rotation_matrix(math.radians(camera.turntable * max(t, 0.0)) * axis)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from neve.render.path_tracing.engine import RenderError
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.looks import KINDS, QUALITIES, Quality
 from neve.render.path_tracing.metaball_light import metaballs_before, together
+from neve.render.path_tracing.shutter import Instant, Moment, Motion, exposures, mean
 from neve.render.path_tracing.snow import (
     NOTHING,
     SnowGeometry,
@@ -22,7 +23,7 @@ from neve.render.path_tracing.snow import (
     lumps,
     snow_geometry,
 )
-from neve.render.path_tracing.tracer import Layers, Tracer
+from neve.render.path_tracing.tracer import HITS, Layers, Tracer
 from neve.surface.carry import Origin, carried
 from neve.surface.metaballs import snow_balls
 
@@ -121,21 +122,31 @@ class PathTracer:
     def draw(
         self,
         x: NDArray[Any],
+        v: NDArray[Any],
         id: NDArray[Any],
-        solids: Sequence[tuple[Solid, Pose]],
-        view: View,
+        at: Callable[[float], tuple[Sequence[tuple[Solid, Pose]], View]],
+        open_for: float,
         F_E: NDArray[Any] | None = None,
     ) -> Floats:
         """Return exposed linear light (height, width, 3), 1 is white.
 
-        x (n, 3) [m]; id (n,); solids: colliders and bodies, and where they are; view: of the camera; F_E (n,
-        3, 3): deformation gradients that carry the grains; None: those that neighbours tell.
+        x (n, 3) [m]; v (n, 3) [m/s]; id (n,); at: tells of a time after the frame [s] where the solids are
+        and the view of the camera; open_for: how long the shutter is open [s]; F_E (n, 3, 3): deformation
+        gradients that carry the grains; None: those that neighbours tell.
         """
-        lens = self._lens(view)
-        layers = self._layers(x, id, solids, lens, F_E)
+
+        def seen(dt: float) -> Moment:
+            solids, view = at(dt)
+            return solids, self._lens(view)
+
+        times = exposures(x, v, seen, open_for, self.quality.samples) if open_for else [0.0]
+        if len(times) == 1:
+            layers = self._layers(x, id, seen(0.0), F_E)
+        else:
+            layers = self._blurred(x, v, id, seen, open_for, times, F_E)
         return develop(
             layers,
-            lens,
+            seen(0.0)[1],
             self._tracer.light,
             self._scene.light,
             self._kind,
@@ -144,20 +155,44 @@ class PathTracer:
         )
 
     def _layers(
-        self,
-        x: NDArray[Any],
-        id: NDArray[Any],
-        solids: Sequence[tuple[Solid, Pose]],
-        lens: Lens,
-        F_E: NDArray[Any] | None = None,
+        self, x: NDArray[Any], id: NDArray[Any], moment: Moment, F_E: NDArray[Any] | None = None
     ) -> Layers:
+        """Return what is seen at one moment."""
         samples = self.quality.samples
         if self.quality.look != "metaballs":
-            return self._tracer.trace(self.geometry(x, id, F_E), solids, lens, samples)
-        behind = self._tracer.trace(NOTHING, solids, lens, samples)
+            return self._tracer.trace(self.geometry(x, id, F_E), *moment, samples)
+        return self._metaballs(x, moment, samples)
+
+    def _blurred(
+        self,
+        x: NDArray[Any],
+        v: NDArray[Any],
+        id: NDArray[Any],
+        seen: Instant,
+        open_for: float,
+        times: Sequence[float],
+        F_E: NDArray[Any] | None,
+    ) -> Layers:
+        """Return the mean of what is seen at several times, with as many paths together as a still has."""
+        samples = max(1, round(self.quality.samples / len(times)))
+        if self.quality.look == "metaballs":
+            return mean(
+                self._metaballs(x + np.float32(dt) * v, seen(dt), samples, k) for k, dt in enumerate(times)
+            )
+        motion = Motion(self.geometry(x, id, F_E), x, v, self._scene.numerics.spacing)
+        rays, middle = max(1, round(HITS / len(times))), seen(0.0)[1]
+        layers = mean(
+            self._tracer.trace(motion.after(dt), *seen(dt), samples, k, rays, middle)
+            for k, dt in enumerate(times)
+        )
+        half = 0.5 * open_for
+        return replace(layers, flakes=motion.sharp(seen(-half)[1], seen(half)[1], open_for))
+
+    def _metaballs(self, x: NDArray[Any], moment: Moment, samples: int, part: int = 0) -> Layers:
+        behind = self._tracer.trace(NOTHING, *moment, samples, part)
         spacing = self._scene.numerics.spacing
         balls = snow_balls(together(x, spacing), spacing)
-        return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, lens)
+        return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, moment[1])
 
     def geometry(self, x: NDArray[Any], id: NDArray[Any], F_E: NDArray[Any] | None = None) -> SnowGeometry:
         """Return the snow of a frame as it is drawn."""

@@ -37,6 +37,10 @@ HITS = 4
 """Rays of each pixel that look what it shows."""
 
 
+PARTS = 7919
+"""Step of the seed from one exposure of a blurred frame to the next."""
+
+
 @dataclass
 class Layers:
     """Hold what the passes of a frame found, linear light, (height, width, 3) unless said.
@@ -91,15 +95,22 @@ class Tracer:
         solids: Sequence[tuple[Solid, Pose]],
         lens: Lens,
         samples: int,
+        part: int = 0,
+        rays: int = HITS,
+        middle: Lens | None = None,
     ) -> Layers:
         """Return the light of a frame, seen through `lens`.
 
-        samples: paths a pixel, of each pass.
+        samples: paths a pixel, of each pass. Of a picture of several exposures: part: number of this one;
+        middle: what the frame itself is seen through, whose random numbers and endless ground all have. rays:
+        of a pixel that look what it shows.
         """
+        middle = middle or lens
+        seed = (middle.seed + PARTS * part) % 2**28
         parts: dict[str, Any] = {"type": "scene", **emitters(self.light)}
         for n, (solid, pose) in enumerate(solids):
             if solid.visible:
-                parts[f"solid{n}"] = self._solid(solid, pose, n, lens)
+                parts[f"solid{n}"] = self._solid(solid, pose, n, middle)
         parts |= self._snow(snow)
         parts["integrator"] = self._integrator()
         film = {
@@ -111,9 +122,9 @@ class Tracer:
             "pixel_format": "rgb",
             "component_format": "float32",
         }
-        parts["sensor"] = lens.sensor(self._mi, film, samples, lens.seed)
+        parts["sensor"] = lens.sensor(self._mi, film, samples, seed)
         scene = self._mi.load_dict(parts)
-        return self._passes(scene, snow.flakes, lens.seed)
+        return self._passes(scene, snow.flakes, seed, rays)
 
     def _solid(self, solid: Solid, pose: Pose, n: int, lens: Lens) -> Any:
         """Return the mesh of a solid; one that stays where it is is made once, the ground for each view."""
@@ -188,7 +199,7 @@ class Tracer:
             return paths_in(self.medium())
         return {"type": "path", "max_depth": self._quality.bounces, "rr_depth": 4}
 
-    def _passes(self, scene: Any, flakes: Flakes, seed: int) -> Layers:
+    def _passes(self, scene: Any, flakes: Flakes, seed: int, rays: int) -> Layers:
         if self._is_volume:
             light = self._render(scene, seed)
             return Layers(light, depth=self._first_hits(scene, 1, seed).depth, flakes=flakes)
@@ -202,7 +213,7 @@ class Tracer:
         parameters["sun.irradiance.value"], parameters["sun.sampling_weight"] = 0.0 * sun, 0.0
         parameters.update()
         second = self._render(scene, 2 * seed + 1)
-        seen = self._first_hits(scene, HITS, seed)
+        seen = self._first_hits(scene, rays, seed)
         return Layers(first, second, seen.albedo, seen.normal, seen.depth, seen.snow, flakes)
 
     def _first_hits(self, scene: Any, rays: int, seed: int) -> FirstHits:

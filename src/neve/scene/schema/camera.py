@@ -9,6 +9,7 @@ from pydantic import model_validator
 from neve.scene.values.fields import (
     ZERO,
     Coordinate,
+    Fraction,
     Part,
     Point3,
     Real,
@@ -66,7 +67,8 @@ class Camera(Part):
     )
     dolly: Switch = entry(
         False,
-        "Whether the camera travels along with what it follows; otherwise it turns where it stands.",
+        "Whether the camera travels along with what it follows, across `up`; otherwise it turns where it "
+        "stands.",
         "",
     )
     follow_time: Real = entry(
@@ -76,6 +78,12 @@ class Camera(Part):
         "s",
         ge=0,
         le=1000,
+    )
+    shutter: Fraction = entry(
+        0.0,
+        "Share of the time from frame to frame for which the shutter is open, half before and half after the "
+        "frame: 0.5 is the 180 degrees that films mostly have, 0 is no motion blur. Only in `neve render`.",
+        "1",
     )
 
     @model_validator(mode="after")
