@@ -36,6 +36,34 @@ void make_points(Field* self, const Points& x, const Numbers& amounts, float cel
   new (self) Field(of_points(vectors(x), {amounts.data(), amounts.shape(0)}, cell_size, blurs));
 }
 
+// Density of points, and their momentum (b, 4, 4, 4, 3) on its blocks.
+auto make_moments(const Points& x, const Numbers& amounts, const Points& v, float cell_size) {
+  check(x, amounts, cell_size);
+  if (v.shape(0) != x.shape(0)) throw nb::value_error("v has a row for each point");
+  Moments found{{Blocks(cell_size)}, {}};
+  std::vector<float> out;
+  std::size_t n = 0;
+  {
+    nb::gil_scoped_release release;
+    found = moments(vectors(x), {amounts.data(), amounts.shape(0)}, vectors(v), cell_size);
+    n = std::size_t(found.density.blocks.count());
+    constexpr int side = Blocks::side;
+    constexpr std::size_t cells = side * side * side;
+    out.resize(n * cells * 3);
+#pragma omp parallel for schedule(static)
+    for (std::int64_t b = 0; b < std::int64_t(n); ++b)
+      for (int c = 0; c < 3; ++c) {
+        const float* values = found.flow[std::size_t(c)].values(int(b));
+        float* to = out.data() + std::size_t(b) * cells * 3 + c;
+        for (int i = 0; i < side; ++i)
+          for (int j = 0; j < side; ++j)
+            for (int k = 0; k < side; ++k, to += 3) *to = values[Blocks::at(i, j, k)];
+      }
+  }
+  constexpr std::size_t side = Blocks::side;
+  return nb::make_tuple(std::move(found.density), array(std::move(out), {n, side, side, side, 3}));
+}
+
 Field balls(const Points& x, const Numbers& amounts, float radius, float cell_size) {
   check(x, amounts, cell_size);
   if (!(radius > 0 && radius <= 64 * cell_size)) throw nb::value_error("radius: above 0, up to 64 cells");
@@ -154,6 +182,7 @@ NB_MODULE(_surface, m) {
   nb::class_<Field>(m, "Field", "A scalar on a sparse grid of cells.")
       .def("__init__", &make_points, "x"_a, "amounts"_a, "cell_size"_a, "blurs"_a = 0)
       .def_static("balls", &balls, "x"_a, "amounts"_a, "radius"_a, "cell_size"_a)
+      .def_static("moments", &make_moments, "x"_a, "amounts"_a, "v"_a, "cell_size"_a)
       .def_prop_ro("cell_size", [](const Field& field) { return field.blocks.cell_size(); })
       .def_prop_ro("origin", [](const Field& f) { return std::tuple{f.origin.x, f.origin.y, f.origin.z}; })
       .def("blocks", &blocks, "Places of the blocks, in blocks.")

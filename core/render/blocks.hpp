@@ -61,6 +61,13 @@ class Blocks {
       for (int sides = 1; sides < 8; ++sides) fold_side(b, sides);
   }
 
+  // Return the same blocks, full of zeros.
+  Blocks zeros() const {
+    Blocks out = *this;
+    std::fill(out.values_.begin(), out.values_.end(), 0.0f);
+    return out;
+  }
+
   // Make the grid ready for samples: add the empty blocks that a sample next to an occupied one reads,
   // copy the shared cells, and find the bounds.
   void close() {
@@ -228,14 +235,17 @@ inline void add_point(float* block, Vec3f q, float amount) {
       for (int c = 0; c < 3; ++c) v[Blocks::at(a, b, c)] += amount * sx.w[a] * sy.w[b] * sz.w[c];
 }
 
-// Spread an amount of each point over the cells around it with quadratic B-splines, whose weights sum to one.
-// x: positions [m]; amount(p): of point p. Points that are not finite are left out.
-template <class F>
-void scatter(Blocks& blocks, std::span<const Vec3f> x, F&& amount) {
+// Points by the block in which their stencil begins: those of block b are order[first[b]] to order[first[b + 1] - 1].
+struct Groups {
+  std::vector<std::uint32_t> first, order;
+  int blocks() const { return int(first.size()) - 1; }
+};
+
+// Group points x [m] by blocks, which are made where there are none. Points that are not finite are left out.
+inline Groups grouped(Blocks& blocks, std::span<const Vec3f> x) {
   // Cells are numbered with 32 bits; a point beyond this many cells is left out.
   constexpr float far_cell = 1.0e9f;
   const float inv_h = 1.0f / blocks.cell_size();
-  // Group the points by the block in which their stencil begins; a group writes into its block only.
   std::vector<std::int32_t> home(x.size(), -1);
   std::vector<std::uint32_t> first(1, 0);
   Int3 last{INT32_MAX, 0, 0};
@@ -255,11 +265,27 @@ void scatter(Blocks& blocks, std::span<const Vec3f> x, F&& amount) {
   std::vector<std::uint32_t> order(first.back()), next(first);
   for (std::uint32_t p = 0; p < x.size(); ++p)
     if (home[p] >= 0) order[next[std::size_t(home[p])]++] = p;
-  const int n = blocks.count();
+  return {std::move(first), std::move(order)};
+}
+
+// Call f(b, p) for each point p of each block b of `groups`, in order within a block.
+template <class F>
+void each_point(const Groups& groups, F&& f) {
+  const int n = groups.blocks();
 #pragma omp parallel for schedule(dynamic, 64)
   for (int b = 0; b < n; ++b)
-    for (std::uint32_t o = first[std::size_t(b)]; o < first[std::size_t(b) + 1]; ++o)
-      add_point(blocks.values(b), x[order[o]] * inv_h, amount(order[o]));
+    for (std::uint32_t o = groups.first[std::size_t(b)]; o < groups.first[std::size_t(b) + 1]; ++o)
+      f(b, groups.order[o]);
+}
+
+// Spread an amount of each point over the cells around it with quadratic B-splines, whose weights sum to one.
+// x: positions [m]; amount(p): of point p. Points that are not finite are left out.
+template <class F>
+void scatter(Blocks& blocks, std::span<const Vec3f> x, F&& amount) {
+  const float inv_h = 1.0f / blocks.cell_size();
+  // A group writes into its block only.
+  each_point(grouped(blocks, x),
+             [&](int b, std::uint32_t p) { add_point(blocks.values(b), x[p] * inv_h, amount(p)); });
   blocks.fold();
 }
 

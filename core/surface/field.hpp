@@ -57,6 +57,43 @@ inline Field of_points(std::span<const Vec3f> x, std::span<const float> amounts,
   return field;
 }
 
+// Density and momentum of points on the same blocks.
+struct Moments {
+  Field density;
+  std::vector<Blocks> flow;  // of x, y and z
+};
+
+// Spread amounts of points, and amounts times velocities v, over cells with quadratic B-splines. What belongs to one
+// point alone is spread once: its cell and its weights serve all.
+inline Moments moments(std::span<const Vec3f> x, std::span<const float> amounts, std::span<const Vec3f> v,
+                       float cell_size) {
+  Moments out{{Blocks(cell_size)}, {}};
+  Blocks& density = out.density.blocks;
+  const std::size_t each = amounts.size() > 1 ? 1 : 0;
+  const float inv_h = 1.0f / cell_size;
+  const Groups groups = grouped(density, x);
+  each_point(groups,
+             [&](int b, std::uint32_t p) { add_point(density.values(b), x[p] * inv_h, amounts[each * p]); });
+  density.fold();
+  density.close();
+  out.flow.assign(3, density.zeros());
+  each_point(groups, [&](int b, std::uint32_t p) {
+    const Vec3f flow = v[p] * amounts[each * p];
+    const Vec3f q = x[p] * inv_h;
+    const Stencil sx(q.x), sy(q.y), sz(q.z);
+    const int at = Blocks::at(sx.first & Blocks::mask, sy.first & Blocks::mask, sz.first & Blocks::mask);
+    float* to[3] = {out.flow[0].values(b) + at, out.flow[1].values(b) + at, out.flow[2].values(b) + at};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) {
+          const float w = sx.w[i] * sy.w[j] * sz.w[k];
+          for (int c = 0; c < 3; ++c) to[c][Blocks::at(i, j, k)] += w * flow[c];
+        }
+  });
+  for (Blocks& flow : out.flow) flow.fold();
+  return out;
+}
+
 // Weight of a metaball at the squared distance q from its centre, in radii squared: 1 - 22/9 q + 17/9 q^2 - 4/9 q^3
 // (Wyvill et al. 1986), from 1 in the centre to 0 with zero slope at one radius.
 template <class R>

@@ -21,6 +21,11 @@ class Field:
     @staticmethod
     def balls(x: NDArray[np.float32], amounts: NDArray[np.float32], radius: float, cell_size: float) -> Field:
         """Add up amount * wyvill(distance / radius) of balls at centres of cells; R up to 64 cells."""
+    @staticmethod
+    def moments(
+        x: NDArray[np.float32], amounts: NDArray[np.float32], v: NDArray[np.float32], cell_size: float
+    ) -> tuple[Field, NDArray[np.float32]]:
+        """Return the field of the amounts and, on its blocks, that of amounts v (n, 3): (b, 4, 4, 4, 3)."""
     @property
     def cell_size(self) -> float:
         """Edge of a cell [m]."""

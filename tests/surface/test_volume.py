@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 
 from neve._surface import Field
-from neve.surface.volume import density_of, volume_of
+from neve.surface.volume import density_and_momentum, volume_of
 
 RNG = np.random.default_rng(3)
+
+
+def density_of(x, mass, cell_size):
+    """The density of particles at rest."""
+    return volume_of(density_and_momentum(x, mass, np.zeros_like(x), cell_size)[0])
 
 
 def test_cells_hold_the_mass_of_the_particles():
@@ -14,6 +19,16 @@ def test_cells_hold_the_mass_of_the_particles():
     x = RNG.normal(size=(5000, 3)) * [2.0, 0.3, 0.7]
     mass = RNG.uniform(0.5, 1.5, 5000)
     assert density_of(x, mass, 0.1).total == pytest.approx(mass.sum(), rel=1e-6)
+
+
+def test_cells_hold_the_momentum_of_the_particles():
+    """Momentum sums up to that of the particles, and is rho u with one u everywhere if all move alike."""
+    x, mass, v = RNG.normal(size=(3000, 3)), RNG.uniform(0.5, 1.5, 3000), RNG.normal(size=(3000, 3))
+    _, momentum = density_and_momentum(x, mass, v, 0.2)
+    assert momentum.sum(axis=(0, 1, 2, 3)) * 0.2**3 == pytest.approx(mass @ v, rel=1e-4, abs=1e-3)
+    u = np.array([2.0, -1.0, 0.5], np.float32)
+    field, momentum = density_and_momentum(x, mass, np.tile(u, (3000, 1)), 0.2)
+    assert momentum == pytest.approx(field.values()[..., None] * u, rel=1e-5, abs=1e-4)
 
 
 def test_density_is_that_of_the_kernel():

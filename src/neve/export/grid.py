@@ -53,25 +53,9 @@ def snow_grid(moment: Moment, cell: float, scale: float) -> SnowGrid:
 
     scale: units of the file in a metre; densities are per cubic metre whatever it is.
     """
-    from neve._surface import Field
-    from neve.surface.volume import points
+    from neve.surface.volume import density_and_momentum
 
-    x = points(moment.x)
-    weight = (moment.mass * (scale / cell) ** 3).astype(np.float32)
-    field = Field(x, np.ascontiguousarray(weight), cell)
-    blocks, density = field.blocks(), field.values()
-    velocity = np.zeros((*density.shape, 3), np.float32)
-    for k in range(3):
-        flow = Field(x, np.ascontiguousarray(weight * moment.v[:, k]), cell)
-        velocity[_rows(blocks, flow.blocks()), ..., k] = flow.values()  # blocks at rest are left out
+    field, velocity = density_and_momentum(moment.x, moment.mass * scale**3, moment.v, cell)
+    density = field.values()
     np.divide(velocity, density[..., None], out=velocity, where=density[..., None] > 0)
-    return SnowGrid(blocks, density, velocity, np.asarray(field.origin) + 0.5 * cell, cell)
-
-
-def _rows(blocks: NDArray[np.int32], some: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Return in which row of `blocks` (b, 3) each of `some` (m, 3) stands, (m,)."""
-    _, name = np.unique(np.concatenate([blocks, some]), axis=0, return_inverse=True)
-    name = name.reshape(-1)
-    row = np.zeros(len(name), np.int64)
-    row[name[: len(blocks)]] = np.arange(len(blocks))
-    return np.asarray(row[name[len(blocks) :]])
+    return SnowGrid(field.blocks(), density, velocity, np.asarray(field.origin) + 0.5 * cell, cell)

@@ -52,15 +52,21 @@ def volume_of(field: Field) -> SparseVolume:
     return SparseVolume(field.blocks()[held], values[held], field.origin, field.cell_size)
 
 
-def density_of(x: NDArray[Any], mass: float | NDArray[Any], cell_size: float) -> SparseVolume:
-    """Return the density of snow [kg/m3]: rho_i = sum_p m_p w_ip / cell_size^3, w the quadratic B-spline.
+def density_and_momentum(
+    x: NDArray[Any], mass: float | NDArray[Any], v: NDArray[Any], cell_size: float
+) -> tuple[Field, Floats]:
+    """Return the density of snow [kg/m3] and, on its blocks, its momentum (b, 4, 4, 4, 3) [kg/(m2 s)].
 
-    x: positions (n, 3) [m]; mass: of each particle (n,) or of every one [kg]; cell_size [m]: the grid spacing
-    of a run gives the density that its grid sees. Particles that are not finite are left out.
+    rho_i = sum_p m_p w_ip / cell_size^3 and (rho u)_i = sum_p m_p v_p w_ip / cell_size^3, w the quadratic
+    B-spline.
+
+    x: positions (n, 3) [m]; mass: of each particle (n,) or of every one [kg]; v (n, 3) [m/s]; cell_size [m]:
+    the grid spacing of a run gives the density that its grid sees. Particles that are not finite are left
+    out.
 
     Errors: ValueError for a cell size that is not above zero.
     """
-    return volume_of(Field(points(x), amounts(mass) / np.float32(cell_size**3), cell_size))
+    return Field.moments(points(x), amounts(mass) / np.float32(cell_size**3), points(v), cell_size)
 
 
 def points(x: NDArray[Any]) -> Floats:
