@@ -9,6 +9,7 @@ pytest.importorskip("mitsuba", reason="pip install 'neve[film]'")
 
 from neve.build import solids as solids_of
 from neve.geometry.pose import Pose
+from neve.render.lighting import sun_color
 from neve.render.path_tracing.daylight import emitters, sky_toward
 from neve.render.path_tracing.engine import mitsuba
 from neve.render.path_tracing.lens import Lens, sampler
@@ -22,10 +23,10 @@ FILM = {"type": "hdrfilm", "width": 96, "height": 64, "rfilter": {"type": "box"}
 LENS = Lens(CAMERA, 96, 64)
 
 
-def drawn(lens, parts, integrator):
+def drawn(lens, parts, integrator, samples=16):
     """A picture of Mitsuba."""
     mi = mitsuba()
-    scene = {"type": "scene", "sensor": lens.sensor(mi, FILM, 16, 0), "integrator": integrator, **parts}
+    scene = {"type": "scene", "sensor": lens.sensor(mi, FILM, samples, 0), "integrator": integrator, **parts}
     return finite(mi.render(mi.load_dict(scene), seed=1))
 
 
@@ -75,6 +76,39 @@ def scene_of():
 def placed():
     """The board and the ball where they are."""
     return [(s, Pose.at_rest(p, np.eye(3))) for s, p in zip(solids_of(scene_of()), PLACES, strict=True)]
+
+
+@pytest.mark.parametrize("size", [0.0, 6.0])
+def test_the_edge_of_a_shadow_is_as_wide_as_the_sun(size):
+    """Under a half plane at height h the sun overhead lights the ground by the part of its disk that is seen,
+    1/2 + (u sqrt(1 - u^2) + asin u) / pi with u = x / (h tan a), a half of its angle; in full as `sun_color`
+    says of any size."""
+    light, lens = Light(sun_elevation=90, sun_size=size), Lens(BELOW, 96, 64)
+    T = mitsuba().ScalarTransform4f
+    white = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [1.0] * 3}}
+    black = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.0] * 3}}
+    parts = {
+        "sun": emitters(light)["sun"],
+        "ground": {"type": "rectangle", "to_world": T().scale(4), "bsdf": white},
+        "roof": {
+            "type": "rectangle",
+            "to_world": T().translate([-4, 0, 1]).scale(4),
+            "bsdf": {"type": "twosided", "bsdf": black},
+        },
+    }
+    image = drawn(lens, parts, {"type": "path", "max_depth": 2}, 200) / np.array(sun_color(light))
+    x = np.linspace(-0.12, 0.12, 25)
+    column, row, _ = lens.project(np.stack([x, 0 * x, 0 * x], axis=1))
+    seen = np.array([image[int(r) - 2 : int(r) + 3, int(q)].mean() for r, q in zip(row, column, strict=True)])
+    if not size:
+        expected = np.where(x > 0, 1.0, 0.0)
+        np.testing.assert_allclose(np.delete(seen, 12), np.delete(expected, 12), atol=0.02)
+        return
+    u = np.clip(x / math.tan(math.radians(0.5 * size)), -1.0, 1.0)
+    np.testing.assert_allclose(seen, 0.5 + (u * np.sqrt(1 - u * u) + np.arcsin(u)) / math.pi, atol=0.06)
+
+
+BELOW = Camera(position=(0.0, -2.0, 0.6), target=(0.0, 0.0, 0.0), fov=10)
 
 
 def layers_of(snow, choices):

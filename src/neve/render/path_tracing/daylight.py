@@ -19,6 +19,10 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 ROUGH = 0.85
 HEIGHT = 128
 """Rows of the picture of the sky [px]."""
+SUN_DISTANCE = 1.5e5
+"""Where the sun stands [m]: beyond what cameras see, FAR."""
+FAR = 1e5
+"""How far cameras see [m]."""
 EARTH = np.array([0.12, 0.11, 0.10])
 """Reflectance of the land beyond the scene."""
 
@@ -68,15 +72,35 @@ def emitters(light: Light) -> dict[str, Any]:
     world = np.stack([own[:, 0], -own[:, 2], own[:, 1]], axis=1)
     image = sky_toward(light, world).reshape(HEIGHT, width, 3).astype(np.float32)
     to_world = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
-    x, y, z = sun_direction(light)
+    return {"sun": _sun(light), "sky": {"type": "envmap", "bitmap": mi.Bitmap(image), "to_world": to_world}}
+
+
+def _sun(light: Light) -> dict[str, Any]:
+    """Return the sun: a disk far away, which no camera sees, or parallel light if it has no size.
+
+    The disk of half angle a has the radiance E / (pi sin^2 a), so that what faces it gets E = pi sun_color.
+    """
+    mi, E = mitsuba(), np.pi * np.asarray(sun_color(light))
+    toward = np.asarray(sun_direction(light))
+    if light.sun_size == 0.0:
+        return {"type": "directional", "direction": (-toward).tolist(), "irradiance": rgb(E)}
+    half = math.radians(0.5 * light.sun_size)
+    radius = SUN_DISTANCE * math.tan(half)
+    look = mi.ScalarTransform4f().look_at(
+        (SUN_DISTANCE * toward).tolist(), [0.0, 0.0, 0.0], np.eye(3)[int(np.argmin(np.abs(toward)))].tolist()
+    )
     return {
-        "sun": {
-            "type": "directional",
-            "direction": [-x, -y, -z],
-            "irradiance": rgb(np.pi * np.asarray(sun_color(light))),
-        },
-        "sky": {"type": "envmap", "bitmap": mi.Bitmap(image), "to_world": to_world},
+        "type": "disk",
+        "to_world": look @ mi.ScalarTransform4f().scale([radius, radius, 1.0]),
+        "emitter": {"type": "area", "radiance": rgb(E / (np.pi * math.sin(half) ** 2))},
     }
+
+
+def sun_keys(light: Light) -> tuple[str, str]:
+    """Return the names of the sun's strength and of its weight among Mitsuba's parameters of a scene."""
+    if light.sun_size == 0.0:
+        return "sun.irradiance.value", "sun.sampling_weight"
+    return "sun.emitter.radiance.value", "sun.emitter.sampling_weight"
 
 
 def exposure(light: Light) -> tuple[float, Array]:

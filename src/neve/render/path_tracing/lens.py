@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.render.path_tracing.daylight import FAR
+
 if TYPE_CHECKING:
     from neve.render.shot import View
     from neve.scene.schema.camera import Camera
@@ -95,7 +97,7 @@ class Lens:
             "fov": float(self.camera.fov),
             "fov_axis": "y",
             "near_clip": 1e-3 * self.distance,
-            "far_clip": 1e5,
+            "far_clip": FAR,
             "to_world": transform,
             "film": film,
             "sampler": sampler(samples, seed),

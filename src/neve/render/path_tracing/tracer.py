@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.render.lighting import is_ground
-from neve.render.path_tracing.daylight import emitters
+from neve.render.path_tracing.daylight import emitters, sun_keys
 from neve.render.path_tracing.engine import mitsuba, rgb, triangles
 from neve.render.path_tracing.ground import ground
 from neve.render.path_tracing.lens import Lens
@@ -204,13 +204,14 @@ class Tracer:
             light = self._render(scene, seed)
             return Layers(light, depth=self._first_hits(scene, 1, seed).depth, flakes=flakes)
         parameters = self._mi.traverse(scene)
-        sky, sun = parameters["sky.scale"], parameters["sun.irradiance.value"]
+        strength, weight = sun_keys(self.light)
+        sky, sun = parameters["sky.scale"], parameters[strength]
         # One light is sampled at each hit: apart, with all samples for each, both are far less noisy.
         parameters["sky.scale"], parameters["sky.sampling_weight"] = 0.0, 0.0
         parameters.update()
         first = self._render(scene, 2 * seed)
         parameters["sky.scale"], parameters["sky.sampling_weight"] = sky, 1.0
-        parameters["sun.irradiance.value"], parameters["sun.sampling_weight"] = 0.0 * sun, 0.0
+        parameters[strength], parameters[weight] = 0.0 * sun, 0.0
         parameters.update()
         second = self._render(scene, 2 * seed + 1)
         seen = self._first_hits(scene, rays, seed)

@@ -170,6 +170,14 @@ class Light(Part):
     sun_azimuth: Real = entry(200.0, "Direction of the sun: 0 is +x, 90 is +y.", "degrees", ge=-360, le=360)
     sun_strength: Real = entry(1.0, "Brightness of the sun; 1 is a clear day.", "1", ge=0, le=100)
     sky_strength: Real = entry(1.0, "Brightness of the sky; 1 is a clear day.", "1", ge=0, le=100)
+    sun_size: Real = entry(
+        0.53,
+        "Angle across the sun, for the edges of shadows in `neve render`; 0 is parallel light.",
+        "degrees",
+        "as seen from the earth",
+        ge=0,
+        le=30,
+    )
     sun_color: Color = entry((1.0, 0.94, 0.85), "Red, green and blue of the sun.", "1")
     sky_color: Color = entry((0.62, 0.76, 1.0), "Red, green and blue of the sky.", "1")
 
