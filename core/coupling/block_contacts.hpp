@@ -17,7 +17,8 @@ struct BlockContacts {
   struct Contact {
     const Solid<T>* solid;
     Mask inside;
-    Vec3<R> normal, arm;  // arm: from the solid's centre [m]
+    Facing<R> facing;
+    Vec3<R> arm;  // from the solid's centre [m]
   };
   struct NodePack {
     Vec3<R> v;
@@ -36,7 +37,11 @@ struct BlockContacts {
            const Vec3<R>& v, const Lift<R>& lift, R m, int first, T skin) {
     const std::size_t begin = contacts.size();
     each_holding(near, x, m, skin, [&](const Solid<T>& solid, const Vec3<R>& normal, const Mask& inside) {
-      contacts.push_back({&all[std::size_t(solid.index)], inside, normal, x - spread<R>(solid.centre)});
+      // how a body will move is not known yet
+      const Facing<R> there = solid.body >= 0
+                                  ? flat(normal)
+                                  : facing(solid, x, normal, v - solid.velocity_at(x), splat<R>(lift.dt));
+      contacts.push_back({&all[std::size_t(solid.index)], inside, there, x - spread<R>(solid.centre)});
     });
     if (contacts.size() > begin) nodes.push_back({v, lift, m, first, begin, contacts.size()});
   }

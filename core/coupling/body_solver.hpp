@@ -81,8 +81,8 @@ Moved<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename Block
     const Vec3<T> V = u ? linear<T>(*u) : contact.solid->velocity;
     const Vec3<T> w = u ? angular<T>(*u) : contact.solid->omega;
     const Vec3<R> v_co = spread<R>(V) + cross(spread<R>(w), contact.arm), before = v;
-    const Play<R> play = lift.play(contact.normal);
-    v = meet(*contact.solid, contact.inside, contact.normal, v_co, v, lift);
+    const Play<R> play = lift.play(contact.facing.n);
+    v = meet(*contact.solid, contact.inside, contact.facing, v_co, v, lift);
     visit(contact, before, play, v_co, v);
   }
   return {v, lift.s};
@@ -126,7 +126,7 @@ class Responses {
                    [&](const auto& contact, const Vec3<R>& before, const Play<R>& play, const Vec3<R>& v_co,
                        const Vec3<R>& after) {
                      if (contact.solid->body < 0) return;
-                     const Mat3<R> D = contact_slope(before, contact.normal, v_co, contact.solid->mode,
+                     const Mat3<R> D = contact_slope(before, contact.facing.n, v_co, contact.solid->mode,
                                                      contact.solid->mu_c, play);
                      BodyResponse& sum = of(std::size_t(contact.solid->body), part);
                      for (int l = 0; l < width<R>; ++l) {

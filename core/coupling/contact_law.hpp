@@ -29,16 +29,37 @@ struct Play {
   R least{}, most{};
 };
 
-// The velocity after contact of snow that moves with `v` at a surface of unit normal n that moves with `v_co`:
-// v_n -> 0, and v_t shrinks by mu_c |v_n|, at most to zero. In mode slip v_n ends within the play.
+// Where a surface faces: its unit normal n, along which it pushes, and its normal half a step on, scaled so that
+// n . mid = 1; and the speed along mid that the surface has gained by then where the snow is, because it turns. Snow
+// that keeps to a curved surface moves along it in the middle of the step, not at the start.
 template <class R>
-inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& v_co, ContactMode mode,
+struct Facing {
+  Vec3<R> n, mid;
+  R gained;  // [m/s]
+};
+template <class R>
+inline Facing<R> flat(const Vec3<R>& n) {
+  return {n, n, R{}};
+}
+
+// The speed that the surface takes from snow that moves with v_rel: all that it has along the surface's normal half a
+// step on; along n no more than an elastic bounce takes, so that kinetic energy never rises.
+template <class R>
+inline R normal_speed(const Vec3<R>& v_rel, const Facing<R>& facing) {
+  const R bounce = dot(v_rel, facing.n) * scalar_t<R>(2);
+  return clamp(R(dot(v_rel, facing.mid) - facing.gained), min(bounce, R{}), max(bounce, R{}));
+}
+
+// The velocity after contact of snow that moves with `v` at a surface that moves with `v_co`: v_n -> 0, and v_t shrinks
+// by mu_c |v_n|, at most to zero. In mode slip v_n ends within the play.
+template <class R>
+inline Vec3<R> after_contact(const Vec3<R>& v, const Facing<R>& facing, const Vec3<R>& v_co, ContactMode mode,
                              scalar_t<R> mu_c, const Play<R>& play = {}) {
   if (mode == ContactMode::sticky) return v_co;
   using T = scalar_t<R>;
   const R zero = splat<R>(0), one = splat<R>(1);
-  const Vec3<R> v_rel = v - v_co;
-  const R v_n = dot(v_rel, n);
+  const Vec3<R> v_rel = v - v_co, n = facing.n;
+  const R v_n = normal_speed(v_rel, facing);
   const Vec3<R> v_t = v_rel - n * v_n;
   const R speed = sqrt(dot(v_t, v_t));
   const R pressed = max(R(play.least - v_n), zero);
@@ -48,7 +69,7 @@ inline Vec3<R> after_contact(const Vec3<R>& v, const Vec3<R>& n, const Vec3<R>& 
   return has_play(mode, mu_c) ? slid + n * clamp(v_n, play.least, play.most) : slid;
 }
 
-// The derivative of after_contact by v_co: how the snow's velocity changes with that of the surface.
+// The derivative of after_contact at a flat surface by v_co: how the snow's velocity changes with that of the surface.
 //
 // With t the direction of sliding and g = mu_c |v_n| < |v_t|: n n^T - mu_c t n^T + (g / |v_t|) (1 - n n^T - t t^T);
 // the identity where the snow sticks, zero where it leaves or moves within its play. In mode slip the snow at the end

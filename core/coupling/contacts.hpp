@@ -94,28 +94,29 @@ struct NoLift {};
 
 // The velocity of snow after a solid has acted on the lanes `inside`.
 template <class R, class M>
-inline Vec3<R> meet(const Solid<scalar_t<R>>& solid, const M& inside, const Vec3<R>& n, const Vec3<R>& v_co,
-                    const Vec3<R>& v, NoLift&) {
-  return select(inside, after_contact(v, n, v_co, solid.mode, solid.mu_c), v);
+inline Vec3<R> meet(const Solid<scalar_t<R>>& solid, const M& inside, const Facing<R>& facing,
+                    const Vec3<R>& v_co, const Vec3<R>& v, NoLift&) {
+  return select(inside, after_contact(v, facing, v_co, solid.mode, solid.mu_c), v);
 }
 template <class R, class M>
-inline Vec3<R> meet(const Solid<scalar_t<R>>& solid, const M& inside, const Vec3<R>& n, const Vec3<R>& v_co,
-                    const Vec3<R>& v, Lift<R>& lift) {
+inline Vec3<R> meet(const Solid<scalar_t<R>>& solid, const M& inside, const Facing<R>& facing,
+                    const Vec3<R>& v_co, const Vec3<R>& v, Lift<R>& lift) {
   NoLift none;
-  if (!has_play(solid.mode, solid.mu_c)) return meet(solid, inside, n, v_co, v, none);
-  const Vec3<R> after = select(inside, after_contact(v, n, v_co, solid.mode, solid.mu_c, lift.play(n)), v);
-  lift.follow(inside, n, dot(after - v_co, n));
+  if (!has_play(solid.mode, solid.mu_c)) return meet(solid, inside, facing, v_co, v, none);
+  const Play<R> play = lift.play(facing.n);
+  const Vec3<R> after = select(inside, after_contact(v, facing, v_co, solid.mode, solid.mu_c, play), v);
+  lift.follow(inside, facing.n, dot(after - v_co, facing.mid) - facing.gained);
   return after;
 }
 
 // The velocity of snow of nodes at x after every solid that holds x has acted on it. Calls
 // exchanged(solid, which nodes, arm from its centre, velocity of its surface, v before, v after) for each.
 template <class Solids, class R, class L, class F>
-inline Vec3<R> collide(const Solids& solids, const Vec3<R>& x, Vec3<R> v, L& lift, scalar_t<R> skin, R m,
-                       F&& exchanged) {
+inline Vec3<R> collide(const Solids& solids, const Vec3<R>& x, Vec3<R> v, L& lift, scalar_t<R> skin,
+                       scalar_t<R> dt, R m, F&& exchanged) {
   each_holding(solids, x, m, skin, [&](const auto& solid, const Vec3<R>& normal, const auto& inside) {
     const Vec3<R> before = v, v_co = solid.velocity_at(x);
-    v = meet(solid, inside, normal, v_co, v, lift);
+    v = meet(solid, inside, facing(solid, x, normal, before - v_co, splat<R>(dt)), v_co, v, lift);
     exchanged(solid, inside, x - spread<R>(solid.centre), v_co, before, v);
   });
   return v;

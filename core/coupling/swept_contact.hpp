@@ -73,8 +73,10 @@ inline void move_past(const Solids& solids, const Vec3<R>& x, Vec3<R>& v, Vec3<R
     const Vec3<R> place = x + way * select(met, impact.at, R{}), v_co = solid.velocity_at(place), before = v;
     // with play it is the nodes that hold snow back
     const ContactMode mode = has_play(solid.mode, solid.mu_c) ? ContactMode::separate : solid.mode;
-    v = select(met, after_contact(v, impact.normal, v_co, mode, solid.mu_c), v);
-    const Vec3<R> turned = after_contact(path, impact.normal, v_co, mode, solid.mu_c);
+    const Facing<R> there =
+        facing(solid, place, impact.normal, path - v_co, R((splat<R>(1) - impact.at) * dt));
+    v = select(met, after_contact(v, there, v_co, mode, solid.mu_c), v);
+    const Vec3<R> turned = after_contact(path, there, v_co, mode, solid.mu_c);
     const Vec3<R> out =
         impact.normal * (select(inside, min(max(R(-s.phi), R{}), splat<R>(T(push_cells) * dx)), R{}) / dt);
     path = select(met, path * impact.at + turned * (splat<R>(1) - impact.at) + out, path);

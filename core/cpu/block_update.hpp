@@ -47,7 +47,7 @@ struct BlockUpdate {
     Lanes<T> mass;
     load_quads(node, v.x, v.y, v.z, mass);
     const auto after = [&](auto& left) {
-      return collide(solids, positions(at, first), v, left, skin(), mass,
+      return collide(solids, positions(at, first), v, left, skin(), dt, mass,
                      [&](const auto& solid, const auto& inside, const auto&... exchanged) {
                        record(exchange.of(solid.index), inside, mass, exchanged...);
                      });

@@ -177,7 +177,7 @@ __noinline__ void update_node(const Step<T>& s, std::size_t i, const Vec3<T>& x)
     v[a] = node_velocity(s.nodes(a, i), inverse_m, s.change(a, i));
   }
   NoLift none;
-  v = collide(s.solids, x, v, none, T(skin_cells * s.dx), m, [&](const auto&, const auto&...) {});
+  v = collide(s.solids, x, v, none, T(skin_cells * s.dx), T(s.dt), m, [&](const auto&, const auto&...) {});
   for (int a = 0; a < 3; ++a) s.nodes(a, i) = v[a];
 }
 
@@ -187,7 +187,7 @@ __noinline__ void contact(const Step<T>& s, std::size_t p) {
   const Particle<T> particle{s, p};
   const Vec3<T> v = particle.v(), n = particle.x(), still{};
   const Vec3<T> after =
-      after_contact(v, n, still, mode, T(0.3)) + contact_slope(v, n, still, mode, T(0.3)) * v;
+      after_contact(v, flat(n), still, mode, T(0.3)) + contact_slope(v, n, still, mode, T(0.3)) * v;
   for (int a = 0; a < 3; ++a) s.v(a, p) = after[a];
 }
 

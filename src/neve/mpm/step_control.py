@@ -4,7 +4,7 @@ A step is rejected if a value would not be finite, if a particle would move by m
 det(I + dt grad v) would fall below 0.05, on the way to turning the particle inside out, if dt |grad v| would
 exceed four times numerics.strain_max, if snow would be pressed so far that its hardening stores more
 energy than the step's work (`Model.max_compression`), or if it would become so stiff that such a step were
-half as long again as a stable one: soft snow that meets the stiffness of ice in a single long step. Nothing
+a fifth longer than a stable one: soft snow that meets the stiffness of ice in a single long step. Nothing
 has been moved by then: the particles are as they were, so that a rejected step needs no copy of the state to
 go back to.
 
@@ -38,7 +38,7 @@ MAX_TRIES = 24
 
 _SAFE_STRAIN = 0.5  # of dt |grad v|: (1 - 0.5)^3 = 0.125 of the volume is left, above the limit of 0.05
 _SAFE_DISPLACEMENT = 0.9  # [cells]
-_MOST_UNSTABLE = 1.5  # over the stable step of the state at its end
+_MOST_UNSTABLE = 1.2  # over the stable step of the state at its end
 
 
 class AcceptedStep(NamedTuple):
