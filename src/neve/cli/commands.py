@@ -14,7 +14,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -32,6 +32,9 @@ from neve.cli.console import (
 from neve.cli.export import export
 from neve.cli.render import render
 from neve.system import stopping, streams
+
+if TYPE_CHECKING:
+    from neve.scene.schema.scene import Scene
 
 
 @click.group(
@@ -77,6 +80,7 @@ def list_scenes(snow: bool, as_json: bool) -> None:
 @click.argument("scene")
 @click.option("--out", metavar="DIR", help="Run folder; runs/NAME by default.")
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
+@click.option("--fine", is_flag=True, help="Choose numerics.dx for two million particles, and wait.")
 @click.option("--frames", metavar="N", callback=whole_number, help="Stop after frame N.")
 @click.option(
     "--threads", metavar="N", callback=thread_count, help="Number of threads; by default one per core."
@@ -88,6 +92,7 @@ def run(
     scene: str,
     out: str | None,
     changes: tuple[str, ...],
+    fine: bool,
     frames: int | None,
     threads: int | None,
     resume: bool,
@@ -106,6 +111,8 @@ def run(
     if not resume:  # a folder in use is reported before the scene is read; a resume reads the folder's scene
         RunFolder(folder).check(resume, force)
     checked = load(scene, changes)
+    if fine:
+        checked = _finer(checked, changes)
     from neve.run import run_scene
     from neve.scene.checks.advice import advice
 
@@ -115,6 +122,17 @@ def run(
     with warnings.catch_warnings():
         _report_others(reported)
         run_scene(checked, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
+
+
+def _finer(scene: Scene, changes: tuple[str, ...]) -> Scene:
+    """Return the scene with two million particles, and say with which grid."""
+    from neve.sampling.fineness import finer, particles_of
+
+    if any(change.partition("=")[0].strip() == "numerics.dx" for change in changes):
+        raise click.UsageError("--fine chooses numerics.dx: leave out one of --fine and --set numerics.dx")
+    fine = finer(scene)
+    report(f"--fine: numerics.dx = {fine.numerics.dx:g}, about {particles_of(fine):.2g} particles")
+    return fine
 
 
 def _report_others(reported: list[str]) -> None:
