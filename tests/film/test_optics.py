@@ -5,23 +5,23 @@ import math
 import numpy as np
 import pytest
 
-from neve.render.path_tracing.looks import KINDS, QUALITIES, REFERENCE, Medium, capped, similar
-from neve.render.path_tracing.optics import cornette_shanks, henyey_greenstein, slab_reflectance
-from neve.render.path_tracing.tracer import MOST_EXTINCTION, Tracer, medium_of, paths_in
+from neve.render.path_tracing.looks import KINDS, PHASES, QUALITIES, REFERENCE, Medium, capped, similar
+from neve.render.path_tracing.optics import cornette_shanks, slab_reflectance
+from neve.render.path_tracing.tracer import MOST_EXTINCTION, Tracer, medium_of, paths_in, phase_of
 from neve.scene.schema.scene import Numerics, Scene, Source
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(200)
 
 
 @pytest.mark.parametrize("g", [-0.6, 0.0, 0.5, 0.85])
-def test_phase_functions_are_normalised(g):
-    """The integral over all directions is 1; the mean cosine is g of Henyey and Greenstein, and 0.6
-    g (4 + g^2) / (2 + g^2) of Cornette and Shanks (Gauss-Legendre over the cosine)."""
-    means = {henyey_greenstein: g, cornette_shanks: g * 0.6 * (4 + g * g) / (2 + g * g)}
-    for phase, mean in means.items():
-        p = 2 * math.pi * WEIGHTS * phase(COSINES, g)
-        assert p.sum() == pytest.approx(1.0, rel=1e-9)
-        assert p @ COSINES == pytest.approx(mean, abs=1e-9)
+def test_the_phase_function_is_normalised(g):
+    """The integral of Cornette and Shanks' over all directions is 1 and its mean cosine the medium's, 0.6 g
+    (4 + g^2) / (2 + g^2) (Gauss-Legendre over the cosine)."""
+    p = 2 * math.pi * WEIGHTS * cornette_shanks(COSINES, g)
+    assert p.sum() == pytest.approx(1.0, rel=1e-9)
+    mean = Medium(1.0, (1.0, 1.0, 1.0), g, "cornette_shanks").mean_cosine
+    assert p @ COSINES == pytest.approx(mean, abs=1e-9)
+    assert mean == pytest.approx(g * 0.6 * (4 + g * g) / (2 + g * g))
 
 
 def test_similar_medium_keeps_what_light_sees():
@@ -49,6 +49,19 @@ def mi():
     from neve.render.path_tracing.engine import mitsuba
 
     return mitsuba()
+
+
+@pytest.mark.parametrize("phase", PHASES)
+def test_light_is_turned_by_the_angles_of_its_phase_function(mi, phase):
+    """Scattered by the medium of a picture, light goes on at the mean cosine of the phase function, forward
+    for g > 0, to the noise of 4,000 scatterings (deviation 0.5)."""
+    medium = Medium(1.0, (1.0, 1.0, 1.0), 0.5, phase)
+    function, at = mi.load_dict(phase_of(medium)), mi.MediumInteraction3f()
+    at.wi, at.sh_frame = [0, 0, 1], mi.Frame3f([0, 0, 1])  # where the light came from
+    numbers = np.random.default_rng(9).random((4000, 3))
+    context = mi.PhaseFunctionContext()
+    turned = [-function.sample(context, at, a, [b, c])[0].z for a, b, c in numbers.tolist()]
+    assert np.mean(turned) == pytest.approx(medium.mean_cosine, abs=4 * 0.5 / math.sqrt(4000))
 
 
 def box_of(mi, medium, half):

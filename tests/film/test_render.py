@@ -62,6 +62,10 @@ def code(*arguments):
         (("--spp", "0"), "--spp: 0 is not a whole number of 1 or more"),
         (("--frames", "3:999999999"), "holds the frames 0 to 2, and none of those asked for"),
         (("--look", "metaballs", "--aperture", "0.1"), "the look metaballs is drawn through a pinhole"),
+        (
+            ("--phase", "cornette_shanks"),
+            "--phase cornette_shanks: it is for the look reference, not diffuse",
+        ),
         (("--look", "reference", "--snow", "wet"), "the look reference is made of the snow of Stomakhin"),
     ],
 )

@@ -84,6 +84,11 @@ class Told:
     default="fresh",
     help="Kind of snow to the eye; fresh by default.",
 )
+@click.option(
+    "--phase",
+    type=click.Choice(["henyey_greenstein", "cornette_shanks"]),
+    help="How snow of the look reference turns light; henyey_greenstein by default.",
+)
 @click.option("--size", metavar="WxH", callback=pixels, help="Size of the pictures, such as 1280x720.")
 @click.option("--spp", metavar="N", callback=whole_number, help="Paths of light for each pixel.")
 @click.option(
@@ -103,6 +108,7 @@ def render(
     quality: str,
     look: str | None,
     kind: str,
+    phase: str | None,
     size: tuple[int, int] | None,
     spp: int | None,
     aperture: float,
@@ -127,6 +133,6 @@ def render(
         raise click.UsageError("--denoise needs mitsuba-oidn: pip install 'neve[film]'")
     chosen = slice(frame, frame + 1) if frame is not None else frames
     cleans = has_denoiser() if denoise is None else denoise
-    choices = Choices(quality, look, kind, spp, size, aperture, cleans)
+    choices = Choices(quality, look, kind, spp, size, aperture, cleans, phase)
     made, new = render_run(run, choices, out, chosen, changes, exr, force, threads or 0, Told(quiet))
     tell(f"{made}: {new} new pictures")

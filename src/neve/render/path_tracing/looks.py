@@ -52,17 +52,29 @@ KINDS = {
 """Kinds of snow by their word: blue_hour is fresh snow when the sun has almost set."""
 
 
+PHASES = ("henyey_greenstein", "cornette_shanks")
+"""How a single scattering turns light: Henyey and Greenstein 1941, or Cornette and Shanks 1992, which for g =
+0 is Rayleigh's and for g = 0.5 goes more forward."""
+
+
 @dataclass(frozen=True)
 class Medium:
     """Hold how a volume of snow scatters light.
 
-    extinction sigma_t [1/m]; albedo omega: scattered share of what is lost; g: mean cosine of the angle of a
-    scattering (Henyey and Greenstein 1941)
+    extinction sigma_t [1/m]; albedo omega: scattered share of what is lost; phase: a word of PHASES; g: its
+    parameter, the mean cosine of the angle of a scattering of Henyey and Greenstein
     """
 
     extinction: float
     albedo: Triple
     g: float = 0.0
+    phase: str = "henyey_greenstein"
+
+    @property
+    def mean_cosine(self) -> float:
+        """The mean cosine of the angle of a scattering."""
+        g = self.g
+        return g if self.phase == "henyey_greenstein" else 0.6 * g * (4.0 + g * g) / (2.0 + g * g)
 
 
 REFERENCE = Medium(724.0, (0.9, 0.95, 1.0), 0.5)
@@ -96,7 +108,8 @@ class Quality:
     """Hold what a picture may cost.
 
     look: unless another is chosen. samples: paths for each pixel, of each pass. bounces: of light at
-    surfaces. grains, flakes: how many may be drawn. across: size of a grain [px]. size: of the picture [px]
+    surfaces. grains, flakes: how many may be drawn. across: size of a grain [px]. size: of the picture [px].
+    phase: a word of PHASES, for the look "reference"
     """
 
     look: str
@@ -106,6 +119,7 @@ class Quality:
     flakes: int
     across: float
     size: tuple[int, int]
+    phase: str = "henyey_greenstein"
 
 
 QUALITIES = {

@@ -11,15 +11,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def henyey_greenstein(cosine: NDArray[Any] | float, g: float) -> Array:
-    """Return p = (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2)) [1/sr]; its mean cosine is g.
-
-    Source: Henyey and Greenstein 1941.
-    """
-    c = np.asarray(cosine, np.float64)
-    return np.asarray((1.0 - g * g) / (4.0 * math.pi * (1.0 + g * g - 2.0 * g * c) ** 1.5))
-
-
 def cornette_shanks(cosine: NDArray[Any] | float, g: float) -> Array:
     """Return p = 3/(8 pi) (1 - g^2) (1 + cos^2) / ((2 + g^2) (1 + g^2 - 2 g cos)^(3/2)) [1/sr].
 

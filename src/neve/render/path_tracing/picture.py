@@ -43,8 +43,9 @@ FLAKE_SIZE = {"diffuse": 0.45, "other": 0.38}
 class Choices:
     """Hold what a user chooses of a picture; None: as the quality has it.
 
-    quality, look and kind: words of QUALITIES, LOOKS and KINDS. samples: paths for each pixel, of each pass.
-    size: (width, height) [px]. aperture: radius of the lens [m]. denoise: whether noise is removed.
+    quality, look, kind and phase: words of QUALITIES, LOOKS, KINDS and PHASES. samples: paths for each pixel,
+    of each pass. size: (width, height) [px]. aperture: radius of the lens [m]. denoise: whether noise is
+    removed.
     """
 
     quality: str = "good"
@@ -54,12 +55,17 @@ class Choices:
     size: tuple[int, int] | None = None
     aperture: float = 0.0
     denoise: bool = True
+    phase: str | None = None
 
     def check(self) -> None:
         """Refuse what the look would not show. Errors: RenderError."""
         look = self.all.look
         if look == "metaballs" and self.aperture:
             raise RenderError("--aperture: the look metaballs is drawn through a pinhole; leave it out.")
+        if self.phase and look != "reference":
+            raise RenderError(
+                f"--phase {self.phase}: it is for the look reference, not {look}; leave it out."
+            )
         if look in ("reference", "fast") and self.kind not in ("fresh", "blue_hour"):
             raise RenderError(
                 f"--snow {self.kind}: the look {look} is made of the snow of Stomakhin et al. 2013; leave it"
@@ -75,6 +81,7 @@ class Choices:
             look=self.look or found.look,
             samples=self.samples or found.samples,
             size=self.size or found.size,
+            phase=self.phase or found.phase,
         )
 
     def pixel(self, views: Iterable[View]) -> float:

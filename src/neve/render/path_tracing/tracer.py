@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from neve.render.path_tracing.engine import mitsuba, rgb, triangles
 from neve.render.path_tracing.ground import ground
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.looks import REFERENCE, Kind, Medium, Quality, capped, similar
-from neve.render.path_tracing.optics import slab_reflectance
+from neve.render.path_tracing.optics import cornette_shanks, slab_reflectance
 from neve.render.path_tracing.snow import Flakes, SnowGeometry
 from neve.render.path_tracing.solids import Materials, loaded, solid_shape
 
@@ -33,6 +33,8 @@ MOST_EXTINCTION = 362.0
 """Extinction that these have at most [1/m]: 724 (1 - 0.5), the paper's made isotropic."""
 LONGEST = 2048
 """Scatterings after which roulette ends paths even where no light is lost."""
+ANGLES = 512
+"""Values of a phase function that Mitsuba is given as a table, over the cosine."""
 HITS = 4
 """Rays of each pixel that look what it shows."""
 
@@ -152,7 +154,7 @@ class Tracer:
         """Return how the snow scatters light, where it is a volume."""
         most = min(FREE_PATHS / self._scene.numerics.dx, MOST_EXTINCTION) / self._kind.clarity
         if self._look == "reference":
-            return REFERENCE
+            return replace(REFERENCE, phase=self._quality.phase)
         if self._look == "fast":
             return capped(similar(REFERENCE), most)
         return Medium(most, self._kind.albedo)
@@ -187,7 +189,8 @@ class Tracer:
         """Return the reflectance of flakes: with the paper's constants that of its thick snow."""
         if self._look not in ("fast", "reference"):
             return self._kind.diffuse
-        return tuple(slab_reflectance(w, REFERENCE.g) for w in REFERENCE.albedo)
+        snow = replace(REFERENCE, phase=self._quality.phase)
+        return tuple(slab_reflectance(w, snow.mean_cosine) for w in snow.albedo)
 
     def _load(self, key: str, what: dict[str, Any]) -> Any:
         if key not in self._kept:
@@ -257,10 +260,17 @@ def finite(image: Any) -> Floats:
 
 def medium_of(medium: Medium) -> dict[str, Any]:
     """Return a medium as Mitsuba reads it."""
-    phase: dict[str, Any] = {"type": "hg", "g": medium.g} if medium.g else {"type": "isotropic"}
     return {
         "type": "homogeneous",
         "sigma_t": float(medium.extinction),
         "albedo": rgb(medium.albedo),
-        "phase": phase,
+        "phase": phase_of(medium),
     }
+
+
+def phase_of(medium: Medium) -> dict[str, Any]:
+    """Return the phase function of a medium as Mitsuba reads it."""
+    if medium.phase == "cornette_shanks":
+        values = cornette_shanks(np.linspace(-1.0, 1.0, ANGLES), medium.g)
+        return {"type": "tabphase", "values": ",".join(f"{value:.7g}" for value in values)}
+    return {"type": "hg", "g": medium.g} if medium.g else {"type": "isotropic"}
