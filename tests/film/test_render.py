@@ -59,6 +59,7 @@ def code(*arguments):
         (("--set", "snow.xi=3"), "can change its camera and light alone"),
         (("--set", "camera.fov=0"), "camera.fov"),
         (("--aperture", "-1"), "is not a radius"),
+        (("--jobs", "0"), "--jobs: 0 is not a whole number of 1 or more"),
         (("--spp", "0"), "--spp: 0 is not a whole number of 1 or more"),
         (("--frames", "3:999999999"), "holds the frames 0 to 2, and none of those asked for"),
         (("--look", "metaballs", "--aperture", "0.1"), "the look metaballs is drawn through a pinhole"),
@@ -123,6 +124,22 @@ def test_a_camera_that_moves_draws_anew_what_it_sees_otherwise(folder, capsys):
     assert seen[22:26, 21:27].mean() > 1.5 * seen[22:26, :6].mean()  # the ball, 7 pixels below the middle
     assert code("render", folder, *SMALL, "--set", "camera.follow=bodies.0") == 2
     assert 'camera.follow = "bodies.0" is not allowed' in capsys.readouterr().err
+
+
+@needs_mitsuba
+def test_processes_draw_the_same_pictures(folder, capsys):
+    """Frames drawn by two processes are those of one, byte for byte, with a camera that must see all frames;
+    what is there already is kept."""
+    moving = ("--set", "camera.follow=snow", "--set", "camera.shutter=0.5")
+    assert code("render", folder, *SMALL, *moving, "--out", folder / "one") == 0
+    assert code("render", folder, *SMALL, *moving, "--out", folder / "two", "--jobs", "2") == 0
+    names = sorted(path.name for path in (folder / "one").glob("*.png"))
+    assert len(names) == 3
+    for name in names:
+        assert (folder / "two" / name).read_bytes() == (folder / "one" / name).read_bytes()
+    capsys.readouterr()
+    assert code("render", folder, *SMALL, *moving, "--out", folder / "two", "--jobs", "2") == 0
+    assert ": 0 new pictures" in capsys.readouterr().out
 
 
 @needs_mitsuba

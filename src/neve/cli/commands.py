@@ -131,7 +131,9 @@ def _finer(scene: Scene, changes: tuple[str, ...]) -> Scene:
     if any(change.partition("=")[0].strip() == "numerics.dx" for change in changes):
         raise click.UsageError("--fine chooses numerics.dx: leave out one of --fine and --set numerics.dx")
     fine = finer(scene)
-    report(f"--fine: numerics.dx = {fine.numerics.dx:g}, about {particles_of(fine):.2g} particles")
+    report(
+        f"--fine: numerics.dx = {fine.numerics.dx:g}, about {particles_of(fine) / 1e6:.1f} million particles"
+    )
     return fine
 
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor
 from dataclasses import astuple
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +27,7 @@ from neve.render.path_tracing.develop import coded, has_denoiser
 from neve.render.path_tracing.engine import mitsuba
 from neve.render.path_tracing.picture import Choices, PathTracer
 from neve.render.shot import Shot, View
-from neve.system import disk
+from neve.system import disk, processes
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -52,6 +55,7 @@ def render_run(
     exr: bool = False,
     force: bool = False,
     threads: int = 0,
+    jobs: int = 1,
     progress: Progress = lambda done, of, new: None,
 ) -> tuple[Path, int]:
     """Render frames of the run folder `path`; return what was made and how many pictures are new.
@@ -64,6 +68,7 @@ def render_run(
     frames: numbers from start to stop, without stop, by step; None for all
     changes: of camera and light, such as "camera.fov=30"
     exr: write the linear light of each frame as OpenEXR, too
+    jobs: processes that draw frames at once, which share the `threads`
 
     Errors: RunError, SceneError, RenderError, FilmError, one sentence.
     """
@@ -84,32 +89,77 @@ def render_run(
     target = Path(out) if out is not None else run.path / FOLDER
     with writing(target):
         disk.make_folder(target)
-    job = _Job(run, scene, choices, target, exr, threads)
+    jobs = min(jobs, len(numbers))
+    each = max(1, (threads or os.cpu_count() or 1) // jobs) if jobs > 1 else threads
+    job = _Job(run, scene, choices, target, exr, each)
     new = 0
     with RunFolder(target).lock():
         with writing(target):
             disk.sweep(target)
         job.refuse_strangers(numbers)
-        for done, number in enumerate(numbers):
-            new += job.picture(number, force)
-            progress(done + 1, len(numbers), new)
+        for done, made in enumerate(_pictures(job, numbers, force, jobs), 1):
+            new += made
+            progress(done, len(numbers), new)
         if len(numbers) == 1:
             return job.path(numbers[0]), new
         return job.film(numbers), new
+
+
+def _pictures(job: _Job, numbers: Sequence[int], force: bool, jobs: int) -> Iterator[bool]:
+    """Make the pictures of frames, several at once if there are several processes; yield which are new."""
+    if jobs == 1:
+        yield from (job.picture(number, force) for number in numbers)
+        return
+    try:
+        yield from processes.results(
+            _picture, [(number, force) for number in numbers], jobs, _begin, job.told()
+        )
+    except BrokenExecutor as error:
+        raise RunError(
+            "a process of neve render has ended, maybe for lack of memory: use fewer --jobs."
+        ) from error
+
+
+_held: list[_Job] = []
+"""The job of a process that was started for it."""
+
+
+def _begin(*told: Any) -> None:
+    _held.append(_Job(*told))
+
+
+def _picture(what: tuple[int, bool]) -> bool:
+    return _held[0].picture(*what)
 
 
 class _Job:
     """Render frames of one run with one set of choices."""
 
     def __init__(
-        self, run: RunFolder, scene: Scene, choices: Choices, target: Path, exr: bool, threads: int
+        self,
+        run: RunFolder,
+        scene: Scene,
+        choices: Choices,
+        target: Path,
+        exr: bool,
+        threads: int,
+        views: Mapping[int, View] = MappingProxyType({}),
+        seen: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
         self._run, self._scene, self._choices, self._target = run, scene, choices, target
         self._exr, self._threads = exr, threads
         self._solids: tuple[Solid, ...] = solids_of(scene)
         self._shot = Shot(scene.camera, self._solids, scene.numerics.dx)
-        self._views: dict[int, View] = {}
+        self._views = dict(views)
+        if seen is not None:
+            self._shot.recall(seen)
         self._tracer: PathTracer | None = None
+
+    def told(self) -> tuple[Any, ...]:
+        """Return what makes an equal job in another process."""
+        views = self.views
+        of_all = (self._run, self._scene, self._choices, self._target, self._exr, self._threads)
+        return *of_all, views, self._shot.state()
 
     def path(self, number: int) -> Path:
         return self._target / f"{number:06d}.png"

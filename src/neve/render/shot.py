@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -117,7 +117,7 @@ class Shot:
         places = np.array(self._places).reshape(-1, 3)
         return {"names": self._names, "first": self._first, "times": np.array(self._times), "places": places}
 
-    def recall(self, state: dict[str, NDArray[Any]]) -> None:
+    def recall(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Have seen what `state` holds."""
         self._names, self._first = state["names"], state["first"]
         self._times, self._places = state["times"].tolist(), [*state["places"]]

@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
-import threading
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import active_children, get_context, parent_process
-from multiprocessing.connection import wait
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -18,7 +13,7 @@ from neve.io.atomic import write_text
 from neve.io.errors import RunError
 from neve.io.version import version
 from neve.spelling import hint, nearest
-from neve.system import stopping
+from neve.system import processes
 from neve.validate.registry import CASES
 from neve.validate.report.page import page
 from neve.validate.report.plots import require_matplotlib
@@ -113,32 +108,7 @@ def _run(names: Sequence[str], threads: int) -> Iterator[tuple[str, Result, floa
     if threads == 1 or len(names) == 1:
         yield from (_timed(name) for name in names)
         return
-    spawn, others = get_context("spawn"), active_children()
-    with ProcessPoolExecutor(
-        min(threads, len(names)), mp_context=spawn, initializer=_end_with_parent
-    ) as pool:
-        try:
-            with stopping.Deaf():
-                futures = [pool.submit(_timed, name) for name in names]
-            for future in as_completed(futures):
-                yield future.result()
-        except BaseException:
-            for process in active_children():
-                if process not in others:
-                    process.kill()
-            raise
-
-
-def _end_with_parent() -> None:
-    """Let this process end when the one that has started it does, however that ends."""
-    parent = parent_process()
-    assert parent is not None
-
-    def watch() -> None:
-        wait([parent.sentinel])
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
+    yield from processes.results(_timed, names, min(threads, len(names)))
 
 
 def _timed(name: str) -> tuple[str, Result, float]:
