@@ -193,7 +193,7 @@ in vec4 vLight, vNormal;
 layout(location = 0) out vec4 light;
 layout(location = 1) out vec4 normal;
 void main() { light = vLight; normal = vNormal; }`,
-  // Grains: each particle is a cluster of small balls at fixed places around it.
+  // Grains: each particle is a cluster of small lumps at fixed places around it.
   snowVertex: `
 layout(location = 0) in vec3 aPlace;
 layout(location = 1) in float aValue;
@@ -204,7 +204,8 @@ uniform float uSpacing, uFocal, uGrains, uSpread, uSize;
 uniform sampler2D uLight, uNormal;
 ${GLSL_COMMON}
 out vec3 vSun, vAround, vNormal, vFacet;
-out float vValue, vFar, vAlbedo, vGlint;
+out float vValue, vFar, vAlbedo, vWide;
+flat out uint vSeed;
 void main() {
   vec3 p = uLow + uStep * aPlace;
   uint seed = scramble(uint(gl_VertexID) * 16u + uint(gl_InstanceID));
@@ -219,7 +220,10 @@ void main() {
   float radius = uSize * 0.68 * uSpacing / pow(uGrains, 0.3333) * uneven * mix(1.0, 0.62, loose);
   gl_Position = uMatrix * vec4(p, 1.0);
   float depth = max(dot(p - uEye, uForward), 1e-4);
-  gl_PointSize = clamp(2.0 * radius * uFocal / depth, 1.3, 120.0);
+  // Close up a grain is no ball: its outline is uneven, within a sprite that is larger.
+  vWide = smoothstep(3.0, 8.0, 2.0 * radius * uFocal / depth);
+  gl_PointSize = clamp(2.0 * radius * (1.0 + 0.45 * vWide) * uFocal / depth, 1.3, 120.0);
+  vSeed = seed;
   if (aPlace.x + aPlace.y + aPlace.z > 196604.0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   vFacet = normalize(vec3(unit(scramble(seed + 4u)), unit(scramble(seed + 5u)), unit(scramble(seed + 6u))) - 0.5);
   vAlbedo = 0.90 + 0.08 * unit(scramble(seed + 7u));
@@ -239,8 +243,25 @@ uniform vec3 uRight, uUp, uForward;
 uniform sampler2D uPalette;
 uniform float uColored;  // 0: snow, 1: amounts, 2: names
 in vec3 vSun, vAround, vNormal, vFacet;
-in float vValue, vFar, vAlbedo;
+in float vValue, vFar, vAlbedo, vWide;
+flat in uint vSeed;
 out vec4 color;
+float corner(uvec3 i) {
+  return 2.0 * unit(scramble(i.x * 0x9e3779b1u ^ scramble(i.y * 0x85ebca6bu ^ scramble(i.z ^ vSeed)))) - 1.0;
+}
+// Smooth noise of a grain in [-1, 1] and its slopes: lumps that stay where they are on it when the camera turns.
+vec4 lumps(vec3 at) {
+  vec3 f = floor(at), t = at - f, s = t * t * (3.0 - 2.0 * t), d = 6.0 * t * (1.0 - t);
+  uvec3 i = uvec3(ivec3(f));
+  vec4 low = vec4(corner(i), corner(i + uvec3(1, 0, 0)), corner(i + uvec3(0, 1, 0)), corner(i + uvec3(1, 1, 0)));
+  i.z += 1u;
+  vec4 high = vec4(corner(i), corner(i + uvec3(1, 0, 0)), corner(i + uvec3(0, 1, 0)), corner(i + uvec3(1, 1, 0)));
+  vec4 level = mix(low, high, s.z), rise = high - low;
+  vec2 along = mix(level.xz, level.yw, s.x), up = mix(rise.xz, rise.yw, s.x);
+  vec2 across = level.yw - level.xz;
+  vec3 slope = d * vec3(mix(across.x, across.y, s.y), along.y - along.x, mix(up.x, up.y, s.y));
+  return vec4(mix(along.x, along.y, s.y), slope);
+}
 vec3 named(float value) {
   if (value < 0.5) return vec3(0.50);
   float turn = fract(value * 0.61803399) * 6.2831853;
@@ -251,8 +272,14 @@ void main() {
   float square = dot(at, at);
   if (square > 1.0) discard;
   vec3 round_ = uRight * at.x - uUp * at.y - uForward * sqrt(1.0 - square);
-  vec3 toEye = -uForward;
-  vec3 normal = normalize(vNormal + round_ * 0.40 + vFacet * 0.40);
+  vec3 toEye = -uForward, bump = vec3(0.0);
+  if (vWide > 0.0) {
+    vec3 rim_ = (uRight * at.x - uUp * at.y) * inversesqrt(max(square, 1e-6));
+    float edge = 0.74 + 0.20 * lumps(1.1 * rim_).x + 0.09 * lumps(4.1 * rim_ + 3.0).x;
+    if (square > mix(1.0, edge * edge, vWide)) discard;
+    bump = -vWide * (0.16 * lumps(3.1 * round_ + 7.0).yzw + 0.10 * lumps(7.3 * round_).yzw);
+  }
+  vec3 normal = normalize(vNormal + round_ * mix(0.40, 0.22, vWide) + vFacet * mix(0.40, 0.30, vWide) + bump);
   float sun = max((dot(normal, uSun) + 0.12) / 1.12, 0.0);
   float rim = 0.80 + 0.20 * clamp(dot(round_, toEye), 0.0, 1.0);
   float open = 0.86 + 0.22 * dot(normal, vNormal) * (0.6 + 0.4 * normal.z);
