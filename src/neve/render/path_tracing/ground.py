@@ -39,8 +39,7 @@ def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -
     eye = (lens.eye - position) @ rotation
     if abs(eye[2]) < LEAST * lens.distance:  # in the plane itself nothing of it is seen
         eye[2] = LEAST * lens.distance
-    forward = lens.axes[2] @ rotation
-    u, v = _grid(lens, eye, forward)
+    u, v = _grid(lens, eye, rotation)
     far = np.hypot(u - eye[0], v - eye[1])
     pixel = 1.2 * np.hypot(far, eye[2]) / lens.focal
     height, color = relief(u, v, pixel, dx)
@@ -76,16 +75,11 @@ def relief(u: Array, v: Array, pixel: Array, dx: float) -> tuple[Array, Array]:
     return height, np.clip(color * (1.0 + 0.30 * grit), 0.01, 0.8)
 
 
-def _grid(lens: Lens, eye: Array, forward: Array) -> tuple[Array, Array]:
+def _grid(lens: Lens, eye: Array, rotation: Array) -> tuple[Array, Array]:
     """Return places (rows, columns) on the plane: rays around the foot of the camera, fine where it looks."""
     step = 2.0 / lens.focal
     side = 1 if eye[2] >= 0 else -1
-    across, along = 0.5 * lens.width / lens.focal, 0.5 * lens.height / lens.focal
-    pitch = math.atan2(-side * forward[2], math.hypot(forward[0], forward[1]))  # below the horizon
-    low, high = (
-        pitch - math.atan(along) - 0.02,
-        pitch + math.hypot(math.atan(along), 0.3 * math.atan(across)) + 0.02,
-    )
+    heading, half, low, high = _seen(lens, rotation, side)
     distance = lens.distance
     nearest = abs(eye[2]) / (FAR * distance)  # slope to the end of the ground
     horizon = np.geomspace(nearest, nearest + 8.0 * step, 64)  # hills are not two rings high
@@ -97,8 +91,6 @@ def _grid(lens: Lens, eye: Array, forward: Array) -> tuple[Array, Array]:
         else np.array([nearest])
     )
     down = np.unique(np.concatenate([horizon, flat, fine, steep]))
-    heading = math.atan2(forward[1], forward[0])
-    half = math.atan(across / max(math.cos(min(abs(pitch) + math.atan(along), 1.4)), 0.1)) + 0.05
     if half > 2.5:
         turn = np.arange(-math.pi, math.pi, step)
     else:
@@ -109,6 +101,29 @@ def _grid(lens: Lens, eye: Array, forward: Array) -> tuple[Array, Array]:
         eye[0] + radius[:, None] * np.cos(angle)[None, :],
         eye[1] + radius[:, None] * np.sin(angle)[None, :],
     )
+
+
+def _seen(lens: Lens, rotation: Array, side: int) -> tuple[float, float, float, float]:
+    """Return what is seen of a plane [rad]: heading of the middle, half the width, least and most below it.
+
+    Heading and depth below level are of rays in the plane's own frame, in which a camera that is upright in
+    the world leans if the plane does. side: 1 if the camera is on the side of the normal, else -1.
+    """
+    across, along = 0.5 * lens.width / lens.focal, 0.5 * lens.height / lens.focal
+    right, up, forward = lens.axes
+    t, one = np.linspace(-1.0, 1.0, 33), np.ones(33)
+    a, b = across * np.concatenate([t, t, one, -one]), along * np.concatenate([one, -one, t, t])
+    x, y, z = ((a[:, None] * right + b[:, None] * up + forward) @ rotation).T
+    ahead = forward @ rotation
+    heading = math.atan2(ahead[1], ahead[0])
+    below = np.arctan2(-side * z, np.hypot(x, y))
+    turned = (np.arctan2(y, x) - heading + math.pi) % (2 * math.pi) - math.pi
+    low, high, half = float(below.min()) - 0.02, float(below.max()) + 0.02, float(np.abs(turned).max()) + 0.05
+    foot = -side * rotation[:, 2]
+    depth = float(foot @ forward)
+    if depth > 0 and abs(foot @ right) < across * depth and abs(foot @ up) < along * depth:
+        return heading, math.pi, low, 0.5 * math.pi  # the point below the camera is in the picture
+    return heading, half, low, high
 
 
 def _sides(rows: int, columns: int) -> NDArray[np.uint32]:
