@@ -97,7 +97,7 @@ def render_run(
         with writing(target):
             disk.sweep(target)
         job.refuse_strangers(numbers)
-        for done, made in enumerate(_pictures(job, numbers, force, jobs), 1):
+        for done, made in enumerate(_pictures(job, numbers, force, jobs, changes), 1):
             new += made
             progress(done, len(numbers), new)
         if len(numbers) == 1:
@@ -105,14 +105,16 @@ def render_run(
         return job.film(numbers), new
 
 
-def _pictures(job: _Job, numbers: Sequence[int], force: bool, jobs: int) -> Iterator[bool]:
+def _pictures(
+    job: _Job, numbers: Sequence[int], force: bool, jobs: int, changes: Sequence[str]
+) -> Iterator[bool]:
     """Make the pictures of frames, several at once if there are several processes; yield which are new."""
     if jobs == 1:
         yield from (job.picture(number, force) for number in numbers)
         return
     try:
         yield from processes.results(
-            _picture, [(number, force) for number in numbers], jobs, _begin, job.told()
+            _picture, [(number, force) for number in numbers], jobs, _begin, job.told(changes)
         )
     except BrokenExecutor as error:
         raise RunError(
@@ -124,8 +126,10 @@ _held: list[_Job] = []
 """The job of a process that was started for it."""
 
 
-def _begin(*told: Any) -> None:
-    _held.append(_Job(*told))
+def _begin(run: RunFolder, changes: Sequence[str], *more: Any) -> None:
+    from neve.scene.reading.load import load
+
+    _held.append(_Job(run, load(run.path, changes), *more))
 
 
 def _picture(what: tuple[int, bool]) -> bool:
@@ -155,11 +159,11 @@ class _Job:
             self._shot.recall(seen)
         self._tracer: PathTracer | None = None
 
-    def told(self) -> tuple[Any, ...]:
-        """Return what makes an equal job in another process."""
-        views = self.views
-        of_all = (self._run, self._scene, self._choices, self._target, self._exr, self._threads)
-        return *of_all, views, self._shot.state()
+    def told(self, changes: Sequence[str]) -> tuple[Any, ...]:
+        """Return what makes an equal job in another process, see `_begin`; changes: of its scene."""
+        views = self.views  # it lets the camera see the frames
+        more = (self._choices, self._target, self._exr, self._threads, views, self._shot.state())
+        return self._run, [*changes], *more
 
     def path(self, number: int) -> Path:
         return self._target / f"{number:06d}.png"
