@@ -39,6 +39,9 @@ HITS = 4
 """Rays of each pixel that look what it shows."""
 
 
+BLOCK = 32
+"""Side of the blocks of pixels that threads draw [px]: by itself Mitsuba takes it from the number of threads,
+and random numbers from the block."""
 PARTS = 7919
 """Step of the seed from one exposure of a blurred frame to the next."""
 
@@ -200,7 +203,7 @@ class Tracer:
     def _integrator(self) -> dict[str, Any]:
         if self._is_volume:
             return paths_in(self.medium())
-        return {"type": "path", "max_depth": self._quality.bounces, "rr_depth": 4}
+        return {"type": "path", "max_depth": self._quality.bounces, "rr_depth": 4, "block_size": BLOCK}
 
     def _passes(self, scene: Any, flakes: Flakes, seed: int, rays: int) -> Layers:
         if self._is_volume:
@@ -226,7 +229,8 @@ class Tracer:
         They are rays of their own: Mitsuba's integrator "aov" takes each path of light that is nested in it
         twice.
         """
-        what = {"type": "aov", "aovs": "albedo:albedo,nn:sh_normal,dd:depth,ii:shape_index"}
+        aovs = "albedo:albedo,nn:sh_normal,dd:depth,ii:shape_index"
+        what = {"type": "aov", "aovs": aovs, "block_size": BLOCK}
         integrator = self._load("first hits", what)
         own = [n for n, shape in enumerate(scene.shapes(), 1) if shape.id() in ("snow", "flakes")]
         found = []
@@ -250,7 +254,8 @@ def paths_in(medium: Medium) -> dict[str, Any]:
     to a few bright sparks.
     """
     lost = max(1.0 - max(medium.albedo), 1e-9)
-    return {"type": "volpath", "max_depth": -1, "rr_depth": min(LONGEST, math.ceil(math.log(2.0) / lost))}
+    roulette = min(LONGEST, math.ceil(math.log(2.0) / lost))
+    return {"type": "volpath", "max_depth": -1, "rr_depth": roulette, "block_size": BLOCK}
 
 
 def finite(image: Any) -> Floats:
