@@ -86,6 +86,24 @@ def beyond(q, axes):
     return np.where(is_in, inside, outside), np.where(is_in[:, None], nearest, to_point)
 
 
+def half_a_step_on(body, x, n, v_rel, dt):
+    """Where the body of normal n at x faces snow that moves with v_rel, dt / 2 later.
+
+    Returns its normal there, over its part along n (n, 3), and the speed along it that the surface there has
+    gained by turning (n,). dt: [s] (n, 1). A face that is flat has n, and so has one across an edge.
+    """
+    if body.shape in ("plane", "box"):
+        return n, np.zeros(len(n))
+    v_t = v_rel - (v_rel * n).sum(-1, keepdims=True) * n
+    there = body.distance(x + dt / 2 * v_t)[1] + dt / 2 * np.cross(body.omega, n)
+    cosine = (there * n).sum(-1, keepdims=True)
+    edge = cosine <= 0.9
+    there = there / np.where(edge, 1, cosine)
+    v_of_centre = v_rel + np.cross(body.omega, x - body.position)
+    gained = (dt / 2 * np.cross(body.omega, v_of_centre) * there).sum(-1, keepdims=True)
+    return np.where(edge, n, there), np.where(edge, 0, gained)[:, 0]
+
+
 SHAPES = {"plane": plane, "box": box, "sphere": sphere, "cylinder": cylinder}
 
 
@@ -100,24 +118,27 @@ def respond(v, lift, x, bodies, dt, dx):
         phi, n = body.distance(x)
         on = phi <= SKIN * dx + body.margin(dx)
         n, v_co = n[on], body.velocity_at(x[on])
+        ahead = half_a_step_on(body, x[on], n, v[on] - v_co, np.full((on.sum(), 1), dt))
         if not body.has_play:
-            v[on] = v_co + relative(v[on] - v_co, n, body.mode, body.mu_c)
+            v[on] = v_co + relative(v[on] - v_co, n, ahead, body.mode, body.mu_c)
             continue
         left, most = (lift[on] * n).sum(-1), PLAY * dx
         s = np.clip(left, 0, most)
-        v[on] = v_co + relative(v[on] - v_co, n, "slip", body.mu_c, (-s / dt, (most - s) / dt))
-        now = np.clip(s + dt * ((v[on] - v_co) * n).sum(-1), 0, most)
+        v[on] = v_co + relative(v[on] - v_co, n, ahead, "slip", body.mu_c, (-s / dt, (most - s) / dt))
+        now = np.clip(s + dt * (((v[on] - v_co) * ahead[0]).sum(-1) - ahead[1]), 0, most)
         lift[on] += (now - left)[:, None] * n
     return v, lift
 
 
-def turned(v, x, n, body):
+def turned(v, x, n, ahead, body):
     """Return velocities v (n, 3) of particles at x after contact with a surface of normal n of the body.
+
+    ahead: of half_a_step_on().
 
     What leaves a surface with play is held by the nodes.
     """
     v_co = body.velocity_at(x)
-    return v_co + relative(v - v_co, n, "separate" if body.has_play else body.mode, body.mu_c)
+    return v_co + relative(v - v_co, n, ahead, "separate" if body.has_play else body.mode, body.mu_c)
 
 
 def follow(v, path, x, bodies, dt, dx):
@@ -135,7 +156,9 @@ def follow(v, path, x, bodies, dt, dx):
             if at is None:
                 continue
             place, normal = (x[p] + at * way[p])[None], normal[None]
-            after, slid = (turned(u[p : p + 1], place, normal, body)[0] for u in (v, path))
+            v_rel, left = path[p : p + 1] - body.velocity_at(place), np.full((1, 1), (1 - at) * dt)
+            ahead = half_a_step_on(body, place, normal, v_rel, left)
+            after, slid = (turned(u[p : p + 1], place, normal, ahead, body)[0] for u in (v, path))
             out = min(max(-phi[p], 0.0), PUSH * dx) if phi[p] <= SKIN * dx else 0.0
             v[p], path[p] = after, at * path[p] + (1 - at) * slid + normal[0] * out / dt
     return v, path
@@ -172,8 +195,11 @@ def touches(x, bodies, dx):
     return held
 
 
-def relative(v_rel, n, mode, mu_c, play=(0.0, 0.0)):
+def relative(v_rel, n, ahead, mode, mu_c, play=(0.0, 0.0)):
     """Apply one contact law to velocities relative to the body.
+
+    v_n is the speed along the surface's normal half a step on, ahead of half_a_step_on(), but no more than
+    an elastic bounce would take along n, and of its sign.
 
     sticky: v_rel = 0.
     separate: only if v_n < 0. slip: v_n ends within the play, so the snow never lifts off.
@@ -183,7 +209,9 @@ def relative(v_rel, n, mode, mu_c, play=(0.0, 0.0)):
     least, most = (np.broadcast_to(a, len(v_rel))[:, None] for a in play)
     if mode == "sticky":
         return np.zeros_like(v_rel)
-    v_n = (v_rel * n).sum(-1, keepdims=True)
+    bounce = 2 * (v_rel * n).sum(-1, keepdims=True)
+    v_n = (v_rel * ahead[0]).sum(-1, keepdims=True) - ahead[1][:, None]
+    v_n = np.clip(v_n, np.minimum(bounce, 0), np.maximum(bounce, 0))
     v_t = v_rel - v_n * n
     speed = np.linalg.norm(v_t, axis=-1, keepdims=True)
     grip = mu_c * np.maximum((least if mode == "slip" else 0.0) - v_n, 0)

@@ -321,6 +321,17 @@ def test_bench_passes_its_words_on(call, monkeypatch):
     assert seen == [(["step_20k"], True)]
 
 
+def test_python_m_neve_is_neve():
+    """The same command line, its exit codes included."""
+    done = [
+        subprocess.run([sys.executable, "-m", "neve", *words], capture_output=True, text=True, check=False)
+        for words in (["--version"], ["--versoin"])
+    ]
+    assert [d.returncode for d in done] == [0, 2]
+    assert done[0].stdout.startswith("neve ")
+    assert "did you mean --version?" in done[1].stderr
+
+
 def test_version_and_help(call):
     """--version, --help and no word at all end with 0."""
     code, out, _ = call("--version")

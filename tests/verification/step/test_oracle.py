@@ -139,8 +139,9 @@ def test_contact_laws():
     """Answers by hand on a floor with mu_c = 0.5; the rows press and slide, press and stick, leave."""
     v = np.array([[2.0, 0, -1], [0.3, 0, -1], [2.0, 0, 1]])
     n = np.tile([0.0, 0, 1], (3, 1))
-    separate = contact.relative(v, n, "separate", 0.5)
-    slip = contact.relative(v, n, "slip", 0.5)
+    flat = n, np.zeros(len(n))
+    separate = contact.relative(v, n, flat, "separate", 0.5)
+    slip = contact.relative(v, n, flat, "slip", 0.5)
     np.testing.assert_allclose(separate, [[1.5, 0, 0], [0, 0, 0], [2, 0, 1]])
     np.testing.assert_allclose(slip, [[1.5, 0, 0], [0, 0, 0], [2, 0, 0]])
-    np.testing.assert_array_equal(contact.relative(v, n, "sticky", 0.5), 0)
+    np.testing.assert_array_equal(contact.relative(v, n, flat, "sticky", 0.5), 0)
