@@ -50,7 +50,7 @@ class Moment(NamedTuple):
     """What a step says about the energy of the state before it.
 
     shared: 1/2 <v_n, v_n+1> [J]; before, after: sums of both states; rounding: bound on what rounding may
-    have added since the start [J].
+    have added since the start, that of solids included in which snow starts by rounding [J].
     """
 
     shared: float
@@ -123,7 +123,18 @@ class Meter:
         self._eps = float(np.finfo(state.x.dtype).eps)
         self._put_in = 0.0
         self._steps = 0
+        self._pushed_out = self._lift_out_of_solids()
         self._before = self._seen()
+
+    def _lift_out_of_solids(self) -> float:
+        """Return at most how much gravity does on snow that is pushed out of solids that it starts in [J].
+
+        The push is a displacement without a velocity, so no work of the solid tells of it.
+        """
+        model, state = self._solver.model, self._solver.state
+        x, m = state.x.astype(np.float64), state.m.astype(np.float64)
+        depth = [m @ np.maximum(-model.distance(i, x), 0.0) for i in range(len(self._solver.solids))]
+        return float(np.linalg.norm(self._sim.scene.world.gravity) * sum(depth))
 
     def _seen(self) -> tuple[Balance, dict[str, NDArray[Any]]]:
         """Return sums and velocities now, rows in the order of birth."""
@@ -142,7 +153,9 @@ class Meter:
         g, x = np.abs(self._sim.scene.world.gravity), np.abs(new["x"].astype(np.float64))
         scale = float(np.sum(new["m"] * (x @ g)))
         self._put_in = max(self._put_in, before.kinetic_and_elastic, abs(after.work))
-        return Moment(shared, before, after, self._eps * self._steps * (scale + self._put_in))
+        return Moment(
+            shared, before, after, self._eps * self._steps * (scale + self._put_in) + self._pushed_out
+        )
 
     def _kinetic(self, old: dict[str, NDArray[Any]], new: dict[str, NDArray[Any]], sign: float) -> float:
         """Return the kinetic energy of the velocities `new` + `sign` `old`, of all modes [J]."""
