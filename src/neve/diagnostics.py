@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -32,6 +33,11 @@ class Diagnostics:
     bodies_potential: float = 0.0
 
 
+def number(cell: str) -> float:
+    """Read a cell of the log; an empty one is NaN."""
+    return math.nan if not cell else float(cell)
+
+
 class Balance(NamedTuple):
     """Energies of the snow and work of the colliders [J] at one moment, by the names of the log's columns."""
 
@@ -48,8 +54,8 @@ class Balance(NamedTuple):
 
     @classmethod
     def of_row(cls, row: Mapping[str, str]) -> Balance:
-        """Read the balance from a row of the log."""
-        return cls(*(float(row[name]) for name in cls._fields))
+        """Read the balance from a row of the log; an empty cell is NaN."""
+        return cls(*(number(row[name]) for name in cls._fields))
 
     @property
     def kinetic_and_elastic(self) -> float:

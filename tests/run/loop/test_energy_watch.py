@@ -3,6 +3,7 @@
 import logging
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from neve.diagnostics import Balance
@@ -43,6 +44,14 @@ def test_a_resumed_run_goes_on_with_the_last_row():
     row = {name: repr(value) for name, value in vars(moment(kinetic=90.0)).items()}
     assert EnergyWatch(row).excess(moment(kinetic=92.5), 9) == 2.5
     assert Balance.of_row(row).total == 150.0
+
+
+def test_a_row_without_a_number_says_nothing():
+    """A cell that is empty, as that of NaN is, or lost: nothing is known of the growth, and nothing told."""
+    row = {name: repr(value) for name, value in vars(moment(kinetic=90.0)).items()} | {"work": ""}
+    watch = EnergyWatch(row)
+    assert np.isnan(watch.excess(moment(kinetic=500.0), 9))
+    assert watch.excess(moment(kinetic=500.0), 10) == 0.0
 
 
 def test_sentences_go_to_the_progress():

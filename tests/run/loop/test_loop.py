@@ -367,4 +367,5 @@ def test_telling_frame():
     assert telling_frame(rows(10, 10, 10, 10, 10)) == 2
     assert telling_frame(rows(1, 5, 4, 8, 7, 11, 10, 9)) == 4
     assert telling_frame(rows(3)) == 0
+    assert telling_frame(rows(9, "", 1, 0, 0)) == 2  # unknown energy: the middle
     assert telling_frame(rows(*[10] * 3, *[1] * 17)) == 3 + 16 // 5

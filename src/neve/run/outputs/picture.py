@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
+from neve.diagnostics import number
 from neve.io.atomic import write_png
 from neve.io.frames import frame_numbers, read_frame
 from neve.io.log import read_log
@@ -59,9 +60,9 @@ class PictureOutput:
             return
         rows = read_log(folder.log, context.run.scene.numerics.method)
         wanted = telling_frame(rows) if rows else context.frame // 2
-        frame = min(kept, key=lambda number: abs(number - wanted))
-        earlier = [number for number in kept if number < frame]
-        self._painter.look_back(earlier, lambda number: read_frame(folder.frames, number))
+        frame = min(kept, key=lambda k: abs(k - wanted))
+        earlier = [k for k in kept if k < frame]
+        self._painter.look_back(earlier, lambda k: read_frame(folder.frames, k))
         write_png(folder.path / self.name, self._painter.draw(read_frame(folder.frames, frame)))
 
 
@@ -73,7 +74,7 @@ def telling_frame(rows: Sequence[Mapping[str, Any]]) -> int:
     the remaining frames later the pieces are in flight. Without any loss it is the middle frame of the run.
     """
     frames = [int(row["frame"]) for row in rows]
-    energy = [sum(float(row[name]) for name in ENERGIES if name in row) for row in rows]
+    energy = [sum(number(row[name]) for name in ENERGIES if name in row) for row in rows]
     losses = [max(before - after, 0.0) for before, after in itertools.pairwise(energy)]
     lost = list(itertools.accumulate(losses))
     if not lost or not lost[-1] > 0.0:
