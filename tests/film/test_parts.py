@@ -9,7 +9,7 @@ from neve import _render
 from neve.render.lighting import sky_color
 from neve.render.path_tracing.daylight import sky_toward
 from neve.render.path_tracing.develop import coded, spread
-from neve.render.path_tracing.ground import relief
+from neve.render.path_tracing.ground import relief, surface_normals
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.picture import Choices
 from neve.render.path_tracing.snow import grain_count, lumps, snow_geometry
@@ -90,6 +90,21 @@ def test_ground_lies_below_the_snow_but_for_stones():
     assert height.max() <= 0.36 * dx
     assert np.mean(height > 0) < 0.2
     assert 0.0 < color.min() < color.max() <= 0.8
+
+
+def test_normals_of_the_ground_are_those_of_the_surface_and_face_the_eye():
+    """On rings around the eye; a slope that the eye cannot see has none that faces away."""
+    radius, angle = np.geomspace(1.0, 1.5, 60)[:, None], np.linspace(0.0, 2 * np.pi, 241)[None, :]
+    u, v, eye = radius * np.cos(angle), radius * np.sin(angle), np.array([0.0, 0.0, 2.0])
+    want = np.stack([-0.4 * u, -0.4 * v, np.ones_like(u)], -1)
+    want /= np.linalg.norm(want, axis=-1, keepdims=True)
+    inner = slice(1, -1)  # differences are one-sided on the first and the last ring
+    got = surface_normals(np.stack([u, v, 0.2 * (u**2 + v**2)], -1), eye)
+    np.testing.assert_allclose(got[inner], want[inner], atol=2e-3)
+    hidden = np.stack([u, v, -3.0 * (u**2 + v**2)], -1)
+    view = eye - hidden
+    view /= np.linalg.norm(view, axis=-1, keepdims=True)
+    assert (surface_normals(hidden, eye) * view).sum(-1).min() > 0.0
 
 
 def test_light_spreads_in_snow_alone():

@@ -26,6 +26,8 @@ HAZE = np.array([0.42, 0.44, 0.47])
 """Reflectance of what lies far away, over which the air's light has come."""
 FAR = 400.0
 """How far it reaches in distances from the camera to its target."""
+LEAST_FACING = 0.02
+"""Cosine between the direction to the eye and normals of the ground, at least."""
 LEAST = 1e-3
 """Height of a camera over the ground, in the same unit, from which the ground is laid out at least."""
 
@@ -52,7 +54,14 @@ def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -
     height = (1.0 - veil) * height + rise * hills * (0.05 * far)
     local = np.stack([u, v, height], axis=-1)
     vertices = local.reshape(-1, 3) @ rotation.T + position
-    return triangles(name, vertices, _sides(*u.shape), {"bsdf": _earth()}, colors=color.reshape(-1, 3))
+    return triangles(
+        name,
+        vertices,
+        _sides(*u.shape),
+        {"bsdf": _earth()},
+        normals=surface_normals(local, eye).reshape(-1, 3) @ rotation.T,
+        colors=color.reshape(-1, 3),
+    )
 
 
 def relief(u: Array, v: Array, pixel: Array, dx: float) -> tuple[Array, Array]:
@@ -124,6 +133,28 @@ def _seen(lens: Lens, rotation: Array, side: int) -> tuple[float, float, float, 
     if depth > 0 and abs(foot @ right) < across * depth and abs(foot @ up) < along * depth:
         return heading, math.pi, low, 0.5 * math.pi  # the point below the camera is in the picture
     return heading, half, low, high
+
+
+def surface_normals(local: Array, eye: Array) -> Array:
+    """Return unit normals (rows, columns, 3) of a grid of vertices whose last column is the first again.
+
+    Far away triangles are long and thin, and flat ones would draw the grid on the hills as stripes. Just
+    behind a crest they are turned towards the eye, or the triangle in front, which is seen, would be black.
+    """
+    around = np.empty_like(local)
+    around[:, 1:-1] = local[:, 2:] - local[:, :-2]
+    around[:, 0] = around[:, -1] = local[:, 1] - local[:, -2]
+    outward = np.gradient(local, axis=0)
+    normal = np.cross(outward, around)
+    normal *= np.sign(normal[..., 2:])
+    normal = _unit(normal)
+    view = _unit(eye - local)
+    facing = np.sum(normal * view, axis=-1, keepdims=True)
+    return _unit(normal + view * np.maximum(LEAST_FACING - facing, 0.0))
+
+
+def _unit(a: Array) -> Array:
+    return a / np.maximum(np.linalg.norm(a, axis=-1, keepdims=True), 1e-300)
 
 
 def _sides(rows: int, columns: int) -> NDArray[np.uint32]:
