@@ -146,15 +146,15 @@ def surface_normals(local: Array, eye: Array) -> Array:
     around[:, 0] = around[:, -1] = local[:, 1] - local[:, -2]
     outward = np.gradient(local, axis=0)
     normal = np.cross(outward, around)
-    normal *= np.sign(normal[..., 2:])
-    normal = _unit(normal)
+    normal = _unit(normal * np.sign(normal[..., 2:]) * (1.0 if eye[2] >= 0 else -1.0))
     view = _unit(eye - local)
     facing = np.sum(normal * view, axis=-1, keepdims=True)
     return _unit(normal + view * np.maximum(LEAST_FACING - facing, 0.0))
 
 
 def _unit(a: Array) -> Array:
-    return a / np.maximum(np.linalg.norm(a, axis=-1, keepdims=True), 1e-300)
+    length: Array = np.linalg.norm(a, axis=-1, keepdims=True)
+    return a / np.maximum(length, 1e-300)
 
 
 def _sides(rows: int, columns: int) -> NDArray[np.uint32]:
