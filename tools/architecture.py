@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PATH = Path("docs") / "images" / "architecture.svg"  # from the root of the checkout
 PACKAGE = "neve"
-WITHOUT = {"__init__", "assets"}
+WITHOUT = {"__init__", "__main__", "assets"}
 DAMPING = 0.9
 """Place of a room over the mean place of its neighbours [1]: below 1, so that all stays together."""
 MODULES = {"_core": "core/bind", "_render": "core/bind", "_surface": "core/bind", "_cpu": "core/bind"}

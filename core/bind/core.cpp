@@ -75,6 +75,7 @@ nb::dict build_info() {
 }  // namespace
 
 NB_MODULE(_core, m) {
+  nb::set_leak_warnings(false);  // what lives until the interpreter ends is no news for who runs a command
   m.doc() = "Neve's compiled core: the stages of the material point method in float32 and float64.";
   m.def("build_info", &build_info, "Compiler, instruction set, lanes and threads of this build.");
   m.def(

@@ -165,6 +165,7 @@ void bind_density(nb::module_& m) {
 }  // namespace
 
 NB_MODULE(_render, m) {
+  nb::set_leak_warnings(false);  // what lives until the interpreter ends is no news for who runs a command
   m.doc() = "Light and draw particles.";
   bind_density(m);
   m.def(

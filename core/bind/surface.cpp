@@ -178,6 +178,7 @@ auto make_carried(const Matrices& F) {
 }  // namespace
 
 NB_MODULE(_surface, m) {
+  nb::set_leak_warnings(false);  // what lives until the interpreter ends is no news for who runs a command
   m.doc() = "Make fields, surfaces and grains of particles.";
   nb::class_<Field>(m, "Field", "A scalar on a sparse grid of cells.")
       .def("__init__", &make_points, "x"_a, "amounts"_a, "cell_size"_a, "blurs"_a = 0)

@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import re
+import shlex
 import shutil
 import site
 import subprocess
@@ -124,7 +125,7 @@ def test_a_scene_runs_with_the_law(tree):
     short = (
         "--set run.duration=0.1 --set numerics.dx=0.12 --set run.film=false --out made --quiet --threads 1"
     )
-    python(tree, "-m", "neve.cli", *words.split(), *short.split())
+    python(tree, "-m", "neve.cli", *shlex.split(words), *short.split())
     assert 'law = "st_venant_kirchhoff"' in (tree / "made/scene.toml").read_text(encoding="utf-8")
     drawn = "from neve.fuzz.scenes import draw; print({draw(0, k)[0].snow.law for k in range(60)})"
     assert "st_venant_kirchhoff" in python(tree, "-c", drawn)

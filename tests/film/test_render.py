@@ -58,6 +58,7 @@ def code(*arguments):
         (("--frames", "90:"), "holds the frames 0 to 2, and none of those asked for"),
         (("--set", "snow.xi=3"), "can change its camera and light alone"),
         (("--set", "camera.fov=0"), "camera.fov"),
+        (("--set", "camera={fov=0}"), "camera.fov"),
         (("--aperture", "-1"), "is not a radius"),
         (("--jobs", "0"), "--jobs: 0 is not a whole number of 1 or more"),
         (("--spp", "0"), "--spp: 0 is not a whole number of 1 or more"),

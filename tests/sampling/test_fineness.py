@@ -66,3 +66,7 @@ def test_the_command_runs_the_fine_scene(tmp_path, capsys, monkeypatch):
     assert len(read_frame(out / "frames", 0).x) == pytest.approx(3000, rel=0.05)
     assert code("run", file, "--fine", "--set", "numerics.dx=0.05", "--out", tmp_path / "b") == 2
     assert "--fine chooses numerics.dx" in capsys.readouterr().err
+    assert code("run", file, "--fine", "--set", "numerics={dx=0.05}", "--out", tmp_path / "b") == 2
+    assert "--fine chooses numerics.dx" in capsys.readouterr().err
+    assert code("run", file, "--fine", "--set", "numerics.dt=1e-4", "--out", tmp_path / "b") == 2
+    assert "numerics.dt = 0.0001 s would stay" in capsys.readouterr().err

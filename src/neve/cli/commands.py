@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
@@ -128,8 +129,16 @@ def _finer(scene: Scene, changes: tuple[str, ...]) -> Scene:
     """Return the scene with two million particles, and say with which grid."""
     from neve.sampling.fineness import finer, particles_of
 
-    if any(change.partition("=")[0].strip() == "numerics.dx" for change in changes):
-        raise click.UsageError("--fine chooses numerics.dx: leave out one of --fine and --set numerics.dx")
+    for key, _, value in (change.partition("=") for change in changes):
+        if key.strip() == "numerics.dx" or (key.strip() == "numerics" and re.search(r"\bdx\b", value)):
+            raise click.UsageError(
+                "--fine chooses numerics.dx: leave out one of --fine and --set numerics.dx"
+            )
+    if scene.numerics.dt != "auto":
+        raise click.UsageError(
+            f"--fine makes numerics.dx smaller, and numerics.dt = {scene.numerics.dt:g} s would stay: leave "
+            'out one of both, or add --set numerics.dt="auto"'
+        )
     fine = finer(scene)
     report(
         f"--fine: numerics.dx = {fine.numerics.dx:g}, about {particles_of(fine) / 1e6:.1f} million particles"

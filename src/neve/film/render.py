@@ -68,7 +68,7 @@ def render_run(
     frames: numbers from start to stop, without stop, by step; None for all
     changes: of camera and light, such as "camera.fov=30"
     exr: write the linear light of each frame as OpenEXR, too
-    jobs: processes that draw frames at once, which share the `threads`
+    jobs: processes that draw frames at once, which share the `threads`; no more than these
 
     Errors: RunError, SceneError, RenderError, FilmError, one sentence.
     """
@@ -78,7 +78,7 @@ def render_run(
     if not run.is_run():
         raise RunError(f"{run.path} holds no Neve run, so there is nothing to render.")
     for change in changes:
-        if change.partition(".")[0] not in CHANGEABLE:
+        if change.partition("=")[0].partition(".")[0].strip() not in CHANGEABLE:
             raise RunError(
                 f"--set {change}: a run that is there can change its {' and '.join(CHANGEABLE)} alone."
             )
@@ -89,8 +89,9 @@ def render_run(
     target = Path(out) if out is not None else run.path / FOLDER
     with writing(target):
         disk.make_folder(target)
-    jobs = min(jobs, len(numbers))
-    each = max(1, (threads or os.cpu_count() or 1) // jobs) if jobs > 1 else threads
+    cores = threads or os.cpu_count() or 1
+    jobs = min(jobs, len(numbers), cores)
+    each = cores // jobs if jobs > 1 else threads
     job = _Job(run, scene, choices, target, exr, each)
     new = 0
     with RunFolder(target).lock():

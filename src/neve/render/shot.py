@@ -76,12 +76,6 @@ class Shot:
         self._places: list[Array] = []
 
     @property
-    def moves(self) -> bool:
-        """Whether it has another view at another time."""
-        camera = self.camera
-        return bool(len(camera.keyframes) > 1 or camera.turntable or camera.follow)
-
-    @property
     def follows(self) -> bool:
         """Whether it must see the frames."""
         return self.camera.follow is not None

@@ -19,6 +19,8 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 ROUGH = 0.85
 HEIGHT = 128
 """Rows of the picture of the sky [px]."""
+LEAST_SUN = 1e-3
+"""Angle across the sun [degrees], below which its light is parallel: too small for single precision."""
 SUN_DISTANCE = 1.5e5
 """Where the sun stands [m]: beyond what cameras see, FAR."""
 FAR = 1e5
@@ -82,7 +84,7 @@ def _sun(light: Light) -> dict[str, Any]:
     """
     mi, E = mitsuba(), np.pi * np.asarray(sun_color(light))
     toward = np.asarray(sun_direction(light))
-    if light.sun_size == 0.0:
+    if light.sun_size < LEAST_SUN:
         return {"type": "directional", "direction": (-toward).tolist(), "irradiance": rgb(E)}
     half = math.radians(0.5 * light.sun_size)
     radius = SUN_DISTANCE * math.tan(half)
@@ -98,7 +100,7 @@ def _sun(light: Light) -> dict[str, Any]:
 
 def sun_keys(light: Light) -> tuple[str, str]:
     """Return the names of the sun's strength and of its weight among Mitsuba's parameters of a scene."""
-    if light.sun_size == 0.0:
+    if light.sun_size < LEAST_SUN:
         return "sun.irradiance.value", "sun.sampling_weight"
     return "sun.emitter.radiance.value", "sun.emitter.sampling_weight"
 

@@ -17,8 +17,8 @@ Floats = NDArray[np.float32]
 
 LUMPS = 0.40
 """Strength of lumps: a particle weighs exp(LUMPS n), n noise of deviation 1 at its first place."""
-LUMP_SIZE = 3.0
-"""Size of lumps in particle spacings."""
+LUMP_SIZES = (14.0, 6.3, 2.8, 1.3)
+"""Sizes of lumps in particle spacings, all as strong: with one size alone snow looks like polystyrene."""
 LOOSE, FIRM = 0.60, 0.88
 """Share of packed snow at a grain, from which its flake begins to shrink, and at which it is gone."""
 
@@ -71,8 +71,9 @@ NOTHING = SnowGeometry(
 
 def lumps(x: NDArray[Any], spacing: float) -> Floats:
     """Return the weight of each particle, about 1, from its place `x` (n, 3) [m] in the first frame."""
-    n = fractal(np.asarray(x, np.float64), LUMP_SIZE * spacing, 2, 7) / DEVIATION
-    return np.asarray(np.exp(LUMPS * n), np.float32)
+    at = np.asarray(x, np.float64)
+    n = sum(fractal(at, size * spacing, 1, 7 + k) for k, size in enumerate(LUMP_SIZES))
+    return np.asarray(np.exp(LUMPS / len(LUMP_SIZES) ** 0.5 / DEVIATION * n), np.float32)
 
 
 def grain_count(spacing: float, pixel: float, particles: int, most: int, across: float) -> int:

@@ -22,6 +22,7 @@ from neve.scene.values.fields import (
 
 SNOW = "snow"
 """What `follow` names, if it is no solid."""
+LEAVE_OUT = "leave one of them out, the keyframes for example by --set 'camera.keyframes=[]'"
 
 
 class CameraKeyframe(Part):
@@ -90,7 +91,7 @@ class Camera(Part):
     def _check(self) -> Camera:
         check_times(self.keyframes)
         if self.keyframes and self.turntable:
-            raise wrong("turntable", "cannot be combined with keyframes; leave one of them out")
+            raise wrong("turntable", f"cannot be combined with keyframes; {LEAVE_OUT}")
         if self.follow is None:
             self._check_alone()
             return self
@@ -98,9 +99,7 @@ class Camera(Part):
             raise wrong("follow", 'must be "snow" or the name of a solid, such as "bodies.0"')
         for i, key in enumerate(self.keyframes):
             if key.target is not None:
-                raise wrong(
-                    f"keyframes.{i}.target", "cannot be combined with camera.follow; leave one of them out"
-                )
+                raise wrong(f"keyframes.{i}.target", f"cannot be combined with camera.follow; {LEAVE_OUT}")
         return self
 
     def _check_alone(self) -> None:
