@@ -29,6 +29,8 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "clods": ("worley1996",),
     "mesh": ("jacobson2013", "barill2018"),
     "bodies": ("todorov2012",),
+    "camera.keyframes": ("fritsch1984",),
+    "camera.follow": ("cleveland1979",),
 }
 
 
@@ -47,6 +49,7 @@ def methods(scene: Scene) -> list[str]:
         names.append("mesh")
     if scene.bodies or scene.robots:
         names.append("bodies")
+    names += [f"camera.{key}" for key in ("keyframes", "follow") if getattr(scene.camera, key)]
     return list(dict.fromkeys(names))
 
 

@@ -56,6 +56,14 @@ def test_scene_cites_what_it_uses(scene_file):
         assert "@article{stomakhin2013," in bibtex(scene)
 
 
+def test_scene_cites_how_its_camera_moves(scene_file):
+    """Curves through keyframes and the smoothing of a camera that follows, where they are used."""
+    follows = bibtex(load(scene_file, ['camera.follow="snow"']))
+    keyed = bibtex(load(scene_file, ["camera.keyframes=[{t=0.0}, {t=1.0, fov=20.0}]"]))
+    assert ("{cleveland1979," in follows, "{fritsch1984," in follows) == (True, False)
+    assert ("{cleveland1979," in keyed, "{fritsch1984," in keyed) == (False, True)
+
+
 def test_scene_cites_meshes(scene_file):
     """What tells the inside of a mesh is cited where there is one: the hare as a body, and as snow."""
     assert "mesh" not in methods(load(scene_file))

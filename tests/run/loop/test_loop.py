@@ -301,6 +301,7 @@ def test_a_signal_finishes_the_frame(fake, scene_file, tmp_path, sent, expected)
     wait_for(out / "frames/000001.npz", process)
     for name in sent:
         process.send_signal(getattr(signal, name))
+        time.sleep(0.05)  # two that wait at once come in any order
     code, told = end(process)
     assert (code, "Traceback" in told) == (expected, False)
     assert f"continue with: neve run {out} --resume" in told.splitlines()[-1]
