@@ -38,7 +38,10 @@ _held: Held | None = None
 def is_command_line() -> bool:
     """Tell whether this process is Neve's command line and no other program that uses Neve."""
     program = os.path.basename(sys.argv[0]) if sys.argv else ""
-    return program in ("neve", "neve.exe", "neve-script.py") or sys.orig_argv[1:3] == ["-m", "neve.cli"]
+    return program in ("neve", "neve.exe", "neve-script.py") or sys.orig_argv[1:3] in (
+        ["-m", "neve"],
+        ["-m", "neve.cli"],
+    )
 
 
 def listen() -> None:

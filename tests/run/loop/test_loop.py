@@ -290,20 +290,22 @@ def test_further_outputs_follow_their_schedule(fake, scene, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("sent", "expected"), [(["SIGINT"], 130), (["SIGTERM", "SIGTERM"], 143), (["SIGHUP", "SIGTERM"], 129)]
+    ("sent", "expected"),
+    [(["SIGINT"], {130}), (["SIGTERM", "SIGTERM"], {143}), (["SIGHUP", "SIGTERM"], {129, 143})],
 )
 def test_a_signal_finishes_the_frame(fake, scene_file, tmp_path, sent, expected):
-    """Exit code 128 + the first signal, the checkpoint is at the last frame, the resumed bits are those of
-    a straight run. A second SIGTERM, which `timeout` sends, is no hurry."""
+    """Exit code 128 + the first one heard (two that wait at once come in any order), the checkpoint
+    is at the last frame, the resumed bits are those of a straight run. A second SIGTERM, which `timeout`
+    sends, is no hurry."""
     out, straight = tmp_path / "stopped", tmp_path / "straight"
     scene_file.write_text(scene_file.read_text().replace("duration = 0.4", "duration = 400"))
     process = start(out, scene_file, pause=0.1)
     wait_for(out / "frames/000001.npz", process)
     for name in sent:
         process.send_signal(getattr(signal, name))
-        time.sleep(0.05)  # two that wait at once come in any order
     code, told = end(process)
-    assert (code, "Traceback" in told) == (expected, False)
+    assert code in expected
+    assert "Traceback" not in told
     assert f"continue with: neve run {out} --resume" in told.splitlines()[-1]
     done = len(frames(out)) - 1
     assert done >= 1
