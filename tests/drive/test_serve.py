@@ -2,6 +2,7 @@
 
 import contextlib
 import http.client
+import json
 import re
 import socket
 import threading
@@ -87,9 +88,40 @@ def test_other_methods_are_refused(ask):
 def test_missing_page_is_told(tmp_path):
     """A copy of Neve without the page says how to build it."""
     with (
-        pytest.raises(DriveError, match=r"does not carry the page .*npm ci"),
+        pytest.raises(DriveError, match=r"does not carry the page .*(npm ci|pip install)"),
         serve.listening("127.0.0.1", 0, tmp_path),
     ):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("built", "installed", "told"),
+    [
+        (False, "site", r"run npm ci && npm run build in \S*web/drive \(.*\), then pip install \S+\.$"),
+        (False, "source", r"run npm ci && npm run build in \S*web/drive \([^)]*\)\.$"),
+        (True, "site", r"installed before \S*page was built, so run pip install \S+ again\.$"),
+        (None, "site", r"npm run build in web/drive of the source .* pip install \. there"),
+    ],
+)
+def test_missing_page_is_told_as_it_is(tmp_path, monkeypatch, built, installed, told):
+    """The message knows whether the page was built after Neve was installed, and where from that was."""
+    source, site = tmp_path / "a source", tmp_path / "site"
+    own = source / serve.PAGE_IN_SOURCE
+    for folder in (own, source / "web/drive", site):
+        folder.mkdir(parents=True)
+    if built is not None:
+        (source / "web/drive/package.json").write_text("{}", encoding="utf-8")
+    if built:
+        (own / "index.html").write_text("", encoding="utf-8")
+
+    class Installed:
+        def read_text(self, name):
+            return json.dumps({"url": source.as_uri(), "dir_info": {}}) if name == "direct_url.json" else None
+
+    monkeypatch.setattr(serve.metadata, "distribution", lambda name: Installed())
+    told = told.replace(r"\S+", r"\S+ source").replace(r"\S*", r"\S+ source/\S*")
+    page = {"site": site, "source": own}[installed]
+    with pytest.raises(DriveError, match=told), serve.listening("127.0.0.1", 0, page):
         pass
 
 

@@ -54,9 +54,27 @@ def methods(scene: Scene) -> list[str]:
 
 
 def bibtex(scene: Scene) -> str:
-    """Return BibTeX entries for Neve and for every work behind the methods of `scene`."""
-    keys = dict.fromkeys(key for method in methods(scene) for key in METHODS.get(method, ()))
-    return "\n\n".join([_neve(), *(WORKS[key] for key in keys)]) + "\n"
+    """Return BibTeX entries for Neve and for every work behind the methods of `scene`.
+
+    What has no entry, such as a law or a solver of one's own, is named in lines of comment, with the source
+    that it states: BibTeX skips what stands outside of entries.
+    """
+    names = methods(scene)
+    keys = dict.fromkeys(key for name in names for key in METHODS.get(name, ()))
+    comments = [line for name in names if (line := _without_entry(name))]
+    return "\n\n".join([_neve(), *(WORKS[key] for key in keys if key in WORKS), *comments]) + "\n"
+
+
+def _without_entry(method: str) -> str:
+    """Return a comment about a method if it names no work, or works that have no entry; else nothing."""
+    keys = METHODS.get(method, ())
+    unknown = [key for key in keys if key not in WORKS]
+    if keys and not unknown:
+        return ""
+    choice = {**LAWS, **SPLINES, **TRANSFERS}.get(method)
+    source = f"; its source: {' '.join(choice.source.split())}" if choice and choice.source else ""
+    what = f"cites {', '.join(unknown)}, without an entry here" if unknown else "names no work to cite"
+    return f"% {method} {what}{source}".replace("@", "(at)")
 
 
 def _neve() -> str:

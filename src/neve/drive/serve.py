@@ -9,12 +9,15 @@ from __future__ import annotations
 import contextlib
 import functools
 import http.server
+import json
 import socket
 import webbrowser
 from collections.abc import Callable, Iterator
 from http import HTTPStatus
+from importlib import metadata
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+from urllib.request import url2pathname
 
 from neve.serving import address, content_type, is_local, port_error, ports
 from neve.system import stopping
@@ -22,7 +25,7 @@ from neve.system import stopping
 PAGE = Path(__file__).parent / "page"
 PORT = 8440
 
-HOW_TO_BUILD = "npm ci && npm run build in web/drive of the source builds it (Node 20.19 or newer)"
+PAGE_IN_SOURCE = Path("src/neve/drive/page")
 
 
 class DriveError(RuntimeError):
@@ -53,7 +56,7 @@ def listening(host: str, port: int | None, page: Path = PAGE) -> Iterator[http.s
     """Open the server of a built page, not yet answering. Errors: DriveError."""
     files = {f"/{path.relative_to(page).as_posix()}": path for path in page.rglob("*") if path.is_file()}
     if "/index.html" not in files:
-        raise DriveError(f"this copy of Neve does not carry the page of neve drive: {HOW_TO_BUILD}.")
+        raise DriveError(f"this copy of Neve does not carry the page of neve drive: {_how_to_build(page)}.")
     files["/"] = files["/index.html"]
     handler = functools.partial(_Handler, files)
     for number in (tries := list(ports(port, PORT))):
@@ -66,6 +69,32 @@ def listening(host: str, port: int | None, page: Path = PAGE) -> Iterator[http.s
         with server:
             yield server
         return
+
+
+def _how_to_build(page: Path) -> str:
+    """Say what brings the page into this copy of Neve: a build of it, or of Neve alone if it is built."""
+    source = _source()
+    if source is None:
+        return (
+            "npm ci && npm run build in web/drive of the source builds it (Node 20.19 or newer), and pip "
+            "install . there then takes it along"
+        )
+    built = source / PAGE_IN_SOURCE
+    if (built / "index.html").is_file() and built.resolve() != page.resolve():
+        return f"it was installed before {built} was built, so run pip install {source} again"
+    again = "" if built.resolve() == page.resolve() else f", then pip install {source}"
+    return f"run npm ci && npm run build in {source / 'web/drive'} (Node 20.19 or newer){again}"
+
+
+def _source() -> Path | None:
+    """Return the folder that this Neve was installed from, if pip knows it and it is still there."""
+    try:
+        told = json.loads(metadata.distribution("neve").read_text("direct_url.json") or "{}")
+    except (metadata.PackageNotFoundError, ValueError, OSError):
+        return None
+    url = urlsplit(told.get("url", "") if isinstance(told, dict) else "")
+    folder = Path(url2pathname(url.path))
+    return folder if url.scheme == "file" and (folder / "web/drive/package.json").is_file() else None
 
 
 class _Server(http.server.ThreadingHTTPServer):

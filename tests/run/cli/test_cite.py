@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from neve.cli import cite
 from neve.cli.cite import METHODS, WORKS, bibtex, methods
 from neve.scene.reading.load import load
 from neve.scene.schema.scene import Numerics, Snow
@@ -90,3 +91,18 @@ def test_scene_cites_its_laws(scene_file):
     clay = load(scene_file, ['sources.0.snow={law="cam_clay"}'])
     assert "@article{li2020," in bibtex(clay)
     assert "@article{stomakhin2013," not in bibtex(clay)
+
+
+def test_what_is_ones_own_is_named_without_an_entry(scene_file, monkeypatch):
+    """A law whose works have no entry, and a solver that names none, end as comments, not as an error."""
+    scene = load(scene_file)
+    own = {**METHODS, scene.snow.law: ("me2026", "stomakhin2013")}
+    del own[scene.numerics.method]
+    monkeypatch.setattr(cite, "METHODS", own)
+    text = bibtex(scene)
+    comments = [line for line in text.splitlines() if line.startswith("%")]
+    assert comments[0] == f"% {scene.numerics.method} names no work to cite"
+    assert comments[1].startswith(f"% {scene.snow.law} cites me2026, without an entry here; its source: ")
+    assert len(comments) == 2
+    assert "@article{stomakhin2013," in text
+    assert "@" not in "".join(comments)

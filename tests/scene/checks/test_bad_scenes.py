@@ -141,7 +141,25 @@ BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
     ),
     (
         BOX + "profile = { at = [0, 1], strength = [3, 1] }",
-        ("sources.0.profile.strength = [3, 1]", "no factor above 2"),
+        (
+            "sources.0.profile.strength = [3, 1]",
+            "no factor above 2, and has 3 at the depth 0 m",
+            "theta_c = 0.025 and xi = 10",
+            "so that hardening cannot create energy",
+        ),
+    ),
+    (
+        BOX
+        + 'profile = { by = "height", at = [0, 0.25], strength = [1, 2.5] }\nvariation = { strength = 0.1 }',
+        ("no factor above 2, and has 2.5 at the height 0.25 m",),
+    ),
+    (
+        BOX + "profile = { at = [0.1], strength = [1.5] }\nvariation = { strength = 0.5 }",
+        ("at most 0.287", "exp(0.5) times 1.5", "xi = 10"),
+    ),
+    (
+        BOX + 'snow = { law = "cam_clay", p0 = 1e4 }\nprofile = { at = [0, 2], strength = [1, 90] }',
+        ("no factor above", "has 90 at the depth 2 m", "p0 = 10000", "elastic strains"),
     ),
     (BOX + '[[colliders]]\nshape = "plan"', ('colliders.0.shape = "plan"', 'did you mean "plane"?')),
     (BOX + PLANE + "normal = [0, 0, 0]", ("colliders.0.normal = [0, 0, 0]", "zero vector")),

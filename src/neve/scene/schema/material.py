@@ -187,7 +187,37 @@ def _outside(constant: Constant, value: float) -> str:
 
 
 def _over_limit(snow: _Snow, given: Collection[str]) -> tuple[str, str]:
-    """Say which constant puts the thresholds of `snow` over their law's limit, and how far it may go.
+    """Say which constant puts the thresholds of `snow` over their law's limit, and how far it may go."""
+    law, now = LAWS[snow.law], snow.constants()
+    most = law.most_strength(now)
+    thresholds, lowers, raises = _acting(snow)
+    threshold = max(thresholds, key=lambda name: now[name])
+    at_most = rounded_down(now[threshold] * most)
+    if lowers and (threshold not in given or lowers[0] in given):
+        key = lowers[0]
+        return key, (
+            f"must be at most {rounded_down(_largest(snow, key))} with {threshold} = {now[threshold]:g}, "
+            f"{law.limit}"
+        )
+    for key in raises:
+        if key in given and threshold not in given:
+            return key, (
+                f"is too small for {threshold} = {now[threshold]:g}; set {threshold} to at most {at_most}"
+            )
+    whose = [f"{name} = {now[name]:g}" for name in lowers] or [f"this {listed(raises)}"]
+    return threshold, f"must be at most {at_most} with {listed(whose)}, {law.limit}"
+
+
+def strength_rule(snow: _Snow) -> str:
+    """Return why the thresholds of `snow` have a limit, with its constants: the end of a sentence."""
+    thresholds, lowers, raises = _acting(snow)
+    now = snow.constants()
+    values = [f"{name} = {now[name]:g}" for name in (*thresholds, *lowers, *raises) if now[name]]
+    return f"with {listed(values)}, {LAWS[snow.law].limit}"
+
+
+def _acting(snow: _Snow) -> tuple[list[str], list[str], list[str]]:
+    """Return the thresholds that the limit of `snow` bounds, and other constants that lower or raise it.
 
     What counts is found from the limit itself: each constant is moved a little.
     """
@@ -204,21 +234,7 @@ def _over_limit(snow: _Snow, given: Collection[str]) -> tuple[str, str]:
             (thresholds if constant.is_threshold else lowers).append(name)
         elif effect > 0:
             raises.append(name)
-    threshold = max(thresholds, key=lambda name: now[name])
-    at_most = rounded_down(now[threshold] * most)
-    if lowers and (threshold not in given or lowers[0] in given):
-        key = lowers[0]
-        return key, (
-            f"must be at most {rounded_down(_largest(snow, key))} with {threshold} = {now[threshold]:g}, "
-            f"{law.limit}"
-        )
-    for key in raises:
-        if key in given and threshold not in given:
-            return key, (
-                f"is too small for {threshold} = {now[threshold]:g}; set {threshold} to at most {at_most}"
-            )
-    whose = [f"{name} = {now[name]:g}" for name in lowers] or [f"this {listed(raises)}"]
-    return threshold, f"must be at most {at_most} with {listed(whose)}, {law.limit}"
+    return thresholds, lowers, raises
 
 
 def _largest(snow: _Snow, name: str) -> float:

@@ -11,7 +11,7 @@ from neve.registry import DEVICES, METHODS
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
 from neve.scene.schema.camera import Camera, CameraKeyframe, unknown
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
-from neve.scene.schema.material import Overrides, Snow, most_strength, problem
+from neve.scene.schema.material import Overrides, Snow, most_strength, problem, strength_rule
 from neve.scene.schema.outputs import OutputEntry, conflict
 from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.schema.sources import AnySource, Profile, Source, Variation
@@ -254,7 +254,7 @@ class Scene(Part):
             found = problem(self.snow_of(source), source.snow.given())
             if found:
                 raise wrong(f"sources.{i}.snow.{found[0]}", found[1])
-            found = _too_strong(self.completed(source), most_strength(self.snow_of(source)))
+            found = _too_strong(self.completed(source), self.snow_of(source))
             if found:
                 key, sentence = found
                 whose = (
@@ -282,12 +282,22 @@ class Scene(Part):
         return source.model_copy(update=found) if found else source
 
 
-def _too_strong(source: Source, most: float) -> tuple[str, str] | None:
-    """Return key and end of the sentence if a source multiplies its snow's thresholds by more than `most`."""
+def _too_strong(source: Source, snow: Snow) -> tuple[str, str] | None:
+    """Return key and end of the sentence if a source multiplies the thresholds of its `snow` by too much."""
+    most = most_strength(snow)
     if source.strongest <= most * (1 + 1e-9):
         return None
     profile = max(source.profile.strength if source.profile else (), default=1.0)
-    why = "so that the strongest snow keeps to the rules of [snow] (see xi and p0)"
-    if profile > most * (1 + 1e-9):
-        return "profile.strength", f"must hold no factor above {rounded_down(most)}, {why}"
-    return "variation.strength", f"must be at most {rounded_down(math.log(most / profile))}, {why}"
+    if source.profile and profile > most * (1 + 1e-9):
+        place = source.profile.at[source.profile.strength.index(profile)]
+        return "profile.strength", (
+            f"must hold no factor above {rounded_down(most)}, and has {profile:g} at the {source.profile.by} "
+            f"{place:g} m, {strength_rule(snow)}"
+        )
+    amplitude = source.variation.strength if source.variation else 0.0
+    times = f" times {profile:g}, the largest factor of profile.strength" if profile > 1.0 else ""
+    return "variation.strength", (
+        f"must be at most {rounded_down(math.log(most / profile))}: its largest factor is "
+        f"exp({amplitude:g}){times}, and {rounded_down(most)} is "
+        f"possible {strength_rule(snow)}"
+    )
