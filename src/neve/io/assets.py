@@ -118,6 +118,8 @@ def companions(path: Path) -> list[Path]:
         names: Sequence[str | Path] = files_of(path)
     elif path.suffix.lower() == ".gltf":
         names = _of_gltf(_bytes(path))
+    elif path.suffix.lower() == ".asc":
+        names = [path.with_suffix(".prj").name]  # its coordinate system
     else:
         return []
     found = (Path(os.path.normpath(path.parent / name)) for name in names)

@@ -6,6 +6,7 @@ import contextlib
 import io
 import os
 import sys
+from collections.abc import Iterator
 from typing import Any, TextIO
 
 GONE = 141
@@ -88,6 +89,23 @@ def make_whole() -> None:
         sys.stdout = io.TextIOWrapper(buffer, plain.encoding, plain.errors, line_buffering=plain.isatty())
     if not isinstance(sys.stderr, Steady):
         sys.stderr = Steady(sys.stderr)
+
+
+@contextlib.contextmanager
+def hushed() -> Iterator[None]:
+    """Drop what C libraries write to standard error in the block: their words are no sentences of Neve."""
+    try:
+        kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    except OSError:  # no standard error, or no handle left
+        yield
+        return
+    os.dup2(nowhere, 2)
+    os.close(nowhere)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 def output_error() -> OSError | None:

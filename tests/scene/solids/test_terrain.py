@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image, TiffImagePlugin
 
-from neve.geometry.terrain import GEO_KEYS, NO_DATA, PIXEL_SCALE, height_field
+from neve.geometry.maps.geotiff import GEO_KEYS, PIXEL_SCALE
+from neve.geometry.maps.tiff import NO_DATA
+from neve.geometry.terrain import height_field
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Collider
@@ -80,7 +82,7 @@ def test_size_of_a_geotiff(tmp_path: Path) -> None:
     degrees = scale | {GEO_KEYS: (3, (1, 1, 0, 1, 1024, 0, 1, 2))}
     path = picture(HEIGHTS, tmp_path / "b.tif", np.float32, degrees)
     with pytest.raises(
-        SceneError, match=r"^colliders\.0\.size is missing, and .* how many metres a pixel is\.$"
+        SceneError, match=r"^colliders\.0\.size is missing, and .* measures its pixels in degrees: at its "
     ):
         height_field(Collider.of("terrain", file=path), NAME)
 
@@ -131,7 +133,7 @@ def test_bad_maps_are_one_sentence(tmp_path: Path) -> None:
 
 def test_large_maps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A map of more samples than are allowed is told before it is unpacked, a picture as an array."""
-    monkeypatch.setattr("neve.geometry.terrain.MAX_SAMPLES", 10)
+    monkeypatch.setattr("neve.geometry.maps.found.MAX_SAMPLES", 10)
     np.save(tmp_path / "a.npy", HEIGHTS)
     picture(HEIGHTS, tmp_path / "a.png", np.uint8)
     for name, words in {"a.npy": "12 heights, more than 10", "a.png": "12 pixels, more than 10"}.items():
@@ -143,8 +145,8 @@ def test_names_of_maps() -> None:
     """A map that is missing, or of another kind, is told when the scene is read."""
     for keys, words in (
         ({}, "must name a height map"),
-        ({"file": "no.png"}, 'no.png" is not a file; name a .png, .tif, .tiff or .npy file'),
-        ({"file": "no.jpg"}, 'must end in ".png", ".tif", ".tiff" or ".npy"'),
+        ({"file": "no.png"}, 'no.png" is not a file; name a .png, .tif, .tiff, .asc, .hgt or .npy file'),
+        ({"file": "no.jpg"}, 'must end in ".png", ".tif", ".tiff", ".asc", ".hgt" or ".npy"'),
         ({"file": "neve:no"}, '"neve:no" does not come with Neve'),
     ):
         with pytest.raises(SceneError) as caught:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -98,7 +98,10 @@ def corpus() -> Files:
             _picture("tiff", np.uint8),
             _picture("tiff", np.uint16, compression="tiff_lzw"),
             _picture("tiff", np.float32, compression="tiff_adobe_deflate"),
+            _geotiff(">", bigtiff=True, compression="zlib", tile=(16, 16)),
+            _geotiff("<", rowsperstrip=5),
         ),
+        "asc": (_text_grid(),),
         "npy": (_array(np.float64), _array(np.int16)),
     }
     files = run_files()
@@ -143,6 +146,28 @@ def _picture(kind: str, number: Any, **options: Any) -> bytes:
     file = io.BytesIO()
     Image.fromarray(heights().astype(number)).save(file, format=kind, **options)
     return file.getvalue()
+
+
+def _geotiff(order: Literal["<", ">"], **options: Any) -> bytes:
+    """Return a GeoTIFF of pixels of 2 m, with a value for missing heights, in Texas's feet."""
+    from tifffile import imwrite
+
+    keys = (1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 2277, 4099, 0, 1, 9002)
+    tags = [
+        (33550, "d", 3, (2.0, 2.0, 0.0), True),
+        (33922, "d", 6, (0.0, 0.0, 0.0, 5e5, 5e6, 0.0), True),
+        (34735, "H", len(keys), keys, True),
+        (42113, "s", 0, "-9999", True),
+    ]
+    file = io.BytesIO()
+    imwrite(file, heights().astype(np.float32), byteorder=order, extratags=tags, metadata=None, **options)
+    return file.getvalue()
+
+
+def _text_grid() -> bytes:
+    head = "ncols 16\nnrows 12\nxllcorner 5e5\nyllcorner 5e6\ncellsize 2\nNODATA_value -9999\n"
+    rows = (" ".join(f"{z:.3f}" for z in row) for row in heights())
+    return (head + "\n".join(rows)).encode()
 
 
 def _array(number: Any) -> bytes:

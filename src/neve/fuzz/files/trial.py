@@ -172,7 +172,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "urdf": _robot,
     "ttf": _font,
     **dict.fromkeys(("obj", "ply", "stl", "glb", "gltf"), _mesh),
-    **dict.fromkeys(("png", "tif", "npy"), _terrain),
+    **dict.fromkeys(("png", "tif", "asc", "npy"), _terrain),
     **readers(),
 }
 

@@ -23,7 +23,7 @@ from neve.scene.values.fields import (
 
 MESHES = (".obj", ".ply", ".stl", ".glb", ".gltf")
 """What a mesh file may end in."""
-MAPS = (".png", ".tif", ".tiff", ".npy")
+MAPS = (".png", ".tif", ".tiff", ".asc", ".hgt", ".npy")
 """What a height map may end in."""
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 """Length of each unit of a mesh file [m]."""
@@ -77,19 +77,19 @@ class Terrain(Shape):
 
     shape: Literal["terrain"] = entry("terrain", "Ground from a height map.")
     file: str = file_entry(
-        "A PNG or TIFF picture of one channel seen from above (x to the right, y upward), a GeoTIFF, or a "
-        'NumPy array heights[x, y] (NPY), relative to the scene file; "neve:NAME" is a map that comes '
-        "with Neve.",
+        "A PNG or TIFF picture of one channel seen from above (x to the right, y upward), a GeoTIFF, an Esri "
+        "ASCII grid (ASC), an SRTM tile (HGT), or a NumPy array heights[x, y] (NPY), relative to the scene "
+        'file; "neve:NAME" is a map that comes with Neve ([terrain](meshes.md#terrain)).',
         MAPS,
         "terrains",
     )
     size: Size2 | None = entry(
-        None, "Extent along x and y; left out, that of the pixels of a GeoTIFF in metres.", "m"
+        None, "Extent along x and y; left out, that which a GeoTIFF, ASCII grid or SRTM tile states.", "m"
     )
     height: Length = entry(
         1.0,
         "Of a map of 8 or 16 bits: the height of its full range, 255 or 65535 (of heights in whole metres, "
-        "65535). Of a map of real or longer numbers: a factor on them.",
+        "65535). Of a map of real or longer numbers, an ASCII grid or an SRTM tile: a factor on them.",
         "m",
     )
     center: Point3 = entry(ZERO, "Middle of the map, at the height of the value 0.", "m")

@@ -1,0 +1,1 @@
+"""Files of heights: pictures, GeoTIFF, ASCII grids, SRTM tiles and NumPy arrays."""
