@@ -8,6 +8,12 @@ from typing import Any
 import numpy as np
 import trimesh
 
+CORNERS = np.array([[x, y, z] for z in (2.75, 3.25) for y in (1.0, 3.0) for x in (0.5, 1.5)])
+"""Of a box of 1 x 2 x 0.5 m around (1, 2, 3): 1 m3."""
+SIDES = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+"""Its quads, anticlockwise from outside."""
+TRIANGLES = np.array([t for a, b, c, d in SIDES for t in ((a, b, c), (a, c, d))])
+
 
 def written(mesh: Any, path: Path) -> str:
     """Write a mesh or a scene of trimesh to `path`; return the path as text."""

@@ -11,8 +11,9 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
 
+from neve.geometry.files.accessors import path_of
+from neve.geometry.files.gltf import INSTANCES
 from neve.scene.errors import SceneError
 from neve.system import disk
 from neve.system.memory import lacking
@@ -36,22 +37,21 @@ def require_modest(path: Path, key: str) -> None:
     with disk.open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size
         _require_memory(READ_BYTES * size, key)
-        if suffix == ".obj":
-            _require_few(sum(line.startswith(b"usemtl") for line in file), "changes of material", key)
-            return
         if suffix not in (".glb", ".gltf"):
             return
-        text = file.read() if suffix == ".gltf" else _json_of_glb(file.read(20), file)
+        head = file.read(20)
+        text = _json_of_glb(head, file) if head[:4] == b"glTF" else head + file.read()
     try:
         tree = json.loads(text)
         _require_modest_tree(tree, key)
-        files = [Path(path.parent, unquote(uri)) for uri in _uris(tree)]
+        files = [path_of(path.parent, uri) for uri in _uris(tree)]
     except SceneError:
         raise
     except Exception:  # whatever a damaged file makes us stumble over
         return
     for other in files:
-        disk.open_regular(other).close()
+        if other.exists():  # who reads the file says what is missing
+            disk.open_regular(other).close()
 
 
 def _json_of_glb(head: bytes, file: Any) -> bytes:
@@ -74,15 +74,21 @@ def _require_modest_tree(tree: dict[str, Any], key: str) -> None:
     without_data = [a for a in accessors if "bufferView" not in a or "sparse" in a]
     _require_memory(64.0 * sum(max(int(a.get("count", 0)), 0) for a in without_data), key)
     _require_few(sum(len(mesh["primitives"]) for mesh in meshes), "pieces", key)
-    shown = [node["mesh"] for node in tree.get("nodes", []) if "mesh" in node]
-    _require_few(len(shown), "instances of meshes", key, MOST_INSTANCES)
+    shown = [(node["mesh"], _times(node, accessors)) for node in tree.get("nodes", []) if "mesh" in node]
+    _require_few(sum(times for _, times in shown), "instances of meshes", key, MOST_INSTANCES)
     faces = [sum(_faces(primitive, accessors) for primitive in mesh["primitives"]) for mesh in meshes]
-    total = sum(faces[i] for i in shown)
+    total = sum(faces[i] * times for i, times in shown)
     if total > MOST_FACES:
         raise SceneError(
             f"{key} has {total:,} triangles, each as often as it is shown, more than {MOST_FACES:,}"
         )
     _require_memory(FACE_BYTES * total, key)
+
+
+def _times(node: dict[str, Any], accessors: list[Any]) -> int:
+    """Return how often a node shows its mesh."""
+    named = node.get("extensions", {}).get(INSTANCES, {}).get("attributes", {})
+    return max((int(accessors[index].get("count", 0)) for index in named.values()), default=1)
 
 
 def _faces(primitive: dict[str, Any], accessors: list[Any]) -> int:

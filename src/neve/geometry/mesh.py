@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import logging
 import math
 import os
+import struct
 import warnings
 import weakref
-from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.geometry.declared import require_modest
+from neve.geometry.files import Surface, Unreadable, read
 from neve.geometry.triangles import Triangles, tidied
-from neve.reproducible import determinant, product
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.files import where
 from neve.scene.schema.file_shapes import Mesh
@@ -147,15 +143,13 @@ def _up(value: float) -> str:
     return f"{math.ceil(value * 10.0**digits - 1e-9) / 10.0**digits:g}"
 
 
-def _read(path: Path, key: str) -> tuple[Array, NDArray[np.int64]]:
+def _read(path: Path, key: str) -> Surface:
     """Return vertices (n, 3) and faces (m, 3) of all that the file holds, in its own units and axes."""
-    import trimesh
-
+    notes: list[str] = []
     try:
         require_modest(path, key)
-        with _silence():
-            loaded = trimesh.load(str(path), process=False, skip_materials=True)
-            pieces = list(_pieces(loaded))
+        with np.errstate(all="ignore"):
+            surface = read(path, notes)
     except SceneError:
         raise
     except MemoryError:
@@ -163,53 +157,21 @@ def _read(path: Path, key: str) -> tuple[Array, NDArray[np.int64]]:
     except OSError as error:
         reason = (error.strerror or str(error)).rstrip(".")
         raise SceneError(f"{key} cannot be read: {reason[:1].lower()}{reason[1:]}") from None
-    except Exception:  # whatever a damaged file makes its reader stumble over
+    except Unreadable as error:
+        raise SceneError(f"{key} cannot be read: {error}") from None
+    except (
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        RecursionError,
+        TypeError,
+        ValueError,
+        struct.error,
+    ):
+        # tables of a glTF file that are not what their names say
         raise SceneError(
             f"{key} cannot be read: it is damaged, or not the kind of file that its name says"
         ) from None
-    begin, vertices, faces = 0, [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)]
-    for corners, rows in pieces:
-        if len(rows) and not (rows.min() >= 0 and rows.max() < len(corners)):
-            raise SceneError(f"{key} cannot be read: a triangle has a corner that is not there")
-        vertices.append(corners)
-        faces.append(rows + begin)
-        begin += len(corners)
-    return np.concatenate(vertices), np.concatenate(faces)
-
-
-def _pieces(loaded: Any) -> Iterator[tuple[Array, NDArray[np.int64]]]:
-    """Yield vertices and faces of every mesh in what was loaded, each where the scene graph puts it."""
-    if not hasattr(loaded, "graph"):
-        yield from _of(loaded, np.eye(4))
-        return
-    tree = loaded.graph.transforms
-    for node in loaded.graph.nodes_geometry:
-        transform = np.eye(4)
-        for edge in pairwise(tree.shortest_path(loaded.graph.base_frame, node)):
-            if (step := tree.edge_data[edge].get("matrix")) is not None:
-                transform = product(transform, np.asarray(step, dtype=np.float64))
-        yield from _of(loaded.geometry[loaded.graph[node][1]], transform)
-
-
-def _of(geometry: Any, transform: Array) -> Iterator[tuple[Array, NDArray[np.int64]]]:
-    faces = getattr(geometry, "faces", None)
-    if faces is None or not len(faces):  # lines, or points
-        return
-    vertices = (
-        product(np.asarray(geometry.vertices, dtype=np.float64), transform[:3, :3].T) + transform[:3, 3]
-    )
-    rows = np.asarray(faces, dtype=np.int64)
-    yield vertices, rows[:, ::-1] if determinant(transform[:3, :3]) < 0 else rows
-
-
-@contextlib.contextmanager
-def _silence() -> Iterator[None]:
-    """Keep the reader's own remarks about materials and the like from the user."""
-    logger = logging.getLogger("trimesh")
-    before, logger.disabled = logger.disabled, True
-    try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        logger.disabled = before
+    for note in notes:
+        warnings.warn(f"{key} {note}", SceneWarning, stacklevel=2)
+    return surface

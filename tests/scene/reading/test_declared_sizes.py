@@ -97,13 +97,6 @@ def test_the_length_of_a_file_counts(tmp_path, monkeypatch):
     assert f"needs about {declared.READ_BYTES} MB of memory, and 1 MB are free" in told(path)
 
 
-def test_changes_of_material_are_counted(tmp_path):
-    """Each makes a mesh of its own for the reader."""
-    path = tmp_path / "a.obj"
-    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "usemtl a\nf 1 2 3\n" * 10_001)
-    assert "10,001 changes of material" in told(path)
-
-
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes in folders here")
 def test_a_buffer_that_never_ends_is_not_waited_for(tmp_path):
     """A glTF file whose data would come from a pipe or a device."""

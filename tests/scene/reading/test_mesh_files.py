@@ -198,18 +198,22 @@ CORNER = "v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3
 # Name and content of a file -> what the sentence says.
 BAD: list[tuple[str, bytes, str]] = [
     ("empty.obj", b"", "holds no triangles"),
-    ("empty.ply", b"", "cannot be read: it is damaged"),
+    ("empty.ply", b"", "cannot be read: it does not begin with the word ply"),
     ("empty.stl", b"", "holds no triangles"),
-    ("empty.glb", b"", "cannot be read: it is damaged"),
+    ("empty.glb", b"", "cannot be read: it is no glTF: its text is no JSON"),
     ("letter.obj", b"Dear snow,\nfall well.\n", "holds no triangles"),
-    ("letter.glb", b"Dear snow,\nfall well.\n" * 20, "cannot be read: it is damaged"),
-    ("letter.gltf", b"{}", "no"),
+    ("letter.glb", b"Dear snow,\nfall well.\n" * 20, "cannot be read: it is no glTF"),
+    ("letter.gltf", b"{}", "it is no glTF, or of 1.0: export it as glTF 2.0"),
     ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "holds no triangles"),
     ("flat.obj", FLAT.encode(), "has no area"),
     ("nan.obj", CORNER.encode(), "no finite numbers"),
     ("inf.obj", CORNER.replace("nan", "inf").encode(), "no finite numbers"),
     ("far.obj", CORNER.replace("nan", "1e30").encode(), "reaches beyond 1e6 m"),
-    ("lost.obj", CORNER.replace("nan", "0").replace("2 3 4", "2 3 9").encode(), "cannot be read"),
+    (
+        "lost.obj",
+        CORNER.replace("nan", "0").replace("2 3 4", "2 3 9").encode(),
+        "the face of line 8 names a corner that is not there, of 4",
+    ),
 ]
 
 

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from neve.fuzz.files.runs import FILES, FRAME, STATE, run_files
+from neve.fuzz.files.solids import solids
 
 SCENE = """about = "A ball, a box of other snow, a floor and a wheel."
 [world]
@@ -82,17 +83,11 @@ Files = dict[str, tuple[bytes, ...]]
 @lru_cache
 def corpus() -> Files:
     """Return the whole files by kind, each kind named after the ending of its files."""
-    small = ball()
     found: Files = {
         "toml": (SCENE.encode(),),
         "xml": (MJCF.encode(),),
         "urdf": (URDF.encode(),),
         "ttf": ((Path(__file__).parents[2] / "assets" / "FredokaOne-Regular.ttf").read_bytes(),),
-        "obj": (_exported(small, "obj"),),
-        "ply": (_exported(small, "ply"), _exported(small, "ply", encoding="ascii")),
-        "stl": (_exported(small, "stl"), _exported(small, "stl_ascii")),
-        "glb": (_exported(small, "glb"),),
-        "gltf": (_embedded(small),),
         "png": (_picture("png", np.uint8), _picture("png", np.uint16)),
         "tif": (
             _picture("tiff", np.uint8),
@@ -106,38 +101,14 @@ def corpus() -> Files:
     }
     files = run_files()
     of_run = {name: (files[name],) for name in FILES}
+    found |= solids()
     return found | of_run | {STATE: (files["checkpoint"],), "frame.npz": (files[FRAME],)}
-
-
-def ball() -> Any:
-    """Return a ball of 80 triangles."""
-    import trimesh
-
-    return trimesh.creation.icosphere(subdivisions=1, radius=0.5)
 
 
 def heights() -> np.ndarray[Any, Any]:
     """Return 12 x 16 heights of a hill [m]."""
     x, y = np.meshgrid(np.linspace(-1, 1, 12), np.linspace(-1, 1, 16), indexing="ij")
     return np.asarray(100.0 / (1.0 + x * x + 2.0 * y * y))
-
-
-def _exported(mesh: Any, kind: str, **options: Any) -> bytes:
-    content = mesh.export(file_type=kind, **options)
-    return content.encode() if isinstance(content, str) else bytes(content)
-
-
-def _embedded(mesh: Any) -> bytes:
-    """Return a glTF file whose buffers are in it."""
-    import base64
-    import json
-
-    files = mesh.export(file_type="gltf")
-    tree = json.loads(files["model.gltf"])
-    for buffer in tree["buffers"]:
-        content = base64.b64encode(files[buffer["uri"]]).decode()
-        buffer["uri"] = f"data:application/octet-stream;base64,{content}"
-    return json.dumps(tree).encode()
 
 
 def _picture(kind: str, number: Any, **options: Any) -> bytes:
