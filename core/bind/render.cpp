@@ -13,6 +13,7 @@
 #include "bind/arrays.hpp"
 #include "bind/words.hpp"
 #include "render/picture.hpp"
+#include "render/spread.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -162,6 +163,26 @@ void bind_density(nb::module_& m) {
           "x"_a, "normal"_a, "Share of the open sky's light on a surface at the points [1].");
 }
 
+// Let the light (h, w, 3) of a picture spread in its snow.
+auto spread(const In<float, nb::shape<-1, -1, 3>>& light, const In<float, nb::shape<-1, -1>>& snow,
+            const In<float, nb::shape<-1, -1>>& depth, const In<float, nb::shape<-1, -1>>& radius,
+            const In<float, nb::shape<2, 3, -1>>& taps, float share, float thick) {
+  const std::size_t h = light.shape(0), w = light.shape(1), count = taps.shape(2);
+  for (const auto* a : {&snow, &depth, &radius})
+    if (a->shape(0) != h || a->shape(1) != w)
+      throw nb::value_error("snow, depth and radius have a number for each pixel");
+  if (!(thick > 0)) throw nb::value_error("thick is above zero");
+  SpreadTaps of[3];
+  for (std::size_t c = 0; c < 3; ++c)
+    of[c] = {taps.data() + c * count, taps.data() + (3 + c) * count, int(count)};
+  float* out = nullptr;
+  auto held = fresh(out, {h, w, 3});
+  nb::gil_scoped_release release;
+  spread_light({light.data(), snow.data(), depth.data(), radius.data(), std::int64_t(h), std::int64_t(w)}, of,
+               share, thick, out);
+  return held;
+}
+
 }  // namespace
 
 NB_MODULE(_render, m) {
@@ -171,6 +192,8 @@ NB_MODULE(_render, m) {
   m.def(
       "surface_materials", [] { return neve::bind::tuple_of(surface_material_names); },
       "Words of what surfaces are made of.");
+  m.def("spread", &spread, "light"_a, "snow"_a, "depth"_a, "radius"_a, "taps"_a, "share"_a, "thick"_a,
+        "Light of a picture after it has spread in its snow.");
   nb::class_<Camera>(m, "Camera", "A pinhole camera.")
       .def(
           "__init__",

@@ -116,3 +116,19 @@ class Painter:
         [m3]; cell_size: of the density that light passes through [m]; threads: 0 leaves the choice to OpenMP.
         Errors: ValueError for sizes that do not fit or are not above zero, or more than 1.6e7 solids.
         """
+
+def spread(
+    light: NDArray[np.float32],
+    snow: NDArray[np.float32],
+    depth: NDArray[np.float32],
+    radius: NDArray[np.float32],
+    taps: NDArray[np.float32],
+    share: float,
+    thick: float,
+) -> NDArray[np.float32]:
+    """Return the light (h, w, 3) of a picture after it has spread in its snow, over pixels of like depth.
+
+    snow (h, w): share of each pixel; depth (h, w) [m]; radius (h, w) [px]: what `taps` (2, 3, n) is in units
+    of, places right of a pixel and below it for red, green and blue; share: of light that spreads; thick [m].
+    Errors: ValueError for other sizes.
+    """

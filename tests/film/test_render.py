@@ -10,6 +10,7 @@ from PIL import Image
 from neve.cli import main
 from neve.cli.render import Told
 from neve.film.pictures import exr_key, png_key
+from neve.film.sharing import jobs_for
 from neve.io.frames import read_frame, write_frame
 from neve.run import run_scene
 from neve.scene.schema.scene import Camera, Collider, Numerics, Run, Scene, Source
@@ -132,7 +133,7 @@ def test_processes_draw_the_same_pictures(folder, capsys):
     """Frames drawn by two processes are those of one, byte for byte, with a camera that must see all frames;
     what is there already is kept."""
     moving = ("--set", "camera.follow=snow", "--set", "camera.shutter=0.5")
-    assert code("render", folder, *SMALL, *moving, "--out", folder / "one") == 0
+    assert code("render", folder, *SMALL, *moving, "--out", folder / "one", "--jobs", "1") == 0
     assert code("render", folder, *SMALL, *moving, "--out", folder / "two", "--jobs", "2") == 0
     names = sorted(path.name for path in (folder / "one").glob("*.png"))
     assert len(names) == 3
@@ -141,6 +142,22 @@ def test_processes_draw_the_same_pictures(folder, capsys):
     capsys.readouterr()
     assert code("render", folder, *SMALL, *moving, "--out", folder / "two", "--jobs", "2") == 0
     assert ": 0 new pictures" in capsys.readouterr().out
+
+
+def test_frames_are_drawn_side_by_side_as_cores_and_memory_allow(monkeypatch):
+    """One on each core; no more than frames, than processes that fit into 95 % of the free memory, than a
+    million paths of light each; one at least."""
+    gigabyte = 10**9
+    monkeypatch.setattr("neve.system.memory.free", lambda: 8 * gigabyte)
+    assert jobs_for(24, 16, 10**9, 0.5 * gigabyte) == 15
+    assert jobs_for(24, 4, 10**9, 0.5 * gigabyte) == 4
+    assert jobs_for(3, 16, 10**9, 0.5 * gigabyte) == 3
+    assert jobs_for(24, 16, 10**9, 2.0 * gigabyte) == 3
+    assert jobs_for(24, 16, 10**9, 20 * gigabyte) == 1
+    assert jobs_for(24, 16, 2_500_000, gigabyte) == 2
+    assert jobs_for(24, 16, 1000, gigabyte) == 1
+    monkeypatch.setattr("neve.system.memory.free", lambda: None)
+    assert jobs_for(24, 16, 10**9, gigabyte) == 16
 
 
 @needs_mitsuba

@@ -98,7 +98,9 @@ class Told:
 @click.option("--denoise/--no-denoise", default=None, help="Remove noise; by default where OIDN is there.")
 @click.option("--exr", is_flag=True, help="Write linear light as OpenEXR beside each PNG.")
 @click.option("--threads", metavar="N", callback=thread_count, help="Number of threads; all by default.")
-@click.option("--jobs", metavar="N", callback=whole_number, help="Frames drawn at once; 1 by default.")
+@click.option(
+    "--jobs", metavar="N", callback=whole_number, help="Frames drawn at once; by default as many as fit."
+)
 @click.option("--force", is_flag=True, help="Render again what is there already.")
 @click.option("--quiet", is_flag=True, help="Hide progress.")
 def render(
@@ -136,7 +138,5 @@ def render(
     chosen = slice(frame, frame + 1) if frame is not None else frames
     cleans = has_denoiser() if denoise is None else denoise
     choices = Choices(quality, look, kind, spp, size, aperture, cleans, phase)
-    made, new = render_run(
-        run, choices, out, chosen, changes, exr, force, threads or 0, jobs or 1, Told(quiet)
-    )
+    made, new = render_run(run, choices, out, chosen, changes, exr, force, threads or 0, jobs, Told(quiet))
     tell(f"{made}: {new} new pictures")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import astuple
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from neve.build import solids as solids_of
 from neve.film.pictures import exr_key, png_key, read_png, refuse_strangers, write_exr, write_png
+from neve.film.sharing import cores, jobs_for, needed
 from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
 from neve.io.atomic import writing
 from neve.io.errors import RunError
@@ -37,7 +37,7 @@ FOLDER = "render"
 FILM = "render.mp4"
 PART = "render_{:06d}-{:06d}.mp4"
 """Name of a film of some frames, by the first and the last: it takes the place of no film of all."""
-FORMAT = 7
+FORMAT = 8
 """Changes when the same choices give another picture."""
 CHANGEABLE = ("camera", "light")
 """Tables of the scene that may be changed once the snow has moved."""
@@ -55,7 +55,7 @@ def render_run(
     exr: bool = False,
     force: bool = False,
     threads: int = 0,
-    jobs: int = 1,
+    jobs: int | None = None,
     progress: Progress = lambda done, of, new: None,
 ) -> tuple[Path, int]:
     """Render frames of the run folder `path`; return what was made and how many pictures are new.
@@ -68,7 +68,8 @@ def render_run(
     frames: numbers from start to stop, without stop, by step; None for all
     changes: of camera and light, such as "camera.fov=30"
     exr: write the linear light of each frame as OpenEXR, too
-    jobs: processes that draw frames at once, which share the `threads`; no more than these
+    jobs: processes that draw frames at once, which share the `threads`; no more than these. None: as many as
+    cores and free memory allow, see `jobs_for`
 
     Errors: RunError, SceneError, RenderError, FilmError, one sentence.
     """
@@ -89,15 +90,16 @@ def render_run(
     target = Path(out) if out is not None else run.path / FOLDER
     with writing(target):
         disk.make_folder(target)
-    cores = threads or os.cpu_count() or 1
-    jobs = min(jobs, len(numbers), cores)
-    each = cores // jobs if jobs > 1 else threads
-    job = _Job(run, scene, choices, target, exr, each)
+    share = threads or cores()
+    job = _Job(run, scene, choices, target, exr, threads)
     new = 0
     with RunFolder(target).lock():
         with writing(target):
             disk.sweep(target)
         job.refuse_strangers(numbers)
+        jobs = min(job.side_by_side(numbers, force, share) if jobs is None else jobs, len(numbers), share)
+        if jobs > 1:
+            job.threads = share // jobs
         for done, made in enumerate(_pictures(job, numbers, force, jobs, changes), 1):
             new += made
             progress(done, len(numbers), new)
@@ -152,7 +154,7 @@ class _Job:
         seen: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
         self._run, self._scene, self._choices, self._target = run, scene, choices, target
-        self._exr, self._threads = exr, threads
+        self._exr, self.threads = exr, threads
         self._solids: tuple[Solid, ...] = solids_of(scene)
         self._shot = Shot(scene.camera, self._solids, scene.numerics.dx)
         self._views = dict(views)
@@ -163,7 +165,7 @@ class _Job:
     def told(self, changes: Sequence[str]) -> tuple[Any, ...]:
         """Return what makes an equal job in another process, see `_begin`; changes: of its scene."""
         views = self.views  # it lets the camera see the frames
-        more = (self._choices, self._target, self._exr, self._threads, views, self._shot.state())
+        more = (self._choices, self._target, self._exr, self.threads, views, self._shot.state())
         return self._run, [*changes], *more
 
     def path(self, number: int) -> Path:
@@ -176,6 +178,21 @@ class _Job:
             if self._exr:
                 refuse_strangers(self.path(number).with_suffix(".exr"))
 
+    def side_by_side(self, numbers: Sequence[int], force: bool, share: int) -> int:
+        """Return how many frames to draw at once on so many cores, of those that are not there yet."""
+        left = len(numbers) if force else sum(not self._there(n, self._key(n)) for n in numbers)
+        if left < 2 or share < 2:
+            return 1
+        quality, (_, most) = self._choices.all, self._first_and_most()
+        grains = most * self._choices.grains(self._scene.numerics.spacing, self.views.values(), most)
+        pixels = quality.size[0] * quality.size[1]
+        return jobs_for(left, share, left * pixels * quality.samples, needed(grains, pixels))
+
+    def _there(self, number: int, key: str) -> bool:
+        """Say whether the picture of a frame is there, made from what `key` stands for."""
+        path = self.path(number)
+        return png_key(path) == key and (not self._exr or exr_key(path.with_suffix(".exr")) == key)
+
     def picture(self, number: int, force: bool) -> bool:
         """Make the picture of a frame; return whether it is new."""
         path, key = self.path(number), self._key(number)
@@ -183,7 +200,7 @@ class _Job:
         if exr_key(linear) not in (None, key):  # it would pass for the light of the new picture
             with writing(linear):
                 disk.remove(linear)
-        if not force and png_key(path) == key and (not self._exr or exr_key(linear) == key):
+        if not force and self._there(number, key):
             return False
         light = self._light(read_frame(self._run.frames, number), number)
         if self._exr:
@@ -217,11 +234,9 @@ class _Job:
 
     def _light(self, content: Frame, number: int) -> NDArray[np.float32]:
         if self._tracer is None:
-            numbers = frame_numbers(self._run.frames)
-            first, last = (read_frame(self._run.frames, n) for n in (numbers[0], numbers[-1]))
-            most = max(len(first.x), len(last.x))  # a source that flows has its most at the end
+            first, most = self._first_and_most()
             self._tracer = PathTracer(
-                self._scene, self._choices, first.id, first.x, most, [*self.views.values()], self._threads
+                self._scene, self._choices, first.id, first.x, most, [*self.views.values()], self.threads
             )
         if len(content.solid_position) != len(self._solids):
             raise RunError(
@@ -231,6 +246,12 @@ class _Job:
         moving = self._moving(content, number)
         F_E = content.more.get("F_E")
         return self._tracer.draw(content.x, content.v, content.id, moving, self._open_for, F_E)
+
+    def _first_and_most(self) -> tuple[Frame, int]:
+        """Return the first frame of the run, and the most particles that a frame has."""
+        numbers = frame_numbers(self._run.frames)
+        first, last = (read_frame(self._run.frames, n) for n in (numbers[0], numbers[-1]))
+        return first, max(len(first.x), len(last.x))  # a source that flows has its most at the end
 
     @property
     def _open_for(self) -> float:

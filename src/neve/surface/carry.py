@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve import _surface
+from neve import _core, _surface
 from neve.surface.volume import points
 
 Floats = NDArray[np.float32]
@@ -52,7 +52,7 @@ class Origin:
         if count < 2:
             self._near = np.zeros((len(order), 0), np.int32)
             return
-        _, near = cKDTree(self._x).query(self._x, k=count)
+        _, near = cKDTree(self._x).query(self._x, k=count, workers=_core.threads())
         self._near = np.ascontiguousarray(near[:, 1:], np.int32)
 
     def gradients(self, id: NDArray[Any], x: NDArray[Any]) -> Floats:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+import neve._render as _render
 from neve.render.path_tracing.daylight import LUMINANCE, exposure
 from neve.render.path_tracing.snow import unit
 
@@ -100,27 +101,12 @@ def spread(light: Floats, snow: Floats, depth: Floats, radius: Floats, thick: fl
     """
     if not np.any(snow > 0.0):
         return light
-    height, width = depth.shape
-    rows, columns = np.mgrid[0:height, 0:width].astype(np.float32)
-    turn = np.float32(2.399963) * np.arange(TAPS, dtype=np.float32)
-    far = np.sqrt(-2.0 * np.log1p(-(np.arange(TAPS, dtype=np.float32) + 0.5) / TAPS))
-    out = light.copy()
-    reach = np.minimum(radius, 0.05 * width)
-    for c in range(3):
-        total, weights = light[..., c] * 0.05, np.full_like(depth, 0.05)
-        for k in range(TAPS):
-            r = np.clip(
-                rows + np.float32(COLORS[c] * far[k] * np.sin(turn[k])) * reach, 0, height - 1
-            ).astype(np.int32)
-            q = np.clip(
-                columns + np.float32(COLORS[c] * far[k] * np.cos(turn[k])) * reach, 0, width - 1
-            ).astype(np.int32)
-            near = np.exp(-(((depth[r, q] - depth) / (3.0 * thick)) ** 2)) * snow[r, q]
-            total += near * light[r, q, c]
-            weights += near
-        share = SHARE * snow
-        out[..., c] = light[..., c] * (1.0 - share) + share * total / weights
-    return out
+    step = np.arange(TAPS, dtype=np.float32)
+    turn, far = np.float32(2.399963) * step, np.sqrt(-2.0 * np.log1p(-(step + 0.5) / TAPS))
+    around = np.stack([far * np.cos(turn), far * np.sin(turn)])
+    taps = around[:, None, :] * np.array(COLORS, np.float32)[:, None]
+    where = _whole(snow), _whole(depth), _whole(radius)
+    return _render.spread(_whole(light), *where, _whole(taps), SHARE, 3.0 * thick)
 
 
 def coded(light: Floats) -> NDArray[np.uint8]:

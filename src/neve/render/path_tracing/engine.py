@@ -57,14 +57,25 @@ def triangles(
     if colors is not None:
         mesh.add_attribute("vertex_color", 3, _flat(colors))
     parameters = mi.traverse(mesh)
-    parameters["vertex_positions"] = _flat(vertices)
-    parameters["faces"] = np.ascontiguousarray(faces, np.uint32).ravel()
+    _fill(parameters, "vertex_positions", _flat(vertices))
+    _fill(parameters, "faces", np.ascontiguousarray(faces, np.uint32).ravel())
     if normals is not None:
-        parameters["vertex_normals"] = _flat(normals)
+        _fill(parameters, "vertex_normals", _flat(normals))
     if places is not None:
-        parameters["vertex_texcoords"] = _flat(places)
+        _fill(parameters, "vertex_texcoords", _flat(places))
     parameters.update()
     return mesh
+
+
+def _fill(parameters: Any, key: str, values: NDArray[Any]) -> None:
+    """Write numbers into a mesh, in place where its memory is at hand: Mitsuba's own way compares them with
+    what was there first, one by one."""
+    held = np.asarray(parameters[key])
+    if held.flags.owndata or held.shape != values.shape or held.dtype != values.dtype:
+        parameters[key] = values
+    else:
+        held[...] = values
+        parameters.set_dirty(key)
 
 
 def bitmap(values: NDArray[Any], interpolated: bool = True) -> dict[str, Any]:

@@ -109,7 +109,7 @@ class Quality:
 
     look: unless another is chosen. samples: paths for each pixel, of each pass. bounces: of light at
     surfaces. grains, flakes: how many may be drawn. across: size of a grain [px]. size: of the picture [px].
-    phase: a word of PHASES, for the look "reference"
+    rays: of each pixel that look what it shows. phase: a word of PHASES, for the look "reference"
     """
 
     look: str
@@ -119,11 +119,12 @@ class Quality:
     flakes: int
     across: float
     size: tuple[int, int]
+    rays: int = 4
     phase: str = "henyey_greenstein"
 
 
 QUALITIES = {
-    "draft": Quality("diffuse", 6, 5, 1_600_000, 150_000, 1.3, (640, 360)),
+    "draft": Quality("diffuse", 6, 5, 1_600_000, 150_000, 1.3, (640, 360), 2),
     "good": Quality("diffuse", 12, 10, 8_000_000, 1_000_000, 1.1, (1280, 720)),
     "final": Quality("medium", 20, 12, 8_000_000, 1_000_000, 1.1, (1280, 720)),
 }

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.backend import Cpu
 from neve.render.path_tracing.develop import develop
 from neve.render.path_tracing.engine import RenderError
 from neve.render.path_tracing.lens import Lens
@@ -23,7 +25,7 @@ from neve.render.path_tracing.snow import (
     lumps,
     snow_geometry,
 )
-from neve.render.path_tracing.tracer import HITS, Layers, Tracer
+from neve.render.path_tracing.tracer import Layers, Tracer
 from neve.surface.carry import Origin, carried
 from neve.surface.metaballs import snow_balls
 
@@ -88,6 +90,27 @@ class Choices:
         """Return the finest footprint of a pixel at the target of a view [m]."""
         return min(Lens(view, *self.all.size).pixel for view in views)
 
+    def grains(self, spacing: float, views: Iterable[View], most: int) -> int:
+        """Return how many grains a particle is drawn as, of at most `most` particles; spacing [m]."""
+        quality = self.all
+        return grain_count(spacing, self.pixel(views), most, quality.grains, quality.across)
+
+
+class _First:
+    """Hold what the first frame of a run tells of its particles."""
+
+    def __init__(self, id: NDArray[Any], x: NDArray[Any], spacing: float) -> None:
+        order = np.argsort(id)
+        self._names, self._weights = id[order], lumps(x, spacing)[order]
+        self.origin = Origin(id, x)
+
+    def weights_of(self, id: NDArray[Any]) -> Floats:
+        """Return the weights of particles (n,); those that came later weigh 1."""
+        if not len(self._names):
+            return np.ones(len(id), np.float32)
+        at = np.searchsorted(self._names, id).clip(max=len(self._names) - 1)
+        return np.where(self._names[at] == id, self._weights[at], np.float32(1.0))
+
 
 class PathTracer:
     """Draw frames of one run.
@@ -115,12 +138,11 @@ class PathTracer:
         self.quality = choices.all
         self._scene, self._choices, self._kind = scene, choices, KINDS[choices.kind]
         spacing = scene.numerics.spacing
-        pixel = choices.pixel(views)
-        self.count = grain_count(spacing, pixel, most, self.quality.grains, self.quality.across)
+        self.count = choices.grains(spacing, views, most)
         self._flakes = flake_share(int(self.quality.flakes * self._kind.flakes), self.count * most)
-        order = np.argsort(first_id)
-        self._names, self._weights = first_id[order], lumps(first_x, spacing)[order]
-        self._origin = Origin(first_id, first_x)
+        # A thread of its own makes the snow, while this one makes the solids and loads Mitsuba.
+        self._own = ThreadPoolExecutor(1, initializer=_use_threads, initargs=(threads,))
+        self._first = self._own.submit(_First, first_id, first_x, spacing)
         self._tracer = Tracer(scene, self.quality, self.quality.look, self._kind, threads)
 
     def _lens(self, view: View) -> Lens:
@@ -167,7 +189,7 @@ class PathTracer:
         """Return what is seen at one moment."""
         samples = self.quality.samples
         if self.quality.look != "metaballs":
-            return self._tracer.trace(self.geometry(x, id, F_E), *moment, samples)
+            return self._tracer.trace(self._own.submit(self.geometry, x, id, F_E), *moment, samples)
         return self._metaballs(x, moment, samples)
 
     def _blurred(
@@ -187,7 +209,7 @@ class PathTracer:
                 self._metaballs(x + np.float32(dt) * v, seen(dt), samples, k) for k, dt in enumerate(times)
             )
         motion = Motion(self.geometry(x, id, F_E), x, v, self._scene.numerics.spacing)
-        rays, middle = max(1, round(HITS / len(times))), seen(0.0)[1]
+        rays, middle = max(1, round(self.quality.rays / len(times))), seen(0.0)[1]
         layers = mean(
             self._tracer.trace(motion.after(dt), *seen(dt), samples, k, rays, middle)
             for k, dt in enumerate(times)
@@ -203,12 +225,13 @@ class PathTracer:
 
     def geometry(self, x: NDArray[Any], id: NDArray[Any], F_E: NDArray[Any] | None = None) -> SnowGeometry:
         """Return the snow of a frame as it is drawn."""
-        F = self._origin.gradients(id, x) if F_E is None else F_E
+        first = self._first.result()
+        F = first.origin.gradients(id, x) if F_E is None else F_E
         size = FLAKE_SIZE["diffuse" if self.quality.look == "diffuse" else "other"]
         return snow_geometry(
             x,
             id,
-            self._weights_of(id),
+            first.weights_of(id),
             self._scene.numerics.spacing,
             self.count,
             self._flakes,
@@ -216,9 +239,7 @@ class PathTracer:
             carried(F),
         )
 
-    def _weights_of(self, id: NDArray[Any]) -> Floats:
-        """Return the weights of particles; those that came later weigh 1."""
-        if not len(self._names):
-            return np.ones(len(id), np.float32)
-        at = np.searchsorted(self._names, id).clip(max=len(self._names) - 1)
-        return np.where(self._names[at] == id, self._weights[at], np.float32(1.0))
+
+def _use_threads(count: int) -> None:
+    if count:
+        Cpu().use_threads(count)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -35,10 +36,6 @@ LONGEST = 2048
 """Scatterings after which roulette ends paths even where no light is lost."""
 ANGLES = 512
 """Values of a phase function that Mitsuba is given as a table, over the cosine."""
-HITS = 4
-"""Rays of each pixel that look what it shows."""
-
-
 BLOCK = 32
 """Side of the blocks of pixels that threads draw [px]: by itself Mitsuba takes it from the number of threads,
 and random numbers from the block."""
@@ -96,19 +93,20 @@ class Tracer:
 
     def trace(
         self,
-        snow: SnowGeometry,
+        snow: SnowGeometry | Future[SnowGeometry],
         solids: Sequence[tuple[Solid, Pose]],
         lens: Lens,
         samples: int,
         part: int = 0,
-        rays: int = HITS,
+        rays: int | None = None,
         middle: Lens | None = None,
     ) -> Layers:
         """Return the light of a frame, seen through `lens`.
 
-        samples: paths a pixel, of each pass. Of a picture of several exposures: part: number of this one;
-        middle: what the frame itself is seen through, whose random numbers and endless ground all have. rays:
-        of a pixel that look what it shows.
+        snow: or what is still at work on it: it is asked for once the solids are made. samples: paths a
+        pixel, of each pass. Of a picture of several exposures: part: number of this one; middle: what the
+        frame itself is seen through, whose random numbers and endless ground all have. rays: of a pixel that
+        look what it shows; None: as the quality has it.
         """
         middle = middle or lens
         seed = (middle.seed + PARTS * part) % 2**28
@@ -116,6 +114,7 @@ class Tracer:
         for n, (solid, pose) in enumerate(solids):
             if solid.visible:
                 parts[f"solid{n}"] = self._solid(solid, pose, n, middle)
+        snow = snow.result() if isinstance(snow, Future) else snow
         parts |= self._snow(snow)
         parts["integrator"] = self._integrator()
         film = {
@@ -129,7 +128,7 @@ class Tracer:
         }
         parts["sensor"] = lens.sensor(self._mi, film, samples, seed)
         scene = self._mi.load_dict(parts)
-        return self._passes(scene, snow.flakes, seed, rays)
+        return self._passes(scene, snow.flakes, seed, rays or self._quality.rays)
 
     def _solid(self, solid: Solid, pose: Pose, n: int, lens: Lens) -> Any:
         """Return the mesh of a solid; one that stays where it is is made once, the ground for each view."""
