@@ -40,12 +40,16 @@ def _tell(text: str) -> None:
 
 @contextlib.contextmanager
 def heard() -> Iterator[None]:
-    """Turn the warnings of the engine's compiler, which are Python's, to the log of Neve as well."""
+    """Turn the warnings of the engine's compiler, which are Python's, to the log of Neve as well.
+
+    But not what it says of words that later engines will not know: they still act.
+    """
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         yield
     for said in dict.fromkeys(str(warning.message) for warning in found):
-        _tell(said)
+        if " is deprecated" not in said:
+            _tell(said)
 
 
 def quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -59,8 +63,12 @@ def reason(error: Exception) -> str:
     """Return the engine's message as the end of one sentence."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     text = re.sub(r"^(XML )?Error: ", "", lines[0] if lines else type(error).__name__).rstrip(".!")
+    text = text.replace("mjMINVAL", "1e-15")
     where = next((match for line in lines[1:] if (match := re.search(r"line \d+", line, re.I))), None)
     where = where or re.search(r"Line number=(\d+)", " ".join(lines[1:]))
-    place = f" (line {re.sub(r'[^0-9]', '', where[0])})" if where else ""
+    element = re.search(r"Element name '([^']+)'", str(error))
+    line = f"line {re.sub(r'[^0-9]', '', where[0])}" if where else ""
+    named = f'"{element[1]}"' if element and element[1] not in text else ""
+    place = f" ({', '.join(filter(None, (named, line)))})" if named or line else ""
     begin = text[:1] if text[1:2].isupper() else text[:1].lower()  # XML stays XML
     return f"{begin}{text[1:]}{place}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,10 +14,11 @@ from numpy.typing import NDArray
 
 from neve.geometry.pose import rotation_matrix
 from neve.reproducible import product
-from neve.rigid.engine import engine, quaternion
+from neve.rigid.engine import engine, heard, quaternion
 from neve.rigid.robot_files.helper import require_sound
+from neve.rigid.robot_files.kept import dropped_options, keep_compiled
 from neve.rigid.robot_files.reading import compiled, free_name, is_urdf, read
-from neve.scene.errors import SceneError
+from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.schema.bodies import Motor, Robot
 from neve.spelling import hint, nearest
 
@@ -49,7 +51,8 @@ def add_robot(spec: Any, robot: Robot, name: str) -> LoadedRobot:
 
     `name`: used in messages.
 
-    Its own options, such as gravity and time step, do not count: those of the scene do.
+    Its own options, such as gravity and time step, do not count: those of the scene do. A SceneWarning names
+    those of physics.
 
     Errors: SceneError, one sentence: unreadable, a mesh that is missing, nothing that collides, flexible
     parts, no such actuator, keyframe or range.
@@ -67,13 +70,21 @@ def add_robot(spec: Any, robot: Robot, name: str) -> LoadedRobot:
     alone = compiled(child, text)
     _check_controls(loaded, alone)
     _set_start(loaded, alone)
+    keep_compiled(child, alone)
+    if dropped := dropped_options(child, spec.option):
+        warnings.warn(
+            f"{text} sets {', '.join(dropped)} in its options, which do not count: what the scene says does",
+            SceneWarning,
+            stacklevel=2,
+        )
     for key in list(child.keys):
         child.delete(key)
     for option in (o for o in dir(spec.option) if not o.startswith("_")):
         setattr(child.option, option, getattr(spec.option, option))
     R = rotation_matrix(np.radians(robot.rotation))
     frame = spec.worldbody.add_frame(pos=robot.position, quat=quaternion(R))
-    spec.attach(child, prefix=f"{name}.", frame=frame)
+    with heard():
+        spec.attach(child, prefix=f"{name}.", frame=frame)
     return loaded
 
 

@@ -52,7 +52,7 @@ def require_movable(model: Any, data: Any) -> None:
     inertia = np.zeros((model.nv, model.nv))
     engine().mj_fullM(model, data, inertia)
     if (dof := _without_inertia(inertia)) is not None:
-        body = _body_name(model, int(model.dof_bodyid[dof]))
+        body = body_name(model, int(model.dof_bodyid[dof]))
         raise SceneError(
             f"{body} cannot be moved: the joints that carry it have no inertia of their own, or one that is "
             "too small beside that of others: check masses and sizes"
@@ -60,10 +60,10 @@ def require_movable(model: Any, data: Any) -> None:
 
 
 def _geom_name(model: Any, geom: int) -> str:
-    return model.geom(geom).name or f"a geom of {_body_name(model, int(model.geom_bodyid[geom]))}"
+    return model.geom(geom).name or f"a geom of {body_name(model, int(model.geom_bodyid[geom]))}"
 
 
-def _body_name(model: Any, body: int) -> str:
+def body_name(model: Any, body: int) -> str:
     """Return the name of a body, or of its first geom that has one, or its number."""
     first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
     names = [model.body(body).name, *(model.geom(geom).name for geom in range(first, first + count))]

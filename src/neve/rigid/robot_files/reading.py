@@ -12,7 +12,7 @@ import numpy as np
 
 from neve.rigid.engine import engine, heard, reason
 from neve.rigid.robot_files.names import MOST_GEOMS, follow
-from neve.rigid.soundness import MOST_SOLIDS
+from neve.rigid.soundness import MOST_SOLIDS, body_name, require_movable
 from neve.scene.errors import SceneError
 
 
@@ -23,6 +23,8 @@ def read(path: Path, text: str) -> tuple[Any, list[str]]:
 
     Errors: SceneError, one sentence: unreadable, a mesh that is missing, nothing or too much that collides.
     """
+    if is_urdf(path):
+        _require_links(path, text)
     try:
         with heard():
             child = engine().MjSpec.from_file(str(path))
@@ -67,12 +69,44 @@ def examine(path: Path, text: str) -> list[str]:
         mujoco.mj_step(model, data)
     except (ValueError, MemoryError, engine().FatalError) as error:
         raise SceneError(f"{text} cannot be used as a robot: {reason(error)}") from None
-    placed = (data.qpos, data.qvel, data.act, data.xpos, data.xmat, data.geom_xpos, data.geom_xmat)
-    if not all(np.isfinite(numbers).all() for numbers in (*placed, model.geom_size, model.geom_rgba)):
+    if (name := _lost(model, data)) is not None:
+        _require_movable(model, text)
         raise SceneError(
-            f"{text} cannot be used as a robot: it has no finite place or velocity after its first step"
+            f'{text} cannot be used as a robot: "{name}" has no finite place or velocity after its first step'
         )
     return [str(file) for file in _files(path)]
+
+
+def _lost(model: Any, data: Any) -> str | None:
+    """Return the name of the first body that is nowhere, or whose size or speed is no number."""
+    for i in range(model.nbody):
+        geoms, dofs, joints = (
+            slice(int(first[i]), int(first[i]) + int(count[i]))
+            for first, count in (
+                (model.body_geomadr, model.body_geomnum),
+                (model.body_dofadr, model.body_dofnum),
+                (model.body_jntadr, model.body_jntnum),
+            )
+        )
+        positions = [data.joint(k).qpos for k in range(joints.start, joints.stop)]
+        numbers = (data.xpos[i], data.xmat[i], data.qvel[dofs], *positions, model.geom_size[geoms])
+        shown = (data.geom_xpos[geoms], data.geom_xmat[geoms], model.geom_rgba[geoms])
+        if not all(np.isfinite(part).all() for part in (*numbers, *shown)):
+            return body_name(model, i)
+    return None if np.isfinite(data.act).all() else "an actuator"
+
+
+def _require_movable(model: Any, text: str) -> None:
+    """Say why a robot cannot be moved, if its sizes or its inertia tell.
+
+    Errors: SceneError.
+    """
+    data = engine().MjData(model)
+    engine().mj_forward(model, data)
+    try:
+        require_movable(model, data)
+    except SceneError as error:
+        raise SceneError(f"{text} cannot be used as a robot: {error}") from None
 
 
 def _files(path: Path) -> list[Path]:
@@ -92,6 +126,25 @@ def is_urdf(path: Path) -> bool:
     except (ElementTree.ParseError, OSError, ValueError):
         pass
     return False
+
+
+def _require_links(path: Path, text: str) -> None:
+    """Refuse joints of a URDF file between links that it does not have: the engine does not name them.
+
+    Errors: SceneError.
+    """
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (ElementTree.ParseError, OSError, ValueError):
+        return  # left to the engine
+    links = {link.get("name") for link in root.findall("link")}
+    for joint in root.findall("joint"):
+        for end in ("parent", "child"):
+            found = joint.find(end)
+            name = None if found is None else found.get("link")
+            if name not in links:
+                what = f"has no {end}" if name is None else f'names "{name}", which is no link of it'
+                raise SceneError(f'{text} cannot be read as a robot: the joint "{joint.get("name")}" {what}')
 
 
 def _find_meshes(child: Any, folder: Path, text: str) -> None:
