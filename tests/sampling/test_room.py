@@ -154,7 +154,7 @@ def test_limits_of_containers_count(version, tmp_path):
 
 def test_a_damaged_font_is_named(tmp_path):
     """Whatever its reader stumbles over, the sentence has the key and the file."""
-    from neve.sampling.lettering import FONT
+    from neve.sampling.fonts import FONT
 
     rng = np.random.default_rng(0)
     whole = FONT.read_bytes()

@@ -233,7 +233,8 @@ def test_volume_of_letters_does_not_depend_on_dx() -> None:
 def test_letter_that_the_font_lacks() -> None:
     """The bundled font has no Chinese; the sentence says which letters and what to do."""
     with pytest.raises(
-        SceneError, match=r"^sources\.2\.text: the bundled font has no glyph for 雪 山; name a font"
+        SceneError,
+        match=r"^sources\.2\.text: the bundled font has no glyph for 雪 \(U\+96EA .*\), 山 \(.*\); name",
     ):
         fill(Source.of("text", text="a 雪山"), Numerics(), 2)
     fill(Source.of("text", text="Àé ñ ß 123!?"), Numerics(), 0)

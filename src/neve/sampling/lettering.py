@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.sampling.fonts import (
+    NO_CHARACTER,
+    is_shaped,
+    opened,
+    picture,
+    plain,
+    require_glyphs,
+    spaced,
+    unusable,
+)
 from neve.scene.errors import SceneError
 from neve.scene.schema.file_shapes import Text
 
@@ -19,15 +27,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-FONT = Path(__file__).parents[1] / "assets" / "FredokaOne-Regular.ttf"
 PIXELS_PER_SPACING = 8
 """Edges of letters are true to 1/16 of the distance between particles."""
 LARGEST_PICTURE = 64e6
 """Pixels of the largest picture; longer texts are drawn coarser."""
 LARGEST_MAP = 8e6
 """Pixels of the largest map of distances."""
-NO_CHARACTER = "\U0010ffff"
-"""A code that is never a character: every font draws it as its missing-glyph box."""
 
 
 @dataclass(frozen=True)
@@ -92,61 +97,29 @@ def letters(source: Text, spacing: float, name: str) -> Letters:
     except SceneError:
         raise
     except Exception:  # whatever a damaged font makes its reader stumble over
-        raise _unusable(source, name, "draws the text") from None
+        raise unusable(source, name, "draws the text") from None
 
 
 def _drawn(source: Text, spacing: float, name: str) -> Letters:
     from PIL import Image, ImageDraw
 
-    font = _open(source, 256.0, name)
-    _check_glyphs(source, font, name)
-    left, top, right, bottom = _box(source.text, font)
+    text = plain(source.text)
+    shaped = is_shaped(text)
+    font = opened(source, 256.0, name, shaped)
+    require_glyphs(source, text, font, name)
+    text = spaced(text, font)
+    left, top, right, bottom = _box(text, font)
     pixels = min(max(PIXELS_PER_SPACING * source.height / spacing, 48.0), 4096.0)
-    scale = pixels / _capital(source.text, font)
+    scale = pixels / _capital(text, font)
     scale = min(scale, float(np.sqrt(LARGEST_PICTURE / ((right - left) * (bottom - top)))))
-    font = _open(source, 256.0 * scale, name)
-    left, top, right, bottom = _box(source.text, font)
+    font = opened(source, 256.0 * scale, name, shaped)
+    left, top, right, bottom = _box(text, font)
     image = Image.new("L", (int(right - left) + 4, int(bottom - top) + 4))
-    ImageDraw.Draw(image).multiline_text(
-        (2 - left, 2 - top), source.text, fill=255, font=font, align="center"
-    )
+    ImageDraw.Draw(image).multiline_text((2 - left, 2 - top), text, fill=255, font=font, align="center")
     solid = np.asarray(image) > 127
     rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
     solid = solid[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    return Letters(solid, source.height / _capital(source.text, font))
-
-
-def _open(source: Text, size: float, name: str) -> FreeTypeFont:
-    from PIL import ImageFont
-
-    try:
-        return ImageFont.truetype(source.font or FONT, size, layout_engine=ImageFont.Layout.BASIC)
-    except Exception:  # whatever a damaged font makes its reader stumble over
-        raise _unusable(source, name, "can be read") from None
-
-
-def _unusable(source: Text, name: str, can: str) -> SceneError:
-    stated = f"{name}.font = {json.dumps(source.font, ensure_ascii=False)}"
-    return SceneError(
-        f"{stated} is not a font that {can}: it is damaged, or no font; name a .ttf or .otf file"
-    )
-
-
-def _check_glyphs(source: Text, font: FreeTypeFont, name: str) -> None:
-    box = _picture(NO_CHARACTER, font)
-    lacking = [c for c in dict.fromkeys(source.text) if not c.isspace() and _picture(c, font) in (box, None)]
-    if lacking:
-        which = "the bundled font" if not source.font else f'the font "{source.font}"'
-        raise SceneError(
-            f"{name}.text: {which} has no glyph for {' '.join(lacking[:8])}; "
-            f"name a font that has it with {name}.font"
-        )
-
-
-def _picture(character: str, font: FreeTypeFont) -> tuple[tuple[int, int], bytes] | None:
-    """Return the pixels of `character`, or None if it leaves no ink."""
-    mask = font.getmask(character, mode="L")
-    return (mask.size, bytes(mask)) if mask.getbbox() else None
+    return Letters(solid, source.height / _capital(text, font))
 
 
 def _box(text: str, font: FreeTypeFont) -> tuple[float, float, float, float]:
@@ -158,6 +131,6 @@ def _box(text: str, font: FreeTypeFont) -> tuple[float, float, float, float]:
 
 def _capital(text: str, font: FreeTypeFont) -> float:
     """Return the height of a capital H in pixels, or of the tallest glyph of `text` if the font has no H."""
-    tall = "H" if _picture("H", font) not in (None, _picture(NO_CHARACTER, font)) else text
+    tall = "H" if picture("H", font) not in (None, picture(NO_CHARACTER, font)) else text
     boxes = [font.getbbox(c) for c in dict.fromkeys(tall) if not c.isspace()]
     return max(bottom - top for _, top, _, bottom in boxes)

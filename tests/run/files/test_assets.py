@@ -15,7 +15,7 @@ from neve.io import assets
 from neve.io.assets import assets_of, companions, same_content
 from neve.io.errors import RunError
 from neve.run import run, run_scene
-from neve.sampling.lettering import FONT
+from neve.sampling.fonts import FONT
 from neve.scene.reading.load import load
 
 SCENE = """

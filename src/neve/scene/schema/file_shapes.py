@@ -113,7 +113,12 @@ class Text(Shape):
     shape: Literal["text"] = entry(
         "text", "Letters that stand upright in their own x-z plane, to be read looking along +y."
     )
-    text: str = entry("NEVE", "What is written; a line break starts a new line.", "", min_length=1)
+    text: str = entry(
+        "NEVE",
+        "What is written, in any script of the font; a line break starts a new line.",
+        "",
+        min_length=1,
+    )
     font: str = file_entry(
         'A .ttf or .otf file, relative to the scene file; "" is the font that comes with Neve.',
         (".ttf", ".otf"),
