@@ -3,8 +3,10 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "bind/arrays.hpp"
+#include "bind/device/tables.hpp"
 #include "bind/material_point.hpp"
 #include "bind/snow.hpp"
 #include "bind/solids.hpp"
@@ -73,6 +75,8 @@ void bind_model(nb::module_& m) {
           nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"), "Add a row to the material table.")
       .def_ro("dx", &M::dx);
   bind_solids<T>(c);
+  bind_device<T>(c);
+  m.attr("device_step_bytes") = sizeof(cuda::Step<T>);
 }
 
 template <class T>

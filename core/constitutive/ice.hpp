@@ -58,4 +58,30 @@ struct Ice {
   }
 };
 
+// J over that at which snow of mass m and rest volume V0 is ice.
+template <class R>
+NEVE_INLINE R ice_room(const R& J, const R& m, const R& V0) {
+  using T = scalar_t<R>;
+  const R lighter = J * V0 * T(ice_density) / select(m > T(0), m, splat<R>(1));
+  return max(lighter, R(J / T(most_without_ice)));
+}
+
+// What is at, or within a tenth of, ice.
+template <class R>
+NEVE_INLINE auto near_ice(const R& room) {
+  return room < splat<R>(scalar_t<R>(1.1));
+}
+
+// Add the stress of ice to what deforms from J_before to J, where `here`. The modulus is that of where it will be after
+// one more step like this: the next one is chosen by it.
+template <class R, class M>
+NEVE_INLINE void add_ice(const Ice<R>& ice, const R& J, const R& J_before, const M& here, Stress<R>& stress) {
+  const R zero = splat<R>(0), z = ice.beyond(J), ahead = z + max(R(z - ice.beyond(J_before)), zero);
+  const R pressure = ice.pressure(max(z, zero));
+  stress.tau.xx = select(here, R(stress.tau.xx - pressure), stress.tau.xx);
+  stress.tau.yy = select(here, R(stress.tau.yy - pressure), stress.tau.yy);
+  stress.tau.zz = select(here, R(stress.tau.zz - pressure), stress.tau.zz);
+  stress.modulus = select(here, R(stress.modulus + ice.modulus(max(ahead, zero))), stress.modulus);
+}
+
 }  // namespace neve

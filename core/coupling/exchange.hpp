@@ -1,9 +1,10 @@
 // Momentum and energy that snow and solids exchange in contact.
 #pragma once
 
-#include <vector>
-
 #include "math/mat3.hpp"
+#if !defined(__CUDACC_RTC__)
+#include <vector>
+#endif
 
 namespace neve {
 
@@ -18,6 +19,7 @@ struct Exchange {
   }
 };
 
+#if !defined(__CUDACC_RTC__)
 // Exchanges of one block of nodes or one home with the solids near it, by the solid's index.
 class ExchangeSum {
  public:
@@ -35,6 +37,21 @@ class ExchangeSum {
  private:
   std::vector<std::pair<int, Exchange>> entries_;
 };
+#endif
+
+namespace detail {
+
+// Lane l of a pack or of a mask; of a scalar, the scalar.
+template <class M>
+NEVE_INLINE auto at_lane(const M& a, int l) {
+  if constexpr (IsScalar<M>) {
+    return a;
+  } else {
+    return a[l];
+  }
+}
+
+}  // namespace detail
 
 // Record the change of velocity of masses m, `arm` from the solid's centre, on a surface that moves with v_co; in double,
 // lane after lane, so that sums do not depend on the threads.
@@ -44,16 +61,17 @@ class ExchangeSum {
 template <class R, class M>
 inline void record(Exchange& sum, const M& mask, R m, const Vec3<R>& arm, const Vec3<R>& v_co,
                    const Vec3<R>& before, const Vec3<R>& after) {
+  using detail::at_lane;
   for (int l = 0; l < width<R>; ++l) {
-    if (!mask[l]) continue;
+    if (!at_lane(mask, l)) continue;
     double dp[3];
     for (int k = 0; k < 3; ++k) {
-      dp[k] = double(m[l]) * (double(after[k][l]) - double(before[k][l]));
+      dp[k] = double(at_lane(m, l)) * (double(at_lane(after[k], l)) - double(at_lane(before[k], l)));
       sum.impulse[k] -= dp[k];
-      sum.work += dp[k] * double(v_co[k][l]);
+      sum.work += dp[k] * double(at_lane(v_co[k], l));
     }
     for (int k = 0; k < 3; ++k) {
-      const double b = arm[(k + 1) % 3][l], c = arm[(k + 2) % 3][l];
+      const double b = at_lane(arm[(k + 1) % 3], l), c = at_lane(arm[(k + 2) % 3], l);
       sum.moment[k] -= b * dp[(k + 2) % 3] - c * dp[(k + 1) % 3];
     }
   }

@@ -130,8 +130,7 @@ NEVE_INLINE Lanes<T> ice_room(const Model<T>& model, const State<T>& state, std:
   using R = Lanes<T>;
   const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
   const R none = splat<R>(std::numeric_limits<T>::max());
-  const R lighter = J * V0 * T(ice_density) / select(m > T(0), m, splat<R>(1));
-  R room = select(first_lanes<R>(count), max(lighter, R(J / T(most_without_ice))), none);
+  R room = select(first_lanes<R>(count), neve::ice_room(J, m, V0), none);
   if (model.has_elastic_snow) {
     for (int l = 0; l < count; ++l) {
       if (!model.snows[state.material[p + static_cast<std::size_t>(l)]].plastic)
@@ -141,29 +140,15 @@ NEVE_INLINE Lanes<T> ice_room(const Model<T>& model, const State<T>& state, std:
   return room;
 }
 
-// Lanes at, or within a tenth of, ice.
-template <class R>
-NEVE_INLINE auto near_ice(const R& room) {
-  return room < splat<R>(scalar_t<R>(1.1));
-}
-
-// Add the stress of ice to particles that deform to J. The modulus is that of where they will be after one more step
-// like this: the next one is chosen by it.
+// Add the stress of ice to particles that deform to J.
 template <class T>
 [[gnu::noinline]] void add_ice(const Model<T>& model, const State<T>& state, std::size_t p, int count,
                                const Lanes<T>& J, Stress<Lanes<T>>& stress) {
   using R = Lanes<T>;
   const PackIce<T> pack(model, state, p, count);
-  const auto& ice = pack.ice;
   const R J_before =
       determinant(load_matrix<R>(state.F_E, p, count)) * load<R>(state.J_P.column(0) + p, count);
-  const R zero = splat<R>(0), z = ice.beyond(J), ahead = z + max(R(z - ice.beyond(J_before)), zero);
-  const R pressure = ice.pressure(max(z, zero));
-  const auto here = pack.mark > zero;
-  stress.tau.xx = select(here, R(stress.tau.xx - pressure), stress.tau.xx);
-  stress.tau.yy = select(here, R(stress.tau.yy - pressure), stress.tau.yy);
-  stress.tau.zz = select(here, R(stress.tau.zz - pressure), stress.tau.zz);
-  stress.modulus = select(here, R(stress.modulus + ice.modulus(max(ahead, zero))), stress.modulus);
+  neve::add_ice(pack.ice, J, J_before, pack.mark > splat<R>(0), stress);
 }
 
 }  // namespace detail
@@ -188,7 +173,7 @@ template <class T>
       model, state, p, count, F_E,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::stress(F, J_P, q); });
   const Lanes<T> J = determinant(F_E) * J_P;
-  if (any(detail::near_ice(detail::ice_room(model, state, p, count, J))))
+  if (any(near_ice(detail::ice_room(model, state, p, count, J))))
     detail::add_ice(model, state, p, count, J, out);
   return out;
 }
@@ -201,7 +186,7 @@ template <class T>
       model, state, p, count, F_E,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::energy(F, J_P, q); });
   const Out J = determinant(F_E) * J_P;
-  if (any(detail::near_ice(detail::ice_room(model, state, p, count, J)))) {
+  if (any(near_ice(detail::ice_room(model, state, p, count, J)))) {
     const detail::PackIce<T> pack(model, state, p, count);
     const Out psi = pack.ice.energy(max(pack.ice.beyond(J), splat<Out>(0)));
     out = select(pack.mark > Out{}, Out(out + psi), out);

@@ -6,8 +6,10 @@
 #define NEVE_INLINE __forceinline__
 #define NEVE_INLINE_LAMBDA
 #define NEVE_RARE __noinline__
+#define NEVE_UNROLL _Pragma("unroll")  // loops that must leave no index, so that arrays become registers
 #else
 #define NEVE_INLINE [[gnu::always_inline]] inline
 #define NEVE_INLINE_LAMBDA __attribute__((always_inline))  // between the parameters and the body
-#define NEVE_RARE [[gnu::noinline, gnu::cold]] inline      // what is seldom called stays out of the way
+#define NEVE_UNROLL
+#define NEVE_RARE [[gnu::noinline, gnu::cold]] inline  // what is seldom called stays out of the way
 #endif

@@ -19,6 +19,20 @@ NEVE_INLINE constexpr auto pick(List<First, Rest...>, int place, F&& f) {
   return f(First{});
 }
 
+// The item at `place` of the list, counted from 0.
+template <int place, class Items>
+struct ItemAt;
+template <class First, class... Rest>
+struct ItemAt<0, List<First, Rest...>> {
+  using type = First;
+};
+template <int place, class First, class... Rest>
+struct ItemAt<place, List<First, Rest...>> {
+  using type = typename ItemAt<place - 1, List<Rest...>>::type;
+};
+template <int place, class Items>
+using item_at = typename ItemAt<place, Items>::type;
+
 // f(Item{}) for each item, in the order of the list.
 template <class... Items, class F>
 constexpr void each(List<Items...>, F&& f) {

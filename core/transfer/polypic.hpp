@@ -56,12 +56,17 @@ struct PolypicOfModes : Polypic<2> {
                              "fu2017 jiang2015 hu2018"};
   static constexpr const char* options = "polypic_modes";
 
+  template <int modes>
+  using Of = std::conditional_t<
+      modes == 1, Pic,
+      std::conditional_t<modes == 8, Polypic<2>, std::conditional_t<modes == 27, Polypic<3>, Apic>>>;
+
   template <class F>
   static auto of_modes(int modes, F&& f) {
-    if (modes == 1) return f(Pic{});
-    if (modes == 8) return f(Polypic<2>{});
-    if (modes == 27) return f(Polypic<3>{});
-    return f(Apic{});
+    if (modes == 1) return f(Of<1>{});
+    if (modes == 8) return f(Of<8>{});
+    if (modes == 27) return f(Of<27>{});
+    return f(Of<4>{});
   }
 };
 

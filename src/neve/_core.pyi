@@ -262,6 +262,29 @@ class Model(Protocol):
     stencil_stiffness: float
     """Largest sum over nodes of |g . a|^2 / w, with g what makes velocity gradients [1/cells^2]."""
 
+    @property
+    def device_choice(self) -> tuple[int, int, int, int, bool, bool]:
+        """Places of spline and transfer, modes, a bit for each law, whether there are solids, some with play.
+
+        As a GPU's kernels are chosen by.
+        """
+    @property
+    def device_snows(self) -> bytes:
+        """The material table."""
+    def device_constants(self, dt: float) -> bytes:
+        """Return the constants of a step of dt [s]: numbers of the model's precision."""
+    @property
+    def keeps_change(self) -> bool:
+        """Whether the grid keeps changes of velocity."""
+    @property
+    def solid_count(self) -> int:
+        """Number of solids."""
+    def device_samples(self, index: int) -> list[bytes]:
+        """Return the arrays of samples of a solid; none for shapes with a formula."""
+    def device_view(self, index: int, addresses: list[int]) -> bytes:
+        """Return what a solid's shape is to a device that has its samples at these addresses."""
+    def device_solids(self, views: list[int]) -> bytes:
+        """Return the solids where they are now, with what `device_view` returned at these addresses."""
     def max_compression(self, strongest: float) -> float:
         """Return how far one step may compress any of the snows, -dt tr grad v [1]; see `Law`."""
     def add_snow(self, law: str, plasticity: str, constants: dict[str, float]) -> None:
@@ -397,6 +420,8 @@ class Precision(Protocol):
 
     lanes: int
     """Numbers of this precision in a pack: as many as fill 64 bytes."""
+    device_step_bytes: int
+    """Size of the struct that a GPU's kernels are given."""
     def Model(
         self,
         dx: float,

@@ -48,5 +48,13 @@ METHODS = Registry(
 )
 """The solvers: subclasses of `neve.solver.Solver`."""
 
-DEVICES = Registry("numerics.device", {"cpu": "neve.backend:Cpu"}, {"cpu": "the processor"})
+DEVICES = Registry(
+    "numerics.device",
+    {"cpu": "neve.backend:Cpu", "cuda": "neve.cuda.backend:Cuda", "auto": "neve.cuda.backend:Auto"},
+    {
+        "cpu": "the processor",
+        "cuda": "a GPU of NVIDIA (not yet run on one: docs/cuda.md)",
+        "auto": "the GPU if there is one that can be used, else the processor",
+    },
+)
 """Where a solver's stages run: classes with the methods of `neve.backend.Backend`."""

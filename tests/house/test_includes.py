@@ -13,11 +13,13 @@ LAYERS = [
     {"constitutive", "transfer", "geometry"},  # laws; particles and grid; shapes
     {"coupling"},  # what snow and solids do to each other
     {"mpm"},  # the step of one particle and one node, from values to values
-    {"cpu/grid", "render/view"},  # where particles and nodes lie, and how data moves between them; the camera
+    # where particles and nodes lie, and how data moves between them; the camera
+    {"cpu/grid", "cuda/grid", "render/view"},
     {"render/solids"},  # solids on a picture
     {"render"},  # what draws
-    {"cpu", "surface"},  # the stages of the step over all of them
+    {"cpu", "surface", "cuda"},  # the stages of the step over all of them
     {"cpu/passes"},  # what is asked of all of them besides
+    {"bind/device"},  # what is handed to a GPU
     {"bind"},  # Python
 ]
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}

@@ -9,24 +9,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "mpm/block_key.hpp"
+
 namespace neve {
-
-struct BlockCoord {
-  std::int32_t x, y, z;
-};
-
-// 21 bits an axis: +-2^20 blocks, so 4 million cells each way from the origin.
-inline constexpr std::int32_t block_limit = 1 << 20;
-using BlockKey = std::uint64_t;
-
-inline BlockKey key_of(BlockCoord b) {
-  const auto u = [](std::int32_t a) { return static_cast<BlockKey>(a + block_limit); };
-  return (u(b.x) << 42) | (u(b.y) << 21) | u(b.z);
-}
-inline BlockCoord coord_of(BlockKey key) {
-  const auto i = [](BlockKey a) { return static_cast<std::int32_t>(a & ((1u << 21) - 1)) - block_limit; };
-  return {i(key >> 42), i(key >> 21), i(key)};
-}
 
 // Key -> index, by open addressing.
 class BlockMap {
@@ -50,7 +35,7 @@ class BlockMap {
 
  private:
   std::int32_t& find_slot(BlockKey key) {
-    std::size_t i = (key * 0x9E3779B97F4A7C15ull) >> shift_;
+    std::size_t i = scattered(key) >> shift_;
     while (slots_[i] != none && keys_[static_cast<std::size_t>(slots_[i])] != key)
       i = (i + 1) & (slots_.size() - 1);
     return slots_[i];

@@ -9,17 +9,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.backend import backend
+from neve.backend import Cpu, backend
 from neve.colliders.motion import pose
 from neve.colliders.solid import Solid
+from neve.cuda.errors import DeviceError
 from neve.geometry.pose import Pose
 from neve.rigid.coupled_bodies import CoupledBodies
+from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Collider, Numerics, Snow, World
 from neve.scene.values.choices import TRANSFERS
 from neve.scene.values.elastic import p_wave_modulus
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
+    from neve._core import Precision
 
 
 class Model:
@@ -38,7 +41,7 @@ class Model:
         solids: Sequence[Solid],
         rigid: CoupledBodies | None = None,
     ) -> None:
-        self.core = backend(numerics.device).kernels(numerics.precision)
+        self.core = _stages(numerics, any(solid.motion == "dynamic" for solid in solids))
         self.numerics = numerics
         self.snows = tuple(snows)
         self.colliders = tuple(colliders)
@@ -114,6 +117,24 @@ class Model:
     def solids_move(self) -> bool:
         """Whether any solid changes its place in time."""
         return any(solid.motion != "static" for solid in self.solids)
+
+
+def _stages(numerics: Numerics, bodies: bool) -> Precision:
+    """Return the compiled stages of the scene's device.
+
+    bodies: whether the snow moves some of the solids. Errors: SceneError if the device cannot do it.
+    """
+    on = backend(numerics.device)
+    if bodies and not on.moves_bodies:
+        if numerics.device != "auto":
+            raise SceneError(
+                f'numerics.device = "{numerics.device}" moves no bodies and robots yet: use "cpu"'
+            )
+        on = Cpu()
+    try:
+        return on.kernels(numerics.precision)
+    except DeviceError as error:
+        raise SceneError(str(error)) from None
 
 
 def stable_courant(stiffness: float, nu: float) -> float:

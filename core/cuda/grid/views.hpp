@@ -1,0 +1,128 @@
+// What every kernel is given: where the arrays of particles and nodes lie on the device, and the constants of the step.
+//
+// The host fills these structs (neve.cuda.layout has the same fields in the same order) and hands them over by value.
+#pragma once
+
+#include "constitutive/law.hpp"
+#include "coupling/exchange.hpp"
+#include "coupling/solid.hpp"
+#include "mpm/block_key.hpp"
+#include "mpm/step_constants.hpp"
+
+namespace neve::cuda {
+
+// Most columns of velocity modes: PolyPIC with 27 modes keeps 23 beyond v and C, and one more is the lift.
+inline constexpr int most_mode_columns = 72;
+
+// The columns of mpm/state.hpp. Each has its own address, since sorting exchanges a column for another.
+template <class T>
+struct Particles {
+  T *x[3], *v[3], *C[9], *F_E[9], *tau[6], *J_P, *m, *V0, *stiffness, *strength;
+  T* modes[most_mode_columns];
+  unsigned short* material;
+  unsigned* id;
+};
+
+// Four numbers of a node: (m v, m), (v, m), (f, -), ...
+template <class T>
+struct alignas(16) Quad {
+  T x, y, z, w;
+};
+
+inline constexpr int block_nodes = 64;
+inline constexpr int tile_side = 8, tile_nodes = tile_side * tile_side * tile_side;
+
+// A block that owns particles: the range [begin, begin + count), and the eight blocks of nodes of its tile, index
+// 4 dx + 2 dy + dz. Until link_homes() `nodes` holds slots of the table of blocks.
+struct Home {
+  BlockCoord at;
+  unsigned begin, count;
+  int nodes[8];
+};
+
+// What the nodes of a block do: their velocities from `low` to `high`, but for those that are too light, and the largest
+// change of a velocity along one axis.
+template <class T>
+struct Bounds {
+  Vec3<T> low, high;
+  T change;
+  int finite;
+};
+
+template <class T>
+struct Nodes {
+  Home* homes;
+  BlockCoord* at;  // of each block
+  Quad<T>*node, *change, *lift;
+  Bounds<T>* bounds;
+};
+
+// Block keys -> numbers 0, 1, ..., in the order in which they came. `capacity` is a power of two.
+struct Table {
+  BlockKey* keys;  // of each slot, or no_key
+  int* value;      // of each slot
+  BlockKey* list;  // of each number
+  unsigned* count;
+  unsigned capacity, shift;  // 2^(64 - shift) = capacity
+};
+inline constexpr BlockKey no_key = ~BlockKey(0);
+
+// What sorting works with.
+struct Sorting {
+  Table homes, blocks;
+  int* home_of;      // of each particle: first its slot, then its home
+  unsigned* place;   // of each particle in its home
+  unsigned* order;   // the particle that comes to each place
+  BlockKey* key;     // what the particles of a home are ordered by
+  const void* from;  // the column to be permuted
+  void* to;
+  unsigned span, width;  // of a pass over the keys of the homes
+};
+
+// The extremes that a stage has found, as ordered() numbers: all are maxima, so that no order of the threads matters.
+enum Extreme {
+  wave,
+  speed,
+  fastest,
+  rate2,
+  compression,
+  displacement2,
+  less_volume,
+  less_ice_room,  // of particles
+  node_speed,
+  node_difference,
+  node_change,  // of nodes
+  less_mass,    // of the lightest particle
+  extremes
+};
+struct Results {
+  BlockKey most[extremes];
+  unsigned not_finite, drifted, full;  // whether; `full`: a table of blocks is to be enlarged
+  unsigned offender,
+      lost;  // ~ the lowest birth number of a particle that may not move so, or has left; 0: none
+  unsigned homes, blocks;
+  unsigned unused;
+};
+
+template <class T>
+struct Constants {
+  StepConstants<T> step;
+  Vec3<T> gravity;
+};
+
+template <class T>
+struct Step {
+  Particles<T> particles;
+  Nodes<T> nodes;
+  Sorting sorting;
+  const Snow* snows;
+  const Solid<T>* solids;
+  Exchange* exchanged;  // with each solid
+  Results* results;
+  unsigned particle_count, home_count, block_count, solid_count;
+  int commit;  // g2p: move the particles, not only report
+  T lightest;  // mass of the lightest particle [kg]
+  Constants<T> constants;
+};
+
+}  // namespace neve::cuda

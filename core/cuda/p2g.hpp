@@ -1,0 +1,91 @@
+// Particles to grid (Stomakhin et al. 2013, section 4.1, steps 1 and 3): a block of threads per home.
+#pragma once
+
+#include "cuda/grid/scatter.hpp"
+#include "cuda/particle.hpp"
+#include "mpm/particle_update.hpp"
+
+namespace neve::cuda {
+
+inline constexpr int home_threads = 128;
+
+// f(particle, how many of the warp's lanes have one) for each particle of a home, warp by warp; idle lanes get the
+// particle of the first lane.
+template <class F>
+NEVE_INLINE void each_warp(const Home& home, F&& f) {
+  const unsigned lane = threadIdx.x % warp;
+  for (unsigned first = threadIdx.x - lane; first < home.count; first += blockDim.x) {
+    const unsigned left = home.count - first, count = left < warp ? left : warp;
+    f(std::size_t(home.begin) + first + (lane < count ? lane : 0), int(count));
+  }
+}
+
+template <class C>
+inline void p2g(const Step<typename C::T>& s) {
+  using T = typename C::T;
+  using X = typename C::Transfer;
+  using S = typename C::Spline;
+  constexpr int modes = X::has_matrix ? X::modes : 1;
+  using Given = Shown<T, S, typename X::ScatterWeights, 0, modes>;
+  using Force = Shown<T, S, typename X::ScatterWeights, 1, 3>;
+  constexpr int slots = slots_of<Given, T>;
+  __shared__ Quad<T> tile[tile_nodes], force_tile[C::has_change ? tile_nodes : 1];
+  __shared__ Given given[slots * home_threads / warp];
+  __shared__ Force forces[C::has_change ? slots * home_threads / warp : 1];
+  clear_tile(tile);
+  if constexpr (C::has_change) clear_tile(force_tile);
+  __syncthreads();
+  const Home& home = s.nodes.homes[blockIdx.x];
+  const auto& step = s.constants.step;
+  const auto frame = TileFrame<T>::template of<S>(step, home.at);
+  const unsigned first_slot = threadIdx.x / warp * slots;
+  each_warp(home, [&](std::size_t p, int count) {
+    const Particle<T> particle{s.particles, p};
+    const T m = particle.m(), V0 = particle.V0();
+    const Sym3<T> tau = particle.tau();
+    Given mine;
+    mine.at.fill(frame, particle.x());
+    const Contribution<T> out = contribution<X>(particle.v(), m, particle.C(), tau, V0, step);
+    mine.mode[0] = out.momentum, mine.mass = out.mass;
+    if constexpr (X::has_matrix) mine.mode[1] = out.A.c0, mine.mode[2] = out.A.c1, mine.mode[3] = out.A.c2;
+    for (int n = 4; n < modes; ++n) mine.mode[n] = particle.mode(3 * (n - 4)) * m;
+    scatter<slots, Given, NodeSums<T, S, typename X::ScatterWeights, 0, modes>>(mine, count,
+                                                                                given + first_slot, tile);
+    if constexpr (C::has_change) {
+      const Mat3<T> A = X::force(tau, V0, step.cells);
+      const Force force{mine.at, {A.c0, A.c1, A.c2}, T(0)};
+      scatter<slots, Force, NodeSums<T, S, typename X::ScatterWeights, 1, 3>>(
+          force, count, forces + first_slot, force_tile);
+    }
+  });
+  __syncthreads();
+  add_tile(tile, s.nodes.node, home);
+  if constexpr (C::has_change) add_tile(force_tile, s.nodes.change, home);
+}
+
+// (m s)_i = sum_p w_ip m_p s_p, s how far the particle has left surfaces with play: the last of its modes.
+template <class C>
+inline void scatter_lift(const Step<typename C::T>& s) {
+  using T = typename C::T;
+  using S = typename C::Spline;
+  using Given = Shown<T, S, GradientWeights, 0, 1>;
+  constexpr int first = 3 * (C::Transfer::modes - 4), slots = slots_of<Given, T>;
+  __shared__ Quad<T> tile[tile_nodes];
+  __shared__ Given given[slots * home_threads / warp];
+  clear_tile(tile);
+  __syncthreads();
+  const Home& home = s.nodes.homes[blockIdx.x];
+  const auto frame = TileFrame<T>::template of<S>(s.constants.step, home.at);
+  each_warp(home, [&](std::size_t p, int count) {
+    const Particle<T> particle{s.particles, p};
+    Given mine;
+    mine.at.fill(frame, particle.x());
+    mine.mode[0] = particle.mode(first) * particle.m(), mine.mass = T(0);
+    scatter<slots, Given, NodeSums<T, S, GradientWeights, 0, 1>>(mine, count,
+                                                                 given + threadIdx.x / warp * slots, tile);
+  });
+  __syncthreads();
+  add_tile(tile, s.nodes.lift, home);
+}
+
+}  // namespace neve::cuda

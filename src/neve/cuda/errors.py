@@ -1,0 +1,27 @@
+"""What can go wrong with a GPU, each in one sentence for the user."""
+
+from __future__ import annotations
+
+
+class DeviceError(RuntimeError):
+    """Why a run cannot be computed on the GPU: what is missing, and what to do instead."""
+
+
+class NoDevice(DeviceError):
+    """Raised where there is no GPU, or no library to use it."""
+
+
+class DriverError(RuntimeError):
+    """A call of the driver library that failed, by the name of its error.
+
+    Attributes:
+        name: such as "CUDA_ERROR_OUT_OF_MEMORY"
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.name = name
+
+
+OUT_OF_MEMORY = "CUDA_ERROR_OUT_OF_MEMORY"
+"""Name of the error of an allocation that does not fit."""

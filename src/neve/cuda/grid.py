@@ -1,0 +1,168 @@
+"""The sparse grid on the GPU: homes, blocks of nodes, and what sorting needs."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.cuda.driver import Driver
+from neve.cuda.layout import (
+    BLOCK_NODES,
+    COORD_BYTES,
+    EXCHANGE_BYTES,
+    HOME_BYTES,
+    RESULTS,
+    Nodes,
+    Sorting,
+    Table,
+    bounds_bytes,
+)
+from neve.cuda.memory import Buffer
+
+if TYPE_CHECKING:
+    from neve.cuda.model import DeviceModel
+
+FIRST_CAPACITY = 1024
+"""Slots of a table of blocks before it has to grow."""
+
+
+class BlockTable:
+    """A hash table of blocks: at least twice as many slots as blocks."""
+
+    def __init__(self, driver: Driver) -> None:
+        self._driver = driver
+        self.capacity = FIRST_CAPACITY
+        self._keys, self._value, self._list = Buffer(driver), Buffer(driver), Buffer(driver)
+
+    def clear(self, to: Table, count: int) -> None:
+        """Empty it; count: the address of its counter, which is 0."""
+        self._keys.require(8 * self.capacity, slack=1.0)
+        self._value.require(4 * self.capacity, slack=1.0)
+        self._list.require(8 * self.capacity, slack=1.0)
+        self._driver.fill(self._keys.address, 0xFF, 8 * self.capacity)
+        to.keys, to.value, to.list = self._keys.address, self._value.address, self._list.address
+        to.count, to.capacity = count, self.capacity
+        to.shift = 64 - (self.capacity.bit_length() - 1)
+
+    @property
+    def bytes(self) -> int:
+        """Memory [bytes]."""
+        return self._keys.size + self._value.size + self._list.size
+
+
+class DeviceGrid:
+    """The grid of a run on the GPU.
+
+    Attributes:
+        current: no particle has left its home since the last sort
+        homes: blocks that own particles; blocks: of 64 nodes
+        count: particles sorted; lightest: mass of the lightest [kg]
+    """
+
+    def __init__(self, driver: Driver, precision: str) -> None:
+        self._driver = driver
+        self._bytes = 4 if precision == "float32" else 8
+        self._bounds_bytes = bounds_bytes(precision)
+        self.current, self.homes, self.blocks, self.count, self.lightest = False, 0, 0, 0, 0.0
+        self.home_table, self.block_table = BlockTable(driver), BlockTable(driver)
+        self._results = Buffer(driver, RESULTS.itemsize)
+        self._parts: dict[str, Buffer] = {}
+        self._exchanged = Buffer(driver)
+        self._solids = 0
+
+    def _part(self, name: str, size: int) -> int:
+        """Return the address of a part that has room for `size` bytes."""
+        if name not in self._parts:
+            self._parts[name] = Buffer(self._driver)
+        self._parts[name].require(size)
+        return self._parts[name].address
+
+    # Sorting
+
+    def fill_sorting(self, to: Sorting, count: int) -> None:
+        """Give room to sort `count` particles."""
+        to.home_of, to.place = self._part("home_of", 4 * count), self._part("place", 4 * count)
+        to.order, to.key = self._part("order", 4 * count), self._part("key", 8 * count)
+
+    def fill_homes(self, to: Nodes) -> None:
+        """Give room for the homes."""
+        to.homes = self._part("homes", HOME_BYTES * self.homes)
+
+    def fill_nodes(self, to: Nodes, has_change: bool, has_lift: bool) -> None:
+        """Give room for the nodes of all blocks."""
+        to.at = self._part("at", COORD_BYTES * self.blocks)
+        to.bounds = self._part("bounds", self._bounds_bytes * self.blocks)
+        to.node = self._part("node", self.node_bytes)
+        to.change = self._part("change", self.node_bytes) if has_change else 0
+        to.lift = self._part("lift", self.node_bytes) if has_lift else 0
+
+    @property
+    def node_bytes(self) -> int:
+        """Memory of four numbers for each node [bytes]."""
+        return 4 * self._bytes * BLOCK_NODES * self.blocks
+
+    @property
+    def bytes(self) -> int:
+        """Memory on the GPU [bytes]."""
+        parts = sum(buffer.size for buffer in self._parts.values())
+        return parts + self.home_table.bytes + self.block_table.bytes
+
+    # Results
+
+    def clear_results(self) -> int:
+        """Forget what stages have found; return where they write it."""
+        self._driver.fill(self._results.address, 0, RESULTS.itemsize)
+        return self._results.address
+
+    def results(self) -> dict[str, Any]:
+        """Return what stages have found, when they are done."""
+        out = np.zeros(1, RESULTS)
+        self._driver.download(out.ctypes.data, self._results.address, RESULTS.itemsize)
+        return {name: out[name][0] for name in RESULTS.names or ()}
+
+    def counter(self, name: str) -> int:
+        """Return the address of a counter among the results."""
+        fields = RESULTS.fields
+        assert fields is not None
+        return self._results.address + fields[name][1]
+
+    # Exchange with solids
+
+    def exchanged(self, solids: int) -> int:
+        """Return where is summed what snow and solids exchange."""
+        if solids != self._solids:
+            self._exchanged.require(EXCHANGE_BYTES * solids)
+            self._driver.fill(self._exchanged.address, 0, EXCHANGE_BYTES * solids)
+            self._solids = solids
+        return self._exchanged.address
+
+    def take_exchanged(self, solids: int) -> NDArray[np.float64]:
+        """Return what snow and each solid exchanged since the last call, (solids, 7)."""
+        out = np.zeros((solids, 7))
+        if solids and solids == self._solids:
+            self._driver.download(out.ctypes.data, self._exchanged.address, out.nbytes)
+            self._driver.fill(self._exchanged.address, 0, out.nbytes)
+        return out
+
+    def nodes(self) -> tuple[NDArray[np.int32], NDArray[Any], NDArray[Any]]:
+        """Return the nodes that carry mass: indices (n, 3), mass (n,), the three other numbers (n, 3)."""
+        real = np.float32 if self._bytes == 4 else np.float64
+        values = np.zeros((self.blocks * BLOCK_NODES, 4), real)
+        at = np.zeros((self.blocks, 3), np.int32)
+        if self.blocks:
+            self._driver.download(values.ctypes.data, self._parts["node"].address, values.nbytes)
+            self._driver.download(at.ctypes.data, self._parts["at"].address, at.nbytes)
+        n = np.arange(BLOCK_NODES)
+        inside = np.stack([n // 16, n // 4 % 4, n % 4], axis=1).astype(np.int32)
+        ijk = (4 * at[:, None, :] + inside[None]).reshape(-1, 3)
+        there = values[:, 3] > 0
+        return ijk[there], values[there, 3], values[there, :3]
+
+
+def solids_of(model: DeviceModel, grid: DeviceGrid, step: ctypes.Structure) -> None:
+    """Tell a step of the solids."""
+    step.solids, step.solid_count = model.solids()
+    step.exchanged = grid.exchanged(step.solid_count)

@@ -1,0 +1,127 @@
+"""The structs that kernels are given, field by field as in `core/cuda/grid/views.hpp`.
+
+That both sides agree is checked: by `static_assert` when the kernels are compiled, and against the core.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from typing import Any
+
+import numpy as np
+
+MODE_COLUMNS = 72
+"""Columns of velocity modes that there is room for."""
+BLOCK_NODES = 64
+"""Nodes of a block."""
+
+_pointer, _word, _whole = ctypes.c_uint64, ctypes.c_uint32, ctypes.c_int32
+
+VECTORS = {"x": 3, "v": 3, "C": 9, "F_E": 9, "tau": 6}
+"""Columns of each field with several."""
+NUMBERS = ("J_P", "m", "V0", "stiffness", "strength")
+"""Fields of one column."""
+
+EXTREMES = (
+    "wave",
+    "speed",
+    "fastest",
+    "rate2",
+    "compression",
+    "displacement2",
+    "less_volume",
+    "less_ice_room",
+    "node_speed",
+    "node_difference",
+    "node_change",
+    "less_mass",
+)
+"""What `Results.most` holds, in order."""
+
+RESULTS = np.dtype(
+    [("most", np.uint64, len(EXTREMES))]
+    + [
+        (name, np.uint32)
+        for name in ("not_finite", "drifted", "full", "offender", "lost", "homes", "blocks", "unused")
+    ]
+)
+"""`Results`: what stages have found."""
+
+HOME_BYTES, COORD_BYTES, EXCHANGE_BYTES = 52, 12, 56
+"""Sizes of `Home`, `BlockCoord` and `Exchange`."""
+
+
+class Particles(ctypes.Structure):
+    """Where the columns are."""
+
+    _fields_ = (
+        *((name, _pointer * count) for name, count in VECTORS.items()),
+        *((name, _pointer) for name in NUMBERS),
+        ("modes", _pointer * MODE_COLUMNS),
+        ("material", _pointer),
+        ("id", _pointer),
+    )
+
+
+class Nodes(ctypes.Structure):
+    """Where homes and blocks of nodes are."""
+
+    _fields_ = tuple((name, _pointer) for name in ("homes", "at", "node", "change", "lift", "bounds"))
+
+
+class Table(ctypes.Structure):
+    """A hash table of blocks."""
+
+    _fields_ = (
+        *((name, _pointer) for name in ("keys", "value", "list", "count")),
+        ("capacity", _word),
+        ("shift", _word),
+    )
+
+
+class Sorting(ctypes.Structure):
+    """What sorting works with."""
+
+    _fields_ = (
+        ("homes", Table),
+        ("blocks", Table),
+        *((name, _pointer) for name in ("home_of", "place", "order", "key", "from_", "to")),
+        ("span", _word),
+        ("width", _word),
+    )
+
+
+@functools.cache
+def step_of(precision: str) -> type[Any]:
+    """Return the struct `Step` of "float32" or "float64"."""
+    real = ctypes.c_float if precision == "float32" else ctypes.c_double
+
+    class Step(ctypes.Structure):
+        """What every kernel is given."""
+
+        _fields_ = (
+            ("particles", Particles),
+            ("nodes", Nodes),
+            ("sorting", Sorting),
+            *((name, _pointer) for name in ("snows", "solids", "exchanged", "results")),
+            *((f"{name}_count", _word) for name in ("particle", "home", "block", "solid")),
+            ("commit", _whole),
+            ("lightest", real),
+            ("constants", real * 10),
+        )
+
+    return Step
+
+
+def bounds_bytes(precision: str) -> int:
+    """Return the size of `Bounds`."""
+    return 32 if precision == "float32" else 64
+
+
+def decoded(ordered: np.uint64) -> float:
+    """Return the number that `ordered()` of `core/cuda/grid/reduce.hpp` was made of; nan if none has come."""
+    bits = int(ordered)
+    sign = 1 << 63
+    bits = bits ^ sign if bits & sign else bits ^ ((1 << 64) - 1)
+    return float(np.uint64(bits).view(np.float64))

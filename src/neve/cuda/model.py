@@ -1,0 +1,87 @@
+"""A model on the GPU: its snows, and its solids with their samples."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from neve.cuda.driver import Driver, Module
+from neve.cuda.layout import step_of
+from neve.cuda.memory import Buffer
+from neve.cuda.program import Choice, cubin
+
+if TYPE_CHECKING:
+    from neve._core import Model
+
+
+class DeviceModel:
+    """The core's own model, which all is asked of, and its tables on the GPU."""
+
+    def __init__(self, driver: Driver, native: Model, precision: str) -> None:
+        self.native = native
+        self._driver, self._precision = driver, precision
+        self._snows, self._solids = (b"", Buffer(driver)), (b"", Buffer(driver))
+        self._samples: dict[int, list[Buffer]] = {}
+        self._views: dict[int, Buffer] = {}
+        self._modules: dict[Choice, Module] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.native, name)
+
+    @property
+    def choice(self) -> Choice:
+        """What the kernels of this model are compiled for."""
+        return Choice(self._precision, *self.native.device_choice)
+
+    def kernels(self) -> Module:
+        """Return the kernels, compiled at their first use. Errors: NoDevice, DeviceError."""
+        choice = self.choice
+        if choice not in self._modules:
+            self._modules[choice] = self._driver.load(code_of(self._driver, choice))
+        return self._modules[choice]
+
+    def constants(self, dt: float) -> bytes:
+        """Return the constants of a step of dt [s]."""
+        return self.native.device_constants(dt)
+
+    def snows(self) -> int:
+        """Return the address of the material table."""
+        self._snows = self._current(self._snows, self.native.device_snows)
+        return self._snows[1].address
+
+    def solids(self) -> tuple[int, int]:
+        """Return the address of the solids where they are now, and how many there are."""
+        count = self.native.solid_count
+        if not count:
+            return 0, 0
+        views = [self._view(i) for i in range(count)]
+        self._solids = self._current(self._solids, self.native.device_solids(views))
+        return self._solids[1].address, count
+
+    def _current(self, before: tuple[bytes, Buffer], table: bytes) -> tuple[bytes, Buffer]:
+        """Return a table and where it is, copied if it has changed."""
+        if table != before[0]:
+            before[1].require(len(table))
+            self._driver.upload(before[1].address, table, len(table))
+        return table, before[1]
+
+    def _view(self, i: int) -> int:
+        """Return the address of what solid i knows of its samples; 0 for a shape with a formula."""
+        if i not in self._samples:
+            self._samples[i] = [self._copied(part) for part in self.native.device_samples(i)]
+            if self._samples[i]:
+                places = [buffer.address for buffer in self._samples[i]]
+                self._views[i] = self._copied(self.native.device_view(i, places))
+        return self._views[i].address if self._samples[i] else 0
+
+    def _copied(self, part: bytes) -> Buffer:
+        buffer = Buffer(self._driver, max(len(part), 1))
+        self._driver.upload(buffer.address, part, len(part))
+        return buffer
+
+
+def code_of(driver: Driver, choice: Choice) -> bytes:
+    """Return the machine code of a choice for the GPU at hand."""
+    import ctypes
+
+    size = ctypes.sizeof(step_of(choice.precision))
+    return cubin(choice, driver.architecture, driver.version, size)

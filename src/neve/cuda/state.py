@@ -1,0 +1,157 @@
+"""The particles on the GPU, seen from NumPy through arrays of the core that follow when asked for."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any
+
+from neve.cuda.driver import Driver
+from neve.cuda.errors import DeviceError
+from neve.cuda.layout import MODE_COLUMNS, NUMBERS, VECTORS, Particles
+from neve.cuda.memory import Buffer
+from neve.system.memory import in_words
+
+if TYPE_CHECKING:
+    from neve._core import State
+
+FIELDS = (*VECTORS, *NUMBERS, "modes", "material", "id")
+"""All fields of the state."""
+LINE = 32
+"""Columns begin at multiples of so many particles."""
+
+
+class DeviceState:
+    """The particles of a run: `neve._core.State`, whose columns also lie on the GPU.
+
+    A field that is asked for is copied from the GPU if it has changed there, and back again at the next
+    `upload`, since the array may have been written to. Arrays that were handed out before a step do not
+    follow it: ask for the field again.
+    """
+
+    def __init__(self, driver: Driver, host: State) -> None:
+        """Take over `host`. Errors: DeviceError if the GPU has not enough memory."""
+        self.host = host
+        self.count = host.count
+        self._driver = driver
+        self._newer_here = set(FIELDS)  # or perhaps written to
+        self._newer_there: set[str] = set()
+        self._real = host.x.dtype.itemsize
+        self._columns = {name: len(self._host_columns(name)) for name in FIELDS}
+        self._stride = -(-self.count // LINE) * LINE
+        self._places: dict[int, list[Any]] = {}
+        self._spare: dict[int, int] = {}
+        self._buffers = self._allocate()
+
+    def _allocate(self) -> list[Buffer]:
+        """Give each column its place, and one more for each width of numbers, for sorting."""
+        if self._columns["modes"] > MODE_COLUMNS:
+            raise DeviceError(f"a particle has {self._columns['modes']} numbers of velocity modes")
+        widths = {name: self._width(name) for name in FIELDS}
+        columns = {w: [n for n in FIELDS if widths[n] == w] for w in set(widths.values())}
+        sizes = {
+            w: (sum(self._columns[n] for n in names) + 1) * w * self._stride for w, names in columns.items()
+        }
+        self._require(sum(sizes.values()))
+        self._at: dict[str, list[int]] = {}
+        buffers = []
+        for width, names in columns.items():
+            buffer = Buffer(self._driver, sizes[width])
+            address = buffer.address
+            for name in names:
+                self._at[name] = [address + k * width * self._stride for k in range(self._columns[name])]
+                address += self._columns[name] * width * self._stride
+            self._spare[width] = address
+            buffers.append(buffer)
+        return buffers
+
+    def _require(self, size: int) -> None:
+        """Refuse more particles than there is memory for, and say how many fit."""
+        free, _ = self._driver.memory()
+        needed = 2.0 * size  # nodes and sorting take about as much again
+        if needed <= free:
+            return
+        fits = int(self.count * free / needed)
+        finer = (self.count / max(fits, 1)) ** (1 / 3)
+        raise DeviceError(
+            f"{self.count} particles need about {in_words(needed)} on {self._driver.name}, where "
+            f"{in_words(free)} are free: about {fits} fit, so raise numerics.dx {finer:.3g} times"
+        )
+
+    def _width(self, name: str) -> int:
+        return {"material": 2, "id": 4}.get(name, self._real)
+
+    def _host_columns(self, name: str) -> list[Any]:
+        """Return the columns of a field of the core's state, each one piece of memory, as addresses."""
+        array = getattr(self.host, name)
+        if array.ndim == 1:
+            return [array.ctypes.data]
+        if name == "modes":
+            return [array[:, k, a].ctypes.data for k in range(array.shape[1]) for a in range(3)]
+        if array.ndim == 2:
+            return [array[:, k].ctypes.data for k in range(array.shape[1])]
+        return [array[:, k % 3, k // 3].ctypes.data for k in range(9)]
+
+    # Copies
+
+    def upload(self) -> None:
+        """Copy what may have been written to here."""
+        for name in self._newer_here:
+            size = self._width(name) * self.count
+            for there, here in zip(self._at[name], self._host_columns(name), strict=True):
+                if size:
+                    self._driver.upload(there, here, size)
+        self._newer_here.clear()
+
+    def moved(self, names: tuple[str, ...] = FIELDS) -> None:
+        """Say that fields have changed on the GPU."""
+        self._newer_there.update(names)
+        self._newer_here.difference_update(names)
+
+    def download(self, name: str) -> None:
+        """Copy a field here if it has changed on the GPU."""
+        if name not in self._newer_there:
+            return
+        size = self._width(name) * self.count
+        for there, here in zip(self._at[name], self._host_columns(name), strict=True):
+            if size:
+                self._driver.download(here, there, size)
+        self._newer_there.discard(name)
+
+    def whole(self) -> State:
+        """Return the core's state, all of it as on the GPU; to be looked at only."""
+        for name in FIELDS:
+            self.download(name)
+        return self.host
+
+    # What kernels are given
+
+    def fill(self, to: Particles) -> None:
+        """Say where the columns are."""
+        for name, count in VECTORS.items():
+            setattr(to, name, (ctypes.c_uint64 * count)(*self._at[name]))
+        for name in (*NUMBERS, "material", "id"):
+            setattr(to, name, self._at[name][0])
+        to.modes = (ctypes.c_uint64 * MODE_COLUMNS)(*self._at["modes"])
+
+    def each_column(self) -> Any:
+        """Yield for each column its width [bytes], its address and where to permute it to.
+
+        After each the two places are exchanged. The stress follows from the rest, but is kept as well.
+        """
+        for name in FIELDS:
+            width = self._width(name)
+            for k, address in enumerate(self._at[name]):
+                yield width, address, self._spare[width]
+                self._at[name][k], self._spare[width] = self._spare[width], address
+
+    @property
+    def bytes(self) -> int:
+        """Memory on the GPU [bytes]."""
+        return sum(buffer.size for buffer in self._buffers)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in FIELDS:
+            raise AttributeError(name)
+        self.download(name)
+        self._newer_here.add(name)
+        return getattr(self.host, name)

@@ -1,0 +1,88 @@
+"""The kernels on the processor: a stand-in for the driver library, compiled from their very source."""
+
+import ctypes
+import os
+import shutil
+import subprocess
+from contextlib import contextmanager
+from pathlib import Path
+from unittest import mock
+
+import pytest
+from device.compiled import COMPILER, ROOT
+
+from neve.cuda.driver import Driver
+
+HERE = Path(__file__).parent
+MEMORY = 1 << 33
+
+
+def build(folder):
+    """Compile the stand-in; skip without a compiler. With ccache only what is new."""
+    if COMPILER is None:
+        pytest.skip("needs a C++ compiler: c++, g++, clang++, or what CXX names")
+    flags = [
+        "-std=gnu++20",
+        "-Og",
+        "-fPIC",
+        "-Wall",
+        "-Wextra",
+        "-Wno-psabi",
+        "-Wno-unknown-pragmas",
+        "-Werror",
+    ]
+    cached = [shutil.which("ccache")] if shutil.which("ccache") else []
+    command = [*cached, COMPILER, *flags, f"-I{ROOT / 'core'}", f"-I{HERE}", "-c"]
+    done = subprocess.run(
+        [*command, HERE / "driver.cpp", "-o", folder / "driver.o"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={"CCACHE_BASEDIR": str(ROOT), "CCACHE_NOHASHDIR": "1", **os.environ},
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    library = folder / "libcuda.so"
+    subprocess.run([COMPILER, "-shared", folder / "driver.o", "-o", library], check=True)
+    return library
+
+
+class StandIn(Driver):
+    """The stand-in as a GPU, and what only it can do."""
+
+    def __init__(self, library):
+        super().__init__(str(library))
+        self.set()
+
+    def set(self, memory=MEMORY, order=0, version=13010, devices=1):
+        """Choose its memory [bytes], the order of threads and blocks, its driver's version, and its GPUs."""
+        self._library.shim_set(ctypes.c_size_t(memory), order, version, devices)
+
+    def fail(self, kernel=""):
+        """Let a kernel fail, or none."""
+        self._library.shim_fail(kernel.encode())
+
+    def used(self, most=False):
+        """Return how many bytes are allocated, or the most that ever were."""
+        self._library.shim_used.restype = ctypes.c_size_t
+        return self._library.shim_used(most)
+
+    def overrun(self):
+        """Tell whether something has been written beyond the end of an allocation."""
+        self._library.shim_overrun.restype = ctypes.c_bool
+        return self._library.shim_overrun()
+
+
+def code_of(choice, *_):
+    """Return what the stand-in knows a choice by: it has all laws and can always meet solids."""
+    return choice._replace(laws=31, solids=True).words().encode()
+
+
+@contextmanager
+def plugged_in(stand_in):
+    """Let `numerics.device = "cuda"` find the stand-in."""
+    with (
+        mock.patch("neve.cuda.backend.driver", return_value=stand_in),
+        mock.patch("neve.cuda.backend.compiler"),
+        mock.patch("neve.cuda.model.cubin", code_of),
+    ):
+        yield stand_in
