@@ -1,4 +1,4 @@
-"""The command line: list, run, view, drive, render, export, fragments, bench, validate, fuzz, info, cite.
+"""The command line: a function for each command, from `list` to `cite`.
 
 Exit code 0 is success, 1 is a validation or campaign that fails, 2 is bad input or a run that could not go on
 (one sentence on standard error), 130 is Ctrl-C, 143 SIGTERM, 129 SIGHUP, 141 a reader of the output that has
@@ -10,12 +10,11 @@ from __future__ import annotations
 import json
 import math
 import os
-import re
 import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -30,12 +29,11 @@ from neve.cli.console import (
     user_error,
     whole_number,
 )
+from neve.cli.estimate import announce, estimate
 from neve.cli.export import export
+from neve.cli.fine import finer
 from neve.cli.render import render
 from neve.system import stopping, streams
-
-if TYPE_CHECKING:
-    from neve.scene.schema.scene import Scene
 
 
 @click.group(
@@ -113,37 +111,18 @@ def run(
         RunFolder(folder).check(resume, force)
     checked = load(scene, changes)
     if fine:
-        checked = _finer(checked, changes)
+        checked = finer(checked, changes)
     from neve.run import run_scene
     from neve.scene.checks.advice import advice
 
     reported = advice(checked)
     for sentence in reported:
         report(f"warning: {sentence}.")
+    if not (resume or quiet):
+        announce(checked, frames, threads)
     with warnings.catch_warnings():
         _report_others(reported)
         run_scene(checked, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
-
-
-def _finer(scene: Scene, changes: tuple[str, ...]) -> Scene:
-    """Return the scene with two million particles, and say with which grid."""
-    from neve.sampling.fineness import finer, particles_of
-
-    for key, _, value in (change.partition("=") for change in changes):
-        if key.strip() == "numerics.dx" or (key.strip() == "numerics" and re.search(r"\bdx\b", value)):
-            raise click.UsageError(
-                "--fine chooses numerics.dx: leave out one of --fine and --set numerics.dx"
-            )
-    if scene.numerics.dt != "auto":
-        raise click.UsageError(
-            f"--fine makes numerics.dx smaller, and numerics.dt = {scene.numerics.dt:g} s would stay: leave "
-            'out one of both, or add --set numerics.dt="auto"'
-        )
-    fine = finer(scene)
-    report(
-        f"--fine: numerics.dx = {fine.numerics.dx:g}, about {particles_of(fine) / 1e6:.1f} million particles"
-    )
-    return fine
 
 
 def _report_others(reported: list[str]) -> None:
@@ -308,6 +287,7 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
     return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
 
 
+cli.add_command(estimate)
 cli.add_command(render)
 cli.add_command(export)
 cli.add_command(fuzz)

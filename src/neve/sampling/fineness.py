@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from decimal import ROUND_FLOOR, Decimal
 
+import numpy as np
+
 from neve.sampling.regions import region
 from neve.scene.schema.scene import Scene
 
@@ -22,6 +24,21 @@ def particles_of(scene: Scene) -> float:
     return sum(
         region(source, scene.numerics, f"sources.{i}").volume for i, source in enumerate(scene.sources)
     ) / (spacing**3)
+
+
+def placed_in(scene: Scene) -> float:
+    """Return how many particles are placed before an outline or a solid takes some away.
+
+    As `particles_of`, with the whole number of cells that a lattice has along each edge of a source's box.
+    Errors: SceneError as there.
+    """
+    numerics, total = scene.numerics, 0.0
+    for i, source in enumerate(scene.sources):
+        space = region(source, numerics, f"sources.{i}")
+        edges = space.size / numerics.spacing
+        fitted = edges if numerics.sampling == "poisson" else np.maximum(np.rint(edges), 1.0)
+        total += space.volume / float(np.prod(space.size)) * float(np.prod(fitted))
+    return total
 
 
 def finer(scene: Scene) -> Scene:

@@ -242,6 +242,16 @@ def open_regular(path: Path) -> BinaryIO:
         raise
 
 
+def free(path: Path) -> int | None:
+    """Return the free bytes of the disk of `path`, or of the nearest folder above it; None if unknown."""
+    for place in (path, *path.absolute().parents):
+        try:
+            return shutil.disk_usage(place).free
+        except OSError:
+            continue
+    return None
+
+
 def _discard(path: Path) -> None:
     with contextlib.suppress(OSError):
         remove(path)

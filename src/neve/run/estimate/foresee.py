@@ -1,0 +1,257 @@
+"""Foresee what a run takes: from the scene filled with snow, some of its steps, and a coarse likeness."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from neve.io.frames import arrays_of, frame_of
+from neve.run.estimate.trial import Trial, likeness, pace, silence, trial
+from neve.run.loop import last_frame
+from neve.run.outputs.registry import entries, kinds, schedule_of
+from neve.sampling.fineness import particles_of, placed_in
+from neve.schedule import Regular
+from neve.solver import Blowup
+
+if TYPE_CHECKING:
+    from neve.io.frames import Frame
+    from neve.scene.schema.scene import Scene
+    from neve.simulation import Simulation
+
+MOST_FILLED = 500_000
+"""Particles up to which the scene itself is filled and tried; beyond it a likeness of so many."""
+LIKENESS = 3_000
+"""Particles of the coarse likeness that runs to the end."""
+COARSEST = 8.0
+"""Factor on dx of a likeness at most."""
+
+PROGRAM, DRAWING = 100e6, 200e6
+"""Memory of the program with its libraries, and of drawing films and pictures [bytes]; measured on Linux."""
+SAMPLE_BYTES = 240
+"""Memory for each particle while a source is filled [bytes]; see `neve.sampling.room`."""
+ARCHIVED = 250
+"""Bytes of an array in an archive besides its numbers."""
+SMALL_BYTES, ROW_BYTES = 10e3, 550
+"""Of the scene in scene.toml and checkpoint, and of the rows of log and solids in each frame; measured."""
+PICTURE_BYTES = 40e3
+"""Of a film for each picture; 12 to 75 thousand, measured."""
+PICTURE_SECONDS = 0.25
+"""For a picture of a film, where it is not measured [s]; one core, from 11,000 to 210,000 particles."""
+STILL_BYTES = 0.9e6
+"""Of preview.png; measured."""
+
+STEPS = (0.85, 1.25)
+"""Steps over those that are foreseen, if the likeness ran to the end: how far they were apart in trials."""
+MORE_COARSE = 0.05
+"""By how much wider for each doubling of dx beyond the first."""
+CUT_SHORT = 2.0
+"""By how much wider where the likeness did not run, as a factor on the share that it lacks."""
+TIME = (0.7, 1.6)
+"""Wall time of a step over what is foreseen: snow scatters, and the machine has other work."""
+
+
+class Range(NamedTuple):
+    """A number that is foreseen, and between which it should lie."""
+
+    likely: float
+    low: float
+    high: float
+
+    def scaled(self, factor: float) -> Range:
+        """Return all three times `factor`."""
+        return Range(*(value * factor for value in self))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Hold what a run takes.
+
+    Attributes:
+        particles: at the start
+        frames: number of the last frame
+        steps: in all
+        seconds: wall time on this machine
+        memory: at most [bytes]
+        disk: of the run folder at the end [bytes]; frame_bytes: of a file of frames/
+        not_counted: kinds of outputs in it whose time and bytes are not known
+        threads: that the run would use; None: as many as there are processors
+        tried: share of the run that a coarse likeness has run through [1]
+        trial_seconds: what the estimate took
+    """
+
+    particles: Range
+    frames: int
+    steps: Range
+    seconds: Range
+    memory: float
+    disk: float
+    frame_bytes: float
+    not_counted: tuple[str, ...]
+    threads: int | None
+    tried: float
+    trial_seconds: float
+
+
+def estimate(
+    scene: Scene, frames: int | None = None, threads: int | None = None, seconds: float = 10.0
+) -> Estimate:
+    """Return what a run of `scene` takes, after a trial of about so many `seconds`.
+
+    frames: number of the last frame, by default that of the scene. threads: as of a run
+
+    Particles are counted in the scene as it is filled; beyond MOST_FILLED, in one with a coarser grid. The
+    wall time of a step is measured there, with the drawing of a picture. The number of steps is that of a
+    likeness with about LIKENESS particles, run to the end if the time suffices (`neve.run.estimate.trial`).
+
+    Errors: SceneError for a scene that cannot be run; Blowup for one that fails at once.
+    """
+    begin = time.monotonic()
+    from neve.simulation import Simulation
+
+    last = last_frame(scene, frames)
+    expected = particles_of(scene)
+    coarser = max(1.0, (expected / MOST_FILLED) ** (1 / 3))
+    with silence():
+        near = Simulation(likeness(scene, coarser) if coarser > 1.0 else scene, threads=threads)
+    times = placed_in(scene) / placed_in(near.scene) if coarser > 1.0 else 1.0
+    foreseen = _trial(scene, near.count * times, last, 0.7 * seconds, threads)
+    frame, saved = _frame(near), _saved(near)
+    drawing = _drawing(near, frame)
+    a_step = pace(near, min(0.2 * seconds, 2.0))
+    if foreseen is None:
+        raise Blowup("the scene fails within its first steps: neve run says how")
+    particles = near.count * times
+    counts, unknown = _written(scene, last)
+    frame_bytes = _archive(arrays_of(frame)) * times
+    files = counts["frames"] * frame_bytes + counts["film"] * PICTURE_BYTES + counts["picture"] * STILL_BYTES
+    steps = _steps(foreseen, last, scene.run.fps)
+    pictures = counts["film"] + counts["picture"]
+    state = near.bytes * foreseen.growth + saved + frame_bytes / times
+    return Estimate(
+        particles=Range(particles, particles * _less(coarser), particles / _less(coarser)),
+        frames=last,
+        steps=steps,
+        seconds=_seconds(steps, a_step * times * foreseen.slower, pictures * drawing * times),
+        memory=PROGRAM + max(SAMPLE_BYTES * particles, (DRAWING if pictures else 0.0) + state * times),
+        disk=files + counts["checkpoint"] * saved * times + SMALL_BYTES + ROW_BYTES * (last + 1),
+        frame_bytes=frame_bytes,
+        not_counted=unknown,
+        threads=threads,
+        tried=foreseen.covered,
+        trial_seconds=time.monotonic() - begin,
+    )
+
+
+def guess(scene: Scene, frames: int | None = None, threads: int | None = None) -> Estimate | None:
+    """Return an estimate within a second or two, or None if the run is short, or fails.
+
+    It comes from the coarse likeness alone, whose every particle takes longer.
+    """
+    begin = time.monotonic()
+    last = last_frame(scene, frames)
+    expected = particles_of(scene)
+    if expected * last < SHORT:
+        return None
+    foreseen = _trial(scene, expected, last, 1.0, threads)
+    if foreseen is None:
+        return None
+    particles = foreseen.particles * placed_in(scene) / placed_in(likeness(scene, foreseen.coarser))
+    counts, unknown = _written(scene, last)
+    frame_bytes = particles * FRAME_BYTES
+    steps = _steps(foreseen, last, scene.run.fps)
+    drawing = counts["film"] * PICTURE_SECONDS
+    return Estimate(
+        particles=Range(particles, 0.95 * particles, 1.05 * particles),
+        frames=last,
+        steps=steps,
+        seconds=_seconds(steps, foreseen.seconds_per_work * particles, drawing),
+        memory=PROGRAM + DRAWING + 2 * SAMPLE_BYTES * particles,
+        disk=counts["frames"] * frame_bytes + counts["film"] * PICTURE_BYTES + SAVED_BYTES * particles,
+        frame_bytes=frame_bytes,
+        not_counted=unknown,
+        threads=threads,
+        tried=foreseen.covered,
+        trial_seconds=time.monotonic() - begin,
+    )
+
+
+SHORT = 4e5
+"""Particles times frames, below which a run takes a minute at most with thousand steps a frame."""
+FRAME_BYTES, SAVED_BYTES = 34, 122
+"""Bytes of a particle in a frame and in a checkpoint, as MPM writes them."""
+
+
+def _trial(scene: Scene, particles: float, last: int, seconds: float, threads: int | None) -> Trial | None:
+    coarser = min(COARSEST, (particles / LIKENESS) ** (1 / 3)) if particles > LIKENESS else 1.0
+    return trial(scene, coarser, last / scene.run.fps, seconds, threads)
+
+
+def _less(coarser: float) -> float:
+    """Return the factor down to which a count of particles may be off that is scaled from another grid."""
+    return 1.0 if coarser == 1.0 else 0.97
+
+
+def _steps(foreseen: Trial, last: int, fps: int) -> Range:
+    likely = foreseen.steps(last, fps)
+    doublings = max(math.log2(foreseen.coarser), 0.0) if foreseen.coarser > 1.0 else 0.0
+    unseen = 1.0 + CUT_SHORT * (1.0 - foreseen.covered)
+    if foreseen.coarser == 1.0 and foreseen.covered >= 1.0:
+        return Range(likely, 0.98 * likely, 1.02 * likely)
+    wider = (1.0 + MORE_COARSE * doublings) * unseen
+    return Range(likely, likely * STEPS[0] / wider, likely * STEPS[1] * wider)
+
+
+def _seconds(steps: Range, a_step: float, drawing: float) -> Range:
+    return Range(
+        steps.likely * a_step + drawing,
+        steps.low * a_step * TIME[0] + drawing,
+        steps.high * a_step * TIME[1] + drawing,
+    )
+
+
+def _frame(sim: Simulation) -> Frame:
+    poses = [(pose.position, pose.rotation) for _, pose in sim.solids()]
+    fields = [name for name in sim.scene.run.fields if name in sim.columns()]
+    return frame_of(sim.columns(), poses, sim.time, fields)
+
+
+def _saved(sim: Simulation) -> float:
+    return _archive(sim.arrays())
+
+
+def _archive(arrays: object) -> float:
+    """Return the bytes of an archive of these arrays."""
+    assert isinstance(arrays, dict)
+    return float(sum(np.asarray(values).nbytes + ARCHIVED for values in arrays.values()))
+
+
+def _drawing(sim: Simulation, frame: Frame) -> float:
+    """Return how long drawing a picture takes [s]."""
+    from neve.run.painter import Painter
+
+    painter = Painter(sim.scene, [solid for solid, _ in sim.solids()], sim.threads, radius=sim.radius)
+    painter.draw(frame)  # makes ready what all pictures share
+    begin = time.monotonic()
+    painter.draw(frame)
+    return time.monotonic() - begin
+
+
+def _written(scene: Scene, last: int) -> tuple[dict[str, int], tuple[str, ...]]:
+    """Return how many frames, pictures and checkpoints a run writes, and which kinds are not counted."""
+    counts = dict.fromkeys(("frames", "film", "picture", "checkpoint"), 0)
+    small = ("log", "solids", "fragments")
+    unknown: list[str] = []
+    for given in entries(scene):
+        output = kinds()[given.kind].make(**given.options())
+        schedule = schedule_of(given, output, scene.run.fps)
+        if given.kind in ("picture", "checkpoint"):
+            counts[given.kind] += 1
+        elif given.kind in counts and isinstance(schedule, Regular):
+            counts[given.kind] += sum(schedule.due(frame) for frame in range(last + 1))
+        elif given.kind not in small:
+            unknown.append(given.kind)
+    return counts, tuple(dict.fromkeys(unknown))
