@@ -14,6 +14,7 @@ from neve.run.estimate.trial import Trial, likeness, pace, silence, trial
 from neve.run.loop import last_frame
 from neve.run.outputs.registry import entries, kinds, schedule_of
 from neve.sampling.fineness import particles_of, placed_in
+from neve.scene.schema.outputs import Need, Sizes
 from neve.schedule import Regular
 from neve.solver import Blowup
 
@@ -35,15 +36,8 @@ SAMPLE_BYTES = 240
 """Memory for each particle while a source is filled [bytes]; see `neve.sampling.room`."""
 ARCHIVED = 250
 """Bytes of an array in an archive besides its numbers."""
-SMALL_BYTES, ROW_BYTES = 10e3, 550
-"""Of the scene in scene.toml and checkpoint, and of the rows of log and solids in each frame; measured."""
-PICTURE_BYTES = 40e3
-"""Of a film for each picture; 12 to 75 thousand, measured."""
 PICTURE_SECONDS = 0.25
 """For a picture of a film, where it is not measured [s]; one core, from 11,000 to 210,000 particles."""
-STILL_BYTES = 0.9e6
-"""Of preview.png; measured."""
-
 STEPS = (0.85, 1.25)
 """Steps over those that are foreseen, if the likeness ran to the end: how far they were apart in trials."""
 MORE_COARSE = 0.05
@@ -125,19 +119,17 @@ def estimate(
     if foreseen is None:
         raise Blowup("the scene fails within its first steps: neve run says how")
     particles = near.count * times
-    counts, unknown = _written(scene, last)
     frame_bytes = _archive(arrays_of(frame)) * times
-    files = counts["frames"] * frame_bytes + counts["film"] * PICTURE_BYTES + counts["picture"] * STILL_BYTES
+    need, unknown = _needs(scene, last, Sizes(frame_bytes, saved * times, len(near.solids()) * ROW_BYTES))
     steps = _steps(foreseen, last, scene.run.fps)
-    pictures = counts["film"] + counts["picture"]
     state = near.bytes * foreseen.growth + saved + frame_bytes / times
     return Estimate(
         particles=Range(particles, particles * _less(coarser), particles / _less(coarser)),
         frames=last,
         steps=steps,
-        seconds=_seconds(steps, a_step * times * foreseen.slower, pictures * drawing * times),
-        memory=PROGRAM + max(SAMPLE_BYTES * particles, (DRAWING if pictures else 0.0) + state * times),
-        disk=files + counts["checkpoint"] * saved * times + SMALL_BYTES + ROW_BYTES * (last + 1),
+        seconds=_seconds(steps, a_step * times * foreseen.slower, need.pictures * drawing * times),
+        memory=PROGRAM + max(SAMPLE_BYTES * particles, (DRAWING if need.pictures else 0.0) + state * times),
+        disk=need.bytes,
         frame_bytes=frame_bytes,
         not_counted=unknown,
         threads=threads,
@@ -160,17 +152,18 @@ def guess(scene: Scene, frames: int | None = None, threads: int | None = None) -
     if foreseen is None:
         return None
     particles = foreseen.particles * placed_in(scene) / placed_in(likeness(scene, foreseen.coarser))
-    counts, unknown = _written(scene, last)
     frame_bytes = particles * FRAME_BYTES
+    solids = len(scene.colliders) + len(scene.bodies)
+    need, unknown = _needs(scene, last, Sizes(frame_bytes, particles * SAVED_BYTES, solids * ROW_BYTES))
     steps = _steps(foreseen, last, scene.run.fps)
-    drawing = counts["film"] * PICTURE_SECONDS
+    drawing = need.pictures * PICTURE_SECONDS
     return Estimate(
         particles=Range(particles, 0.95 * particles, 1.05 * particles),
         frames=last,
         steps=steps,
         seconds=_seconds(steps, foreseen.seconds_per_work * particles, drawing),
         memory=PROGRAM + DRAWING + 2 * SAMPLE_BYTES * particles,
-        disk=counts["frames"] * frame_bytes + counts["film"] * PICTURE_BYTES + SAVED_BYTES * particles,
+        disk=need.bytes,
         frame_bytes=frame_bytes,
         not_counted=unknown,
         threads=threads,
@@ -181,6 +174,8 @@ def guess(scene: Scene, frames: int | None = None, threads: int | None = None) -
 
 SHORT = 4e5
 """Particles times frames, below which a run takes a minute at most with thousand steps a frame."""
+ROW_BYTES = 200
+"""Bytes of a row for a solid; measured."""
 FRAME_BYTES, SAVED_BYTES = 34, 122
 """Bytes of a particle in a frame and in a checkpoint, as MPM writes them."""
 
@@ -240,18 +235,15 @@ def _drawing(sim: Simulation, frame: Frame) -> float:
     return time.monotonic() - begin
 
 
-def _written(scene: Scene, last: int) -> tuple[dict[str, int], tuple[str, ...]]:
-    """Return how many frames, pictures and checkpoints a run writes, and which kinds are not counted."""
-    counts = dict.fromkeys(("frames", "film", "picture", "checkpoint"), 0)
-    small = ("log", "solids", "fragments")
-    unknown: list[str] = []
+def _needs(scene: Scene, last: int, sizes: Sizes) -> tuple[Need, tuple[str, ...]]:
+    """Return what all outputs take, and the kinds of those that do not know it."""
+    total, unknown = Need(0.0), []
     for given in entries(scene):
-        output = kinds()[given.kind].make(**given.options())
-        schedule = schedule_of(given, output, scene.run.fps)
-        if given.kind in ("picture", "checkpoint"):
-            counts[given.kind] += 1
-        elif given.kind in counts and isinstance(schedule, Regular):
-            counts[given.kind] += sum(schedule.due(frame) for frame in range(last + 1))
-        elif given.kind not in small:
+        schedule = schedule_of(given, kinds()[given.kind].make(**given.options()), scene.run.fps)
+        due = sum(schedule.due(frame) for frame in range(last + 1)) if isinstance(schedule, Regular) else 0
+        need = given.need(sizes, due)
+        if need is None:
             unknown.append(given.kind)
-    return counts, tuple(dict.fromkeys(unknown))
+        else:
+            total = Need(total.bytes + need.bytes, total.pictures + need.pictures)
+    return total, tuple(dict.fromkeys(unknown))

@@ -7,10 +7,13 @@ from typing import Literal
 from neve.io.checkpoint import write_checkpoint
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
-from neve.scene.schema.outputs import Scheduled
+from neve.scene.schema.outputs import Need, Scheduled, Sizes
 from neve.scene.values.fields import entry
 from neve.schedule import EveryWallSeconds, Schedule
 from neve.system import disk
+
+SCENE_BYTES = 10e3
+"""Of the scene in a checkpoint and beside it, and of what the run has written by then; about."""
 
 
 class CheckpointOptions(Scheduled):
@@ -26,6 +29,10 @@ class CheckpointOptions(Scheduled):
     def file(self) -> str:
         """Return the name of the file."""
         return "checkpoint"
+
+    def need(self, sizes: Sizes, due: int) -> Need:
+        """Return the bytes of the one that lies there at the end, with the scene in it."""
+        return Need(sizes.state + SCENE_BYTES)
 
 
 @register_output("checkpoint", CheckpointOptions, unasked=lambda scene: True, completes=True)

@@ -19,7 +19,7 @@ from neve.io.run_folder import parts_of
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.run.painter import Painter
-from neve.scene.schema.outputs import Scheduled
+from neve.scene.schema.outputs import Need, Scheduled, Sizes
 from neve.scene.schema.scene import Camera
 from neve.scene.values.fields import entry
 from neve.schedule import Regular, Schedule
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from neve.render.film import Film
 
 FILE = "preview.mp4"
+PICTURE_BYTES = 40e3
+"""Of a film for each picture; 12 to 75 thousand, measured."""
 SLOWEST = Fraction(1, 1000)
 """Least rate of pictures that an MP4 file can hold [1/s]."""
 SEEN = "seen.npz"
@@ -45,6 +47,10 @@ class FilmOptions(Scheduled):
     kind: Literal["film"] = entry("film", "A film of the frames, which plays as fast as the snow moved.", "")
     name: str = entry(FILE, "Name of the file; ends in .mp4.", "")
     camera: Camera | None = entry(None, "Camera of this film; left out: the scene's.", "")
+
+    def need(self, sizes: Sizes, due: int) -> Need:
+        """Return about the bytes of the film, and its pictures."""
+        return Need(due * PICTURE_BYTES, due)
 
 
 @register_output("film", FilmOptions, unasked=lambda scene: scene.run.film)

@@ -8,7 +8,7 @@ from typing import Literal
 from neve.io.frames import frame_path
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
-from neve.scene.schema.outputs import Scheduled
+from neve.scene.schema.outputs import Need, Scheduled, Sizes
 from neve.scene.values.fields import entry
 from neve.schedule import Schedule
 
@@ -21,6 +21,10 @@ class FrameOptions(Scheduled):
     def file(self) -> str:
         """Return the name of the folder."""
         return "frames"
+
+    def need(self, sizes: Sizes, due: int) -> Need:
+        """Return the bytes of all files."""
+        return Need(due * sizes.frame)
 
 
 @register_output("frames", FrameOptions, unasked=lambda scene: True)

@@ -10,12 +10,16 @@ from neve.diagnostics import Balance
 from neve.io.log import columns, stages
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
-from neve.scene.schema.outputs import Scheduled
+from neve.scene.schema.outputs import Need, Scheduled, Sizes
 from neve.scene.values.fields import entry
 from neve.schedule import Schedule
 
 if TYPE_CHECKING:
     from neve.diagnostics import Diagnostics
+
+
+ROW_BYTES = 350
+"""Of a row; measured."""
 
 
 class LogOptions(Scheduled):
@@ -28,6 +32,10 @@ class LogOptions(Scheduled):
     def file(self) -> str:
         """Return the name of the file."""
         return "log.csv"
+
+    def need(self, sizes: Sizes, due: int) -> Need:
+        """Return about the bytes of the table."""
+        return Need((due + 1) * ROW_BYTES)
 
 
 class EnergyWatch:

@@ -13,12 +13,14 @@ from neve.io.log import read_log
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.run.painter import Painter
-from neve.scene.schema.outputs import OutputOptions
+from neve.scene.schema.outputs import Need, OutputOptions, Sizes
 from neve.scene.schema.scene import Camera
 from neve.scene.values.fields import entry
 from neve.schedule import Never, Schedule
 
 FILE = "preview.png"
+STILL_BYTES = 0.9e6
+"""Of a picture; measured."""
 
 ENERGIES = ("kinetic", "elastic", "potential")
 """Columns of the log whose sum tells how far the snow has come to rest, where the solver has them."""
@@ -34,6 +36,10 @@ class PictureOptions(OutputOptions):
     )
     name: str = entry(FILE, "Name of the file; ends in .png.", "")
     camera: Camera | None = entry(None, "Camera of this picture; left out: the scene's.", "")
+
+    def need(self, sizes: Sizes, due: int) -> Need:
+        """Return about the bytes of the picture."""
+        return Need(STILL_BYTES, 1)
 
 
 @register_output("picture", PictureOptions, unasked=lambda scene: True)

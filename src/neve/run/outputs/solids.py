@@ -10,7 +10,7 @@ import numpy as np
 from neve.geometry.pose import Pose, quaternion_of
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
-from neve.scene.schema.outputs import Scheduled
+from neve.scene.schema.outputs import Need, Scheduled, Sizes
 from neve.scene.values.fields import entry
 from neve.schedule import Schedule
 
@@ -40,6 +40,10 @@ class SolidOptions(Scheduled):
     def file(self) -> str:
         """Return the name of the file."""
         return FILE
+
+    def need(self, sizes: Sizes, due: int) -> Need:
+        """Return about the bytes of the table."""
+        return Need((due + 1) * sizes.solids)
 
 
 @register_output(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Self, Union
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, Union
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, TypeAdapter, model_validator
 
@@ -16,6 +16,21 @@ RESERVED = ("run.json", "scene.toml", "assets")
 
 LONGEST = 240
 """Bytes in the name of a file at most: systems allow 255, and parts of a film have longer names."""
+
+
+class Sizes(NamedTuple):
+    """Bytes of what a run writes at a moment: a file of frames/, all of the state, rows for all solids."""
+
+    frame: float
+    state: float
+    solids: float
+
+
+class Need(NamedTuple):
+    """What an output takes in a whole run: bytes of disk, and pictures that are drawn."""
+
+    bytes: float
+    pictures: int = 0
 
 
 class OutputOptions(Part):
@@ -38,6 +53,10 @@ class OutputOptions(Part):
     def file(self) -> str:
         """Return the name of what the output writes in the run folder; "" if it is not known."""
         return str(getattr(self, "name", ""))
+
+    def need(self, sizes: Sizes, due: int) -> Need | None:
+        """Return what the output takes that is due so many times; None if that is not known before."""
+        return None
 
     def options(self) -> dict[str, Any]:
         """Return the options of this kind alone, without what every entry has."""
