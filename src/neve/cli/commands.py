@@ -79,6 +79,7 @@ def list_scenes(snow: bool, as_json: bool) -> None:
 @click.argument("scene")
 @click.option("--out", metavar="DIR", help="Run folder; runs/NAME by default.")
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
+@click.option("--device", metavar="WORD", help="Where to compute: cpu, cuda or auto, as numerics.device.")
 @click.option("--fine", is_flag=True, help="Choose numerics.dx for two million particles, and wait.")
 @click.option("--frames", metavar="N", callback=whole_number, help="Stop after frame N.")
 @click.option(
@@ -91,6 +92,7 @@ def run(
     scene: str,
     out: str | None,
     changes: tuple[str, ...],
+    device: str | None,
     fine: bool,
     frames: int | None,
     threads: int | None,
@@ -109,6 +111,8 @@ def run(
 
     if not resume:  # a folder in use is reported before the scene is read; a resume reads the folder's scene
         RunFolder(folder).check(resume, force)
+    if device is not None:
+        changes = (*changes, f"numerics.device={device}")
     checked = load(scene, changes)
     if fine:
         checked = finer(checked, changes)

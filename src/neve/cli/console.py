@@ -20,6 +20,7 @@ USER_ERRORS = (
     ("neve.render.film", "FilmError"),
     ("neve.render.path_tracing.engine", "RenderError"),
     ("neve.solver", "Blowup"),
+    ("neve.cuda.errors", "DeviceError"),
     ("neve.viewer.show", "ViewError"),
     ("neve.drive.serve", "DriveError"),
 )

@@ -11,7 +11,7 @@ class NoDevice(DeviceError):
     """Raised where there is no GPU, or no library to use it."""
 
 
-class DriverError(RuntimeError):
+class DriverError(DeviceError):
     """A call of the driver library that failed, by the name of its error.
 
     Attributes:
@@ -19,7 +19,10 @@ class DriverError(RuntimeError):
     """
 
     def __init__(self, name: str) -> None:
-        super().__init__(name)
+        super().__init__(
+            f"the GPU has failed ({name}): the run can be resumed from its last checkpoint, or with "
+            'numerics.device = "cpu"'
+        )
         self.name = name
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import hashlib
+import re
 import site
 import sys
 from pathlib import Path
@@ -106,6 +107,35 @@ class Compiler:
         out = ctypes.create_string_buffer(size.value)
         getattr(self._library, f"nvrtcGet{what}")(program, out)
         return out.raw
+
+
+class Usage(NamedTuple):
+    """What a kernel needs: registers of a thread, bytes of its stack and of its spilled registers, and
+    bytes of shared memory of a block.
+    """
+
+    registers: int
+    stack: int
+    spilled: int
+    shared: int
+
+
+def usage(log: str) -> dict[str, Usage]:
+    """Return what each kernel needs, from what the compiler said of the machine code (ptxas --verbose)."""
+    found = {}
+    for part in log.split("Compiling entry function ")[1:]:
+        name = part.partition("'")[2].partition("'")[0].removeprefix("neve_")
+
+        def number(pattern: str, part: str = part) -> int:
+            match = re.search(rf"(\d+) {pattern}", part)
+            return int(match[1]) if match else 0
+
+        registers = re.search(r"Used (\d+) registers", part)
+        spilled = number("bytes spill stores") + number("bytes spill loads")
+        found[name] = Usage(
+            int(registers[1]) if registers else 0, number("bytes stack frame"), spilled, number("bytes smem")
+        )
+    return found
 
 
 def libraries() -> list[Path]:

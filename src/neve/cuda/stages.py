@@ -261,7 +261,7 @@ class CudaStages:
     def _failed(self, stage: str, error: DriverError) -> Blowup:
         return Blowup(
             f"{self._driver.name} has failed in the stage {stage} ({error.name}): the run can be resumed "
-            'from its last checkpoint, or with numerics.device = "cpu"'
+            'from its last checkpoint, here or with numerics.device = "cpu"'
         )
 
     def _results(self, grid: DeviceGrid, stage: str) -> dict[str, Any]:

@@ -1,0 +1,65 @@
+"""The kernels compile for GPUs, and keep their numbers in registers. No GPU is needed."""
+
+import ctypes
+
+import pytest
+
+from neve import _core
+from neve.cuda.layout import step_of
+from neve.cuda.program import Choice, Compiler, compiler, libraries, usage
+
+DEFAULT = Choice("float32", 0, 0, 8, 1, False, False)
+"""The step of a scene that chooses nothing and has no solids."""
+RESIDENT = {"g2p": 128, "p2g": 64, "grid_update": 32}
+"""Most registers of a thread [1]: so that 65,536 registers hold 16, 32 and 64 warps."""
+
+
+@pytest.fixture(scope="module")
+def nvrtc():
+    """The compiler of the wheel; skip where it is not installed."""
+    if not libraries():
+        pytest.skip("needs NVRTC: pip install nvidia-cuda-nvrtc")
+    return compiler((1000, 0))
+
+
+@pytest.mark.parametrize("architecture", [80, 90, 100])
+def test_kernels_compile(nvrtc, architecture):
+    """For sm_80, sm_90 and sm_100, fully optimised: nothing is spilled, and warps enough stay resident."""
+    code, log = nvrtc.compiled(DEFAULT, architecture, ctypes.sizeof(step_of("float32")))
+    needs = usage(log)
+    assert code.startswith(b"\x7fELF")
+    assert len(needs) == 18
+    assert {name: need.spilled for name, need in needs.items() if need.spilled} == {}
+    assert {
+        name: needs[name].registers for name, most in RESIDENT.items() if needs[name].registers > most
+    } == {}
+    assert all(need.shared <= 48 * 1024 for need in needs.values())
+
+
+def test_all_that_can_be_chosen_compiles(nvrtc, monkeypatch):
+    """In double, with all laws, solids and play: the largest kernels. Hardly optimised, to save time."""
+    usual = Compiler.options
+    hasty = staticmethod(lambda *arguments: [*usual(*arguments), "--Ofast-compile=max"])
+    monkeypatch.setattr(Compiler, "options", hasty)
+    choice = Choice("float64", 1, 3, 27, 31, True, True)
+    _, log = nvrtc.compiled(choice, 90, ctypes.sizeof(step_of("float64")))
+    assert all(need.shared <= 48 * 1024 for need in usage(log).values())
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_both_sides_know_the_same_struct(precision):
+    """The struct of the kernels has the size that the core gives it."""
+    core = {"float32": _core.f32, "float64": _core.f64}[precision]
+    assert ctypes.sizeof(step_of(precision)) == core.device_step_bytes
+
+
+def test_usage_is_read():
+    """What the compiler says of two kernels, the second with a stack and spills."""
+    log = """ptxas info    : Compiling entry function 'neve_a' for 'sm_90'
+ptxas         .     0 bytes stack frame, 0 bytes spill stores, 0 bytes spill loads
+ptxas info    : Used 43 registers, used 1 barriers, 8192 bytes smem
+ptxas info    : Compiling entry function 'neve_b' for 'sm_90'
+ptxas         .     16 bytes stack frame, 8 bytes spill stores, 4 bytes spill loads
+ptxas info    : Used 32 registers
+"""
+    assert usage(log) == {"a": (43, 0, 0, 8192), "b": (32, 16, 12, 0)}
