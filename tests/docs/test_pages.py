@@ -72,3 +72,9 @@ def test_paths_in_a_page_exist(page):
     lost = {path for path in paths(text) if not any(any(home.glob(path.rstrip("/"))) for home in homes)}
     made = {"core/constitutive/st_venant_kirchhoff.hpp"} if page == "examples/03_own_law.md" else set()
     assert sorted(lost - made) == []
+
+
+def test_nothing_asks_for_extras_of_a_package_that_is_not_published():
+    """Extras work in a checkout, as `.[film]`; elsewhere packages are asked for by their own names."""
+    texts = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *(ROOT / "src/neve").rglob("*.py")]
+    assert [str(path) for path in texts if "neve[" in path.read_text(encoding="utf-8")] == []

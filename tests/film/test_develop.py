@@ -91,7 +91,9 @@ def test_only_snow_lets_light_spread():
     assert found[32, 47] == pytest.approx(found[10, 47], rel=1e-5)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("mitsuba_oidn") is None, reason="pip install 'neve[film]'")
+@pytest.mark.skipif(
+    importlib.util.find_spec("mitsuba_oidn") is None, reason="pip install mitsuba mitsuba-oidn"
+)
 def test_the_denoiser_takes_noise_and_leaves_light():
     """Grey with noise becomes grey with less than a third of it; an edge between two greys stays."""
     rng = np.random.default_rng(4)

@@ -45,7 +45,7 @@ def test_known_reflectances():
 
 @pytest.fixture
 def mi():
-    pytest.importorskip("mitsuba", reason="pip install 'neve[film]'")
+    pytest.importorskip("mitsuba", reason="pip install mitsuba mitsuba-oidn")
     from neve.render.path_tracing.engine import mitsuba
 
     return mitsuba()

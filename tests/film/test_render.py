@@ -16,7 +16,7 @@ from neve.run import run_scene
 from neve.scene.schema.scene import Camera, Collider, Numerics, Run, Scene, Source
 
 needs_mitsuba = pytest.mark.skipif(
-    importlib.util.find_spec("mitsuba") is None, reason="pip install 'neve[film]'"
+    importlib.util.find_spec("mitsuba") is None, reason="pip install mitsuba mitsuba-oidn"
 )
 SMALL = ("--size", "48x32", "--quality", "draft", "--spp", "1", "--quiet")
 
@@ -91,7 +91,7 @@ def test_without_mitsuba_it_says_what_to_install(folder, capsys, monkeypatch):
     """Mitsuba is optional: without it the command says how to get it."""
     monkeypatch.setitem(__import__("sys").modules, "mitsuba", None)
     assert code("render", folder, "--frame", "0", *SMALL) == 2
-    assert "pip install 'neve[film]'" in capsys.readouterr().err
+    assert "pip install mitsuba mitsuba-oidn" in capsys.readouterr().err
     assert not (folder / "render").exists()
 
 

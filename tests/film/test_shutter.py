@@ -16,7 +16,7 @@ from neve.render.shot import View
 from neve.scene.schema.scene import Numerics, Scene, Source
 
 needs_mitsuba = pytest.mark.skipif(
-    importlib.util.find_spec("mitsuba") is None, reason="pip install 'neve[film]'"
+    importlib.util.find_spec("mitsuba") is None, reason="pip install mitsuba mitsuba-oidn"
 )
 DX = 0.1
 SIZE = (160, 32)

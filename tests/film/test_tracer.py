@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-pytest.importorskip("mitsuba", reason="pip install 'neve[film]'")
+pytest.importorskip("mitsuba", reason="pip install mitsuba mitsuba-oidn")
 
 from neve.build import solids as solids_of
 from neve.geometry.pose import Pose

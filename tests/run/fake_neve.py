@@ -26,6 +26,7 @@ class Simulation:
     """Throw `count` particles."""
 
     count = 50
+    bytes = 50
     solver = SimpleNamespace(
         log_columns=MpmSolver.log_columns, log_values=lambda totals: MpmSolver.log_values(MpmSolver, totals)
     )
@@ -70,7 +71,7 @@ class Simulation:
         names = ("x", "v", "J_P", "id", "material", "m", "V0")
         return {"time": self.time, "steps": self.steps, **{name: getattr(self.state, name) for name in names}}
 
-    def advance(self, seconds):
+    def advance(self, seconds, enough=None):
         time.sleep(PAUSE)
         s, dt = self.state, np.float32(seconds / 4)
         for _ in range(4):
@@ -92,6 +93,8 @@ class Simulation:
             exchanged=np.full((len(self.scene.colliders), 7), self.time),
             stage_seconds=dict.fromkeys(MpmSolver.stages, 0.1),
         )
+        if enough is not None:
+            enough()
 
     def solids(self):
         at = SimpleNamespace(

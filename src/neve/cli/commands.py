@@ -31,6 +31,7 @@ from neve.cli.console import (
 )
 from neve.cli.estimate import announce, estimate
 from neve.cli.export import export
+from neve.cli.film import film
 from neve.cli.fine import finer
 from neve.cli.render import render
 from neve.system import stopping, streams
@@ -292,6 +293,7 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
 
 
 cli.add_command(estimate)
+cli.add_command(film)
 cli.add_command(render)
 cli.add_command(export)
 cli.add_command(fuzz)

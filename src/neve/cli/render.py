@@ -39,8 +39,8 @@ def aperture(ctx: click.Context, param: click.Parameter, value: float) -> float:
 class Told:
     """Say after each picture how far the film is, and how long it will take."""
 
-    def __init__(self, quiet: bool) -> None:
-        self._quiet, self._begin = quiet, time.monotonic()
+    def __init__(self, quiet: bool, name: str = "render") -> None:
+        self._quiet, self._name, self._begin = quiet, name, time.monotonic()
         self._stream = Steady(sys.stderr)
 
     def __call__(self, done: int, of: int, new: int) -> None:
@@ -52,7 +52,7 @@ class Told:
         passed = time.monotonic() - self._begin
         left = f", {duration(passed / new * (of - done))} left" if new and done < of else ""
         with contextlib.suppress(OSError):
-            self._stream.write(f"render: picture {done} of {of}{left}\n")
+            self._stream.write(f"{self._name}: picture {done} of {of}{left}\n")
             self._stream.flush()
 
 
@@ -134,7 +134,7 @@ def render(
     if frame is not None and frames is not None:
         raise click.UsageError("--frame renders one picture and --frames several: choose one of the two")
     if denoise and not has_denoiser():
-        raise click.UsageError("--denoise needs mitsuba-oidn: pip install 'neve[film]'")
+        raise click.UsageError("--denoise needs a package: pip install mitsuba-oidn")
     chosen = slice(frame, frame + 1) if frame is not None else frames
     cleans = has_denoiser() if denoise is None else denoise
     choices = Choices(quality, look, kind, spp, size, aperture, cleans, phase)

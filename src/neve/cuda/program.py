@@ -23,7 +23,7 @@ from neve.geometry import cache
 FOLDERS = ("math", "constitutive", "transfer", "geometry", "coupling", "mpm", "cuda")
 """Folders of the core that device code is made of."""
 WHEEL = "nvidia-cuda-nvrtc"
-"""What brings the compiler: `pip install 'neve[cuda]'`."""
+"""What brings the compiler: `pip install nvidia-cuda-nvrtc`."""
 
 
 class Choice(NamedTuple):
@@ -150,7 +150,7 @@ def compiler(newest: tuple[int, int]) -> Compiler:
     """Return the compiler to use with a driver that knows CUDA up to `newest`. Errors: NoDevice."""
     found = [Compiler(path) for path in libraries()]
     if not found:
-        raise NoDevice(f"there is no compiler for it: pip install 'neve[cuda]', or {WHEEL}")
+        raise NoDevice(f"there is no compiler for it: pip install {WHEEL}")
     fit = [each for each in found if each.version[0] <= newest[0]]
     if not fit:
         raise NoDevice(

@@ -116,10 +116,7 @@ def require(module: str, package: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError:
-        raise RunError(
-            f"this format needs the package {package}: pip install {package}, or all that exports need, "
-            'pip install "neve[export]".'
-        ) from None
+        raise RunError(f"this format needs the package {package}: pip install {package}.") from None
 
 
 @contextlib.contextmanager

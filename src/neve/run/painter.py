@@ -46,7 +46,11 @@ class Painter:
         self._solids = solids
         self._threads = threads or 0
         self._radius = radius
-        self.shot = Shot(scene.camera, solids, scene.numerics.dx)
+        self.shot = self.fresh_shot()
+
+    def fresh_shot(self) -> Shot:
+        """Return the camera anew, which has seen no frame."""
+        return Shot(self._scene.camera, self._solids, self._scene.numerics.dx)
 
     @functools.cached_property
     def _preview(self) -> Preview:

@@ -134,7 +134,7 @@ def test_no_matplotlib(call, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "matplotlib", None)
     code, out, err = call("good", "--threads", "1")
     assert (code, out) == (2, "")
-    assert "pip install 'neve[validate]'" in err
+    assert "pip install matplotlib" in err
     assert call("good", "--json", "--threads", "1")[0] == 0
 
 

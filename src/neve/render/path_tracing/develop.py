@@ -42,7 +42,7 @@ SHADE = 0.25
 
 
 def has_denoiser() -> bool:
-    """Say whether Open Image Denoise is installed (`pip install 'neve[film]'`)."""
+    """Say whether Open Image Denoise is installed (`pip install mitsuba-oidn`)."""
     return importlib.util.find_spec("mitsuba_oidn") is not None
 
 

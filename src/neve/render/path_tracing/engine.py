@@ -25,7 +25,7 @@ def mitsuba(threads: int = 0) -> Any:
         import mitsuba as mi
     except ImportError as error:
         raise RenderError(
-            f"path-traced pictures need Mitsuba 3 ({error}): install it with pip install 'neve[film]'."
+            f"path-traced pictures need Mitsuba 3 ({error}): pip install mitsuba mitsuba-oidn."
         ) from error
     if mi.variant() != VARIANT:
         mi.set_variant(VARIANT)

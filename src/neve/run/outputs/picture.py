@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Literal
 
 from neve.diagnostics import number
 from neve.io.atomic import write_png
-from neve.io.frames import frame_numbers, read_frame
+from neve.io.frames import Frame, frame_numbers, read_frame
 from neve.io.log import read_log
+from neve.run.best import best_frame
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.run.painter import Painter
@@ -32,7 +34,10 @@ class PictureOptions(OutputOptions):
     suffix = ".png"
 
     kind: Literal["picture"] = entry(
-        "picture", "A picture of the frame by which half of the lost energy is lost, drawn at the end.", ""
+        "picture",
+        "A picture of the frame in which moving snow covers the most of it, over what the same snow did at "
+        "the start; drawn at the end.",
+        "",
     )
     name: str = entry(FILE, "Name of the file; ends in .png.", "")
     camera: Camera | None = entry(None, "Camera of this picture; left out: the scene's.", "")
@@ -59,21 +64,33 @@ class PictureOutput:
         """Do nothing: the telling frame is known only at the end."""
 
     def close(self, context: FrameContext) -> None:
-        """Choose the frame by the log and draw it, or the nearest one that has a file."""
+        """Choose the frame and draw it."""
         folder = context.run.folder
         kept = frame_numbers(folder.frames)
         if not context.finished or not kept:
             return
-        rows = read_log(folder.log, context.run.scene.numerics.method)
-        wanted = telling_frame(rows) if rows else context.frame // 2
-        frame = min(kept, key=lambda k: abs(k - wanted))
-        earlier = [k for k in kept if k < frame]
-        self._painter.look_back(earlier, lambda k: read_frame(folder.frames, k))
-        write_png(folder.path / self.name, self._painter.draw(read_frame(folder.frames, frame)))
+
+        def read(frame: int) -> Frame:
+            return read_frame(folder.frames, frame)
+
+        frame = best_frame(kept, read, self._painter.fresh_shot())
+        if frame is None:
+            rows = read_log(folder.log, context.run.scene.numerics.method)
+            wanted = telling_frame(rows) if rows else context.frame // 2
+            frame = min(kept, key=lambda k: abs(k - wanted))
+        draw_still(folder.path / self.name, self._painter, kept, frame, read)
+
+
+def draw_still(
+    path: Path, painter: Painter, kept: Sequence[int], frame: int, read: Callable[[int], Frame]
+) -> None:
+    """Draw the picture of a frame, of those that are `kept`, into the file `path`. Errors: RunError."""
+    painter.look_back([k for k in kept if k < frame], read)
+    write_png(path, painter.draw(read(frame)))
 
 
 def telling_frame(rows: Sequence[Mapping[str, Any]]) -> int:
-    """Return a frame soon after half of the energy that the run loses is lost: what became of the snow.
+    """Return a frame soon after half of the energy that the run loses is lost, where no other stands out.
 
     Energy is kinetic + elastic + potential; only losses from frame to frame count, so that a blade that does
     work on the snow does not hide them. Snow that bursts loses most of it in the impact itself: a fifth of

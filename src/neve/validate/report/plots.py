@@ -46,7 +46,7 @@ def require_matplotlib() -> None:
         import matplotlib  # noqa: F401
     except ImportError:
         raise RunError(
-            "the plots of the report need matplotlib: pip install 'neve[validate]', or ask for --json alone"
+            "the plots of the report need a package: pip install matplotlib, or ask for --json alone"
         ) from None
 
 
