@@ -67,7 +67,7 @@ def test_shells_and_sheets() -> None:
     """Beside sheets stiffness is exp(STIFFER (1 - d / D)), strength 1; in them it falls to exp(-5)."""
     ball = source("sphere")
     made = fill(ball, Numerics(dx=0.02), 0)
-    depth = 0.3 - np.linalg.norm(made.x - np.array(ball.origin), axis=1)
+    depth = 0.3 - np.linalg.norm(made.x - np.array(ball.place), axis=1)
     beside = made.strength == 1.0
     assert 0.3 < beside.mean() < 0.9
     assert made.strength.min() == pytest.approx(np.exp(-WEAK_STRENGTH), rel=0.02)

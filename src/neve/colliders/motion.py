@@ -53,7 +53,7 @@ def _between_keyframes(collider: Collider, t: float) -> Pose:
 def _position(collider: Collider, key: Keyframe | None = None) -> Array:
     if key is not None and key.position is not None:
         return np.array(key.position)
-    return np.array(collider.origin)
+    return np.array(collider.place)
 
 
 def _rotation(collider: Collider, key: Keyframe | None = None) -> Array:

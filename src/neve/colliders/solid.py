@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.geometry.mesh import warn_if_far
 from neve.geometry.sdf import SolidMesh, solid_mesh
 from neve.geometry.terrain import height_field
 from neve.scene.schema.file_shapes import Mesh, Terrain
@@ -80,6 +81,9 @@ def solid_of(described: Collider | Body, name: str, dx: float) -> Solid:
 
     Errors: SceneError for a mesh or a height map that cannot be used.
     """
+    mesh = solid_mesh(described, dx, name) if isinstance(described, Mesh) else None
+    if mesh is not None and isinstance(described, Mesh):
+        warn_if_far(mesh.surface, described, dx, name)
     return Solid(
         name=name,
         shape=described.shape,
@@ -90,7 +94,7 @@ def solid_of(described: Collider | Body, name: str, dx: float) -> Solid:
         finish=described.finish,
         visible=described.visible,
         motion=_motion(described),
-        mesh=solid_mesh(described, dx, name) if isinstance(described, Mesh) else None,
+        mesh=mesh,
         terrain=height_field(described, name) if isinstance(described, Terrain) else None,
     )
 

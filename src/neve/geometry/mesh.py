@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 
 SAMPLES = 4000
 """Points around an open surface at which its winding number is asked for."""
+FARTHEST = 1e6
+"""Distance of a vertex from the origin of its solid, along each axis [m]."""
+FAR_CELLS = 1e4
+"""Distance of a solid from its origin, in cells, from which on single precision is told: 1e-3 of a cell."""
 DOUBT = 0.25
 """Distance of a winding number from a whole one, from which on a point is neither inside nor outside."""
 DOUBTFUL_SHARE = 0.03
@@ -37,7 +41,7 @@ def read_mesh(mesh: Mesh, name: str) -> Triangles:
     Errors: SceneError, one sentence: unreadable, empty, no area, not finite, or open without a `thickness`.
     """
     path = where(mesh.file, "meshes")
-    made_of = (_mark(path), mesh.up, mesh.metres)
+    made_of = (_mark(path), mesh.up, mesh.metres, mesh.origin, mesh.thickness > 0)
     surface = _in_use.get(made_of)
     if surface is None:
         _in_use[made_of] = surface = _surface(path, mesh, name)
@@ -71,18 +75,47 @@ def _surface(path: Path, mesh: Mesh, name: str) -> Triangles:
         raise SceneError(
             f"{_key(mesh, name)} holds no triangles: it is empty, or not the kind of file that its name says"
         )
-    if not np.isfinite(vertices).all():
+    if not np.isfinite(vertices[faces]).all():
         raise SceneError(f"{_key(mesh, name)} has a vertex whose coordinates are no finite numbers")
+    if mesh.origin is not None:
+        vertices = vertices - _origin(vertices[np.unique(faces)], mesh)
     if mesh.up == "y":
         vertices = vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
-    if (np.abs(vertices) * mesh.metres).max() > 1e6:
+    reach = float(np.abs(vertices[faces]).max()) * mesh.metres
+    if reach > FARTHEST:
         raise SceneError(
-            f"{_key(mesh, name)} reaches beyond 1e6 m: set {name}.unit or a smaller {name}.scale"
+            f"{_key(mesh, name)} reaches beyond 1e6 m (to {reach:.3g} m) from its origin: set "
+            f'{name}.origin = "center" (or a point of the file), {name}.unit or a smaller {name}.scale'
         )
-    surface = tidied(vertices * mesh.metres, faces)
+    surface = tidied(vertices * mesh.metres, faces, sheet=mesh.thickness > 0)
     if not len(surface.faces):
         raise SceneError(f"{_key(mesh, name)} has no area: all of its triangles are points or lines")
     return surface
+
+
+def _origin(vertices: Array, mesh: Mesh) -> Array:
+    """Return the point of the file that becomes the origin of the solid, in its own units and axes (3,)."""
+    if isinstance(mesh.origin, tuple):
+        return np.array(mesh.origin)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle = 0.5 * (low + high)
+    if mesh.origin == "bottom":
+        up = 1 if mesh.up == "y" else 2
+        middle[up] = low[up]
+    return np.asarray(middle)
+
+
+def warn_if_far(surface: Triangles, mesh: Mesh, dx: float, name: str) -> None:
+    """Warn with SceneWarning of a mesh so far from its origin that single precision shifts it visibly."""
+    low, high = surface.low, surface.high
+    far = float(np.maximum(np.abs(low), np.abs(high)).max())
+    if far > FAR_CELLS * dx and far > 10 * float((high - low).max()):
+        warnings.warn(
+            f"{_key(mesh, name)} lies {far:.3g} m from its origin, where single precision is coarse: set "
+            f'{name}.origin = "center" (or a point of the file), and {name}.center to where that goes',
+            SceneWarning,
+            stacklevel=2,
+        )
 
 
 def warn_if_small(surface: Triangles, mesh: Mesh, dx: float, name: str) -> None:

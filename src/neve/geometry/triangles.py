@@ -10,6 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
+from neve.geometry.edges import components, edges_of
+from neve.geometry.mending import distinct, mended
+from neve.geometry.shells import oriented
 from neve.reproducible import norms
 
 if TYPE_CHECKING:
@@ -63,13 +66,34 @@ class Triangles:
         return float(np.sum(middles * self.area_vectors) / 3.0)
 
     @cached_property
+    def closed_volume(self) -> float:
+        """Volume inside once every hole is closed by a cone from the middle of its rim [m3].
+
+        That of the surface itself if it is closed; exact if each hole is flat.
+        """
+        edges = edges_of(self.faces)
+        balance = np.bincount(edges.edge, weights=edges.sign, minlength=len(edges.ends))
+        rim = np.flatnonzero(balance)
+        if not len(rim):
+            return self.volume
+        ends, times = edges.ends[rim], balance[rim]
+        corners, rows = np.unique(ends, return_inverse=True)
+        rows = rows.reshape(-1, 2)
+        hole = components(rows[:, 0], rows[:, 1], len(corners))
+        held = np.bincount(hole)[:, None]
+        middles = np.stack([np.bincount(hole, self.vertices[corners, k]) for k in range(3)], axis=1) / held
+        middle = 0.5 * (self.low + self.high)
+        a, b = self.vertices[ends[:, 0]] - middle, self.vertices[ends[:, 1]] - middle
+        tip = middles[hole[rows[:, 0]]] - middle
+        return self.volume - float(np.sum(times * np.sum(np.cross(a, b) * tip, axis=1))) / 6.0
+
+    @cached_property
     def open_edges(self) -> int:
         """Number of edges that faces do not run along equally often in both directions; 0 if closed.
 
         A surface without such edges has no boundary, so that its winding number is a whole number anywhere.
         """
-        _, edge, sign = _edges(self.faces)
-        return int(np.count_nonzero(np.bincount(edge, weights=sign)))
+        return int(np.count_nonzero(edges_of(self.faces).unbalanced))
 
     @cached_property
     def spans(self) -> tuple[Array, Array]:
@@ -88,70 +112,44 @@ class Triangles:
         return replace(self, faces=np.ascontiguousarray(self.faces[:, ::-1]))
 
 
-def tidied(vertices: Array, faces: NDArray[np.integer]) -> Triangles:
+def tidied(vertices: Array, faces: NDArray[np.integer], sheet: bool = False) -> Triangles:
     """Return a surface of `vertices` [m] (n, 3) and `faces` (m, 3) in order.
 
-    Equal vertices become one; faces that are lines or points, and repeated ones, go; faces of a
-    connected part face the same side, the outside where neighbours disagreed; and so does the whole.
+    Equal vertices become one; faces that are lines or points go, and repeated ones. Of a solid, that is no
+    `sheet`, what is open by rounding is closed and walls between touching parts go (`neve.geometry.mending`).
+    Faces that hang together face the same side, each closed part its own outside (`neve.geometry.shells`).
     """
-    unique, rows = np.unique(vertices + 0.0, axis=0, return_inverse=True)  # -0.0 + 0.0 is 0.0
-    corners = rows.reshape(-1)[faces].astype(np.int32).reshape(-1, 3)
+    unique, rows = _distinct(vertices + 0.0)  # -0.0 + 0.0 is 0.0
+    corners = rows[faces].reshape(-1, 3)
     corners = corners[_has_area(unique, corners)]
-    _, first = np.unique(np.sort(corners, axis=1), axis=0, return_index=True)
-    corners = corners[np.sort(first)]
-    used, corners = np.unique(corners, return_inverse=True)
-    found = Triangles(np.ascontiguousarray(unique[used]), corners.reshape(-1, 3).astype(np.int32))
-    if len(found.faces):
-        found = _agreeing(found)
-        found = found.flipped() if found.volume < 0 else found
-    return found
+    if not len(corners):
+        return Triangles(unique[:0], corners.astype(np.int32))
+    if sheet:
+        corners = corners[np.sort(distinct(corners)[0])]
+        edges = edges_of(corners)
+    else:
+        corners, edges = mended(unique, corners)
+    used, rows = np.unique(corners, return_inverse=True)
+    place = np.cumsum(np.isin(np.arange(len(unique)), used, assume_unique=True)) - 1
+    found = np.ascontiguousarray(unique[used])
+    indices = np.ascontiguousarray(rows.reshape(-1, 3).astype(np.int32))
+    return Triangles(found, oriented(found, indices, replace(edges, ends=place[edges.ends])))
 
 
-def _has_area(vertices: Array, faces: Indices) -> NDArray[np.bool_]:
+def _distinct(vertices: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Return the distinct rows of `vertices` in order (k, 3), and which of them each is (n,)."""
+    order = np.lexsort(vertices.T[::-1])
+    ordered = vertices[order]
+    new = np.ones(len(vertices), dtype=bool)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    rows = np.empty(len(vertices), dtype=np.int64)
+    rows[order] = np.cumsum(new) - 1
+    return ordered[new], rows
+
+
+def _has_area(vertices: Array, faces: NDArray[np.integer]) -> NDArray[np.bool_]:
     """Return whether each face is more than a line: its height is above rounding of its longest edge."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     longest = np.maximum.reduce([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))])
     double_area = norms(np.cross(b - a, c - a))
     return np.asarray(double_area > 1e-12 * longest)
-
-
-def _edges(faces: Indices) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int64]]:
-    """Return for the three edges of each face the face, the edge, and its direction, 1 or -1."""
-    begin, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
-    low, high = np.minimum(begin, end).astype(np.int64), np.maximum(begin, end).astype(np.int64)
-    _, edge = np.unique(low * (int(faces.max()) + 1) + high, return_inverse=True)
-    return np.repeat(np.arange(len(faces)), 3), edge.reshape(-1), np.where(begin < end, 1, -1)
-
-
-def _agreeing(surface: Triangles) -> Triangles:
-    """Return `surface` with faces turned round so that two on one edge run along it in opposite directions.
-
-    Every face stands twice in a graph, as it is and turned round; faces on a common edge are joined so that
-    they agree. The two copies of a connected part then fall into two components, unless the part has one side
-    only. A part whose faces agreed keeps its orientation, so that cavities stay cavities; of another, the
-    component with the larger volume is kept.
-    """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    face, edge, sign = _edges(surface.faces)
-    pairs = np.argsort(edge, kind="stable")
-    count = np.bincount(edge)
-    pairs = pairs[np.isin(edge[pairs], np.flatnonzero(count == 2))].reshape(-1, 2)
-    (f, g), against = face[pairs].T, sign[pairs[:, 0]] == sign[pairs[:, 1]]
-    if not against.any():
-        return surface
-    m = len(surface.faces)
-    row = np.concatenate([f, f + m])
-    column = np.concatenate([np.where(against, g + m, g), np.where(against, g, g + m)])
-    graph = coo_array((np.ones(len(row), np.int8), (row, column)), shape=(2 * m, 2 * m))
-    _, label = connected_components(graph, directed=False)
-    kept, turned = label[:m], label[m:]
-    middle = 0.5 * (surface.low + surface.high)
-    share = np.sum((surface.vertices[surface.faces].mean(axis=1) - middle) * surface.area_vectors, axis=1)
-    volume = np.bincount(kept, share, label.max() + 1) - np.bincount(turned, share, label.max() + 1)
-    disagrees = np.zeros(label.max() + 1, dtype=bool)
-    disagrees[label[np.concatenate([f[against], f[against] + m])]] = True
-    flip = disagrees[kept] & (volume[turned] > volume[kept])
-    faces = np.where(flip[:, None], surface.faces[:, ::-1], surface.faces)
-    return replace(surface, faces=np.ascontiguousarray(faces))

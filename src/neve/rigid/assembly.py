@@ -191,7 +191,7 @@ def _add_body(spec: Any, body: Body, solid: Solid, frames: Sequence[_Frame]) -> 
             f"the rigid-body engine needs {LIGHTEST:g} at least, so make it larger or heavier"
         )
     R = rotation_matrix(np.radians(body.rotation))
-    center = np.array(body.origin)
+    center = np.array(body.place)
     frame = _Frame(center + product(R, properties.center), product(R, axes))
     if body.parent is None:
         host, where = spec.worldbody, (frame.position, frame.rotation)
@@ -219,7 +219,7 @@ def _add_joint(spec: Any, made: Any, body: Body, frame: _Frame, name: str) -> No
         return
     hinge = body.joint == "hinge"
     axis = np.array(body.axis) / math.hypot(*body.axis)
-    anchor = np.array(body.anchor if body.anchor is not None else body.origin)
+    anchor = np.array(body.anchor if body.anchor is not None else body.place)
     kinds = mujoco.mjtJoint
     joint = made.add_joint(
         name=name,
@@ -243,7 +243,7 @@ def _find_attachments(
     made: Assembly, solids: Sequence[Solid], bodies: Sequence[Body], frames: Sequence[_Frame]
 ) -> None:
     for solid, body, frame in zip(solids, bodies, frames, strict=True):
-        where = frame.inside(np.array(body.origin), rotation_matrix(np.radians(body.rotation)))
+        where = frame.inside(np.array(body.place), rotation_matrix(np.radians(body.rotation)))
         made.attachments.append(Attachment(made.model.body(solid.name).id, *where))
 
 
@@ -321,7 +321,7 @@ def _speeds(model: Any, bodies: Sequence[Body], solids: Sequence[Solid], frames:
         first = int(model.joint(solid.name).dofadr[0])
         velocity, spin = np.array(body.velocity), np.array(body.spin)
         if body.joint == "free":
-            arm = frame.position - np.array(body.origin)
+            arm = frame.position - np.array(body.place)
             speeds[first : first + 3] = velocity + np.cross(spin, arm)
             speeds[first + 3 : first + 6] = product(frame.rotation.T, spin)
         else:

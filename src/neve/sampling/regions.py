@@ -58,7 +58,7 @@ def region(source: Source, numerics: Numerics, name: str) -> Region:
     if isinstance(source, Text):
         return _letters(source, letters(source, numerics.spacing, name))
     half = np.array(source.half_extents())
-    axes, center = _axes(source), np.array(source.origin)
+    axes, center = _axes(source), np.array(source.place)
     return Region(
         center=center,
         rotation=axes,
@@ -71,7 +71,7 @@ def region(source: Source, numerics: Numerics, name: str) -> Region:
 
 
 def _letters(source: Text, sign: Letters) -> Region:
-    axes, center = _axes(source), np.array(source.origin)
+    axes, center = _axes(source), np.array(source.place)
     half = 0.5 * np.array((sign.width, source.depth, sign.height))
     return Region(
         center=center,
@@ -85,7 +85,7 @@ def _letters(source: Text, sign: Letters) -> Region:
 
 
 def _mesh(source: Mesh, space: MeshSpace) -> Region:
-    axes, middle, center = _axes(source), 0.5 * (space.low + space.high), np.array(source.origin)
+    axes, middle, center = _axes(source), 0.5 * (space.low + space.high), np.array(source.place)
     return Region(
         center=center,
         rotation=axes,

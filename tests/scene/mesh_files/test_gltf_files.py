@@ -234,7 +234,7 @@ FILES = {
     },
     "strips": strips(5),
     "fans": strips(6),
-    # INSTANCES
+    "instances": instanced(),
     "nested": nested(),
     "mirrored": of_points(lambda m: UNIT * [-1, 1, 1], translation=[1, 2, 3], scale=[-0.5, 1.0, 0.25]),
     "morphed": morphed(),

@@ -6,6 +6,7 @@ import trimesh
 
 from neve import Simulation
 from neve.build import coupled
+from neve.geometry import mesh as mesh_files
 from neve.mpm.initial import make_model
 from neve.run.large import in_words
 from neve.scene.errors import SceneError
@@ -45,8 +46,8 @@ def test_a_mesh_of_many_colliders_is_read_once(tmp_path, monkeypatch):
     path = tmp_path / "ball.stl"
     trimesh.creation.icosphere(subdivisions=1, radius=0.3).export(path)
     reads = []
-    read = trimesh.load
-    monkeypatch.setattr(trimesh, "load", lambda *a, **k: reads.append(a) or read(*a, **k))
+    read = mesh_files.read
+    monkeypatch.setattr(mesh_files, "read", lambda *a: reads.append(a) or read(*a))
     mesh = {"shape": "mesh", "file": str(path), "unit": "m"}
     colliders = [mesh | {"center": [i, 0.0, 0.0]} for i in range(50)]
     scene = scene_from({"sources": [{"shape": "sphere"}], "colliders": colliders, "numerics": {"dx": 0.1}})

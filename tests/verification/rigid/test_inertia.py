@@ -98,7 +98,9 @@ def test_parts_weigh_once_each(turned):
 
 
 def test_mesh_without_inside_is_told():
-    """A cube with a second one, turned inside out, in its place bounds nothing: one sentence says so."""
-    surface = tidied(np.concatenate([CORNERS, CORNERS + 1e-9]), np.concatenate([SIDES, SIDES[:, ::-1] + 8]))
+    """A cube with a second one, turned inside out, just within it bounds nothing: one sentence says so."""
+    surface = tidied(
+        np.concatenate([CORNERS, CORNERS * (1 - 1e-9)]), np.concatenate([SIDES, SIDES[:, ::-1] + 8])
+    )
     with pytest.raises(SceneError, match=r"bodies\.0 has no volume to weigh"):
         of_inside(surface, "bodies.0")

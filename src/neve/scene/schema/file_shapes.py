@@ -12,6 +12,7 @@ from neve.scene.values.fields import (
     ZERO,
     Angle3,
     Distance,
+    FarPoint3,
     Length,
     Point3,
     Size2,
@@ -44,6 +45,12 @@ class Mesh(Shape):
     up: Literal["z", "y"] = entry(
         "z", 'Which axis of the file points up; "y" in most GLB and many OBJ files.', ""
     )
+    origin: Literal["center", "bottom"] | FarPoint3 | None = entry(
+        None,
+        "Which point of the file becomes the origin of the solid, in the file's own numbers and axes, such "
+        'as [500000, 5000000, 0] of map coordinates; "center" is the middle of the box around all, "bottom" '
+        "the middle of its lower side. Left out, the origin of the file.",
+    )
     thickness: Distance = entry(
         0.0,
         "Of an open mesh, such as a sheet: how thick the solid around it is; 0 for a closed one.",
@@ -55,7 +62,7 @@ class Mesh(Shape):
         "of numerics.dx, or more where that would take too much memory.",
         "m",
     )
-    center: Point3 = entry(ZERO, "Where the origin of the file goes.", "m")
+    center: Point3 = entry(ZERO, "Where the origin goes: that of the file, or `origin`.", "m")
     rotation: Angle3 = entry(ZERO, ROTATION, "degrees")
 
     @property

@@ -59,7 +59,7 @@ class Shape(Part):
         shape: str
 
     @property
-    def origin(self) -> Vector:
+    def place(self) -> Vector:
         """Where the origin of its frame is in the world [m]."""
         return tuple(getattr(self, self.place_key))
 
@@ -320,7 +320,7 @@ class Layer(Shape):
     base: Coordinate = entry(0.0, "Height of the layer's underside.", "m")
 
     @property
-    def origin(self) -> Vector:
+    def place(self) -> Vector:
         """Its middle, half of its depth above its base."""
         return *self.center, self.base + 0.5 * self.depth
 

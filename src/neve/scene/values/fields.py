@@ -55,10 +55,12 @@ Device = Annotated[str, OneOf(DEVICES)]
 
 Length = Annotated[float, Strict(), Field(ge=SHORTEST, le=1e6)]
 Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6), NoTrace]
+FarCoordinate = Annotated[float, Strict(), Field(ge=-1e12, le=1e12), NoTrace]
 Rate = Annotated[float, Strict(), Field(ge=-1e4, le=1e4), NoTrace]
 
 Point2 = tuple[Coordinate, Coordinate]
 Point3 = tuple[Coordinate, Coordinate, Coordinate]
+FarPoint3 = tuple[FarCoordinate, FarCoordinate, FarCoordinate]
 Rate3 = tuple[Rate, Rate, Rate]
 Angle3 = tuple[Coordinate, Coordinate, Coordinate]
 Size2 = tuple[Length, Length]
