@@ -1,6 +1,7 @@
 """A GPU where there is none."""
 
 import pytest
+from gpu.runs import REAL
 from gpu.stand_in import StandIn, build, plugged_in
 
 
@@ -17,3 +18,9 @@ def gpu(library):
     with plugged_in(stand_in):
         yield stand_in
     stand_in.fail()
+
+
+@pytest.fixture
+def some_gpu(request):
+    """The stand-in; or with NEVE_TEST_GPU=1 the GPU of this machine."""
+    return None if REAL else request.getfixturevalue("gpu")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 from typing import TYPE_CHECKING, cast
 
@@ -29,6 +30,12 @@ class Cuda(Cpu):
             raise NoDevice(f'numerics.device = "cuda" needs a GPU: {error}; use "cpu" or "auto"') from None
         gpu.use()
         return cast("Precision", CudaStages(gpu, super().kernels(precision), precision))
+
+    def use_threads(self, count: int | None) -> None:
+        """Let the next stages run from the calling thread; what runs on the processor takes `count`."""
+        super().use_threads(count)
+        with contextlib.suppress(NoDevice):
+            driver().use()
 
 
 class Auto(Cuda):

@@ -10,6 +10,7 @@ import functools
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 MODE_COLUMNS = 72
 """Columns of velocity modes that there is room for."""
@@ -119,9 +120,8 @@ def bounds_bytes(precision: str) -> int:
     return 32 if precision == "float32" else 64
 
 
-def decoded(ordered: np.uint64) -> float:
-    """Return the number that `ordered()` of `core/cuda/grid/reduce.hpp` was made of; nan if none has come."""
-    bits = int(ordered)
-    sign = 1 << 63
-    bits = bits ^ sign if bits & sign else bits ^ ((1 << 64) - 1)
-    return float(np.uint64(bits).view(np.float64))
+def decoded(ordered: NDArray[np.uint64]) -> NDArray[np.float64]:
+    """Return the numbers behind those that `ordered()` of the kernels made, (n,); 0 where none has come."""
+    sign = np.uint64(1 << 63)
+    bits = np.where(ordered & sign, ordered ^ sign, ~ordered)
+    return np.where(ordered == 0, 0.0, bits.view(np.float64))

@@ -58,6 +58,8 @@ class CudaStages:
         self._driver, self._core, self._precision = driver, core, precision
         self._step = step_of(precision)()
         self._scratch = DeviceGrid(driver, precision)
+        self._real = np.float32 if precision == "float32" else np.float64
+        self._filled: dict[str, Any] = {}
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._core, name)
@@ -216,7 +218,7 @@ class CudaStages:
                 break
             grid.block_table.capacity *= 4
         step.block_count = grid.blocks = int(found["blocks"])
-        self._nodes(model, grid)
+        grid.fill_nodes(step.nodes, model.keeps_change, model.has_play)
         self._each(model, "link_homes", 8 * grid.homes)
 
     # What kernels are given
@@ -229,22 +231,29 @@ class CudaStages:
     def _prepare(self, model: DeviceModel, state: DeviceState, grid: DeviceGrid, dt: float) -> Any:
         """Fill the struct of the kernels, but for the solids and what sorting needs."""
         step = self._step
-        state.fill(step.particles)
-        step.particle_count = state.count
+        if self._is_new("particles", (state, state.sorted)):
+            state.fill(step.particles)
+            step.particle_count = state.count
         step.snows = model.snows()
         self._constants(model, grid, dt)
         return step
 
+    def _is_new(self, part: str, given: Any) -> bool:
+        """Whether a part of the struct has not been filled from this, and take it that it is now."""
+        if self._filled.get(part) == given:
+            return False
+        self._filled[part] = given
+        return True
+
     def _constants(self, model: DeviceModel, grid: DeviceGrid, dt: float) -> None:
         step = self._step
-        step.constants[:] = np.frombuffer(model.constants(dt), self._core.State(0).x.dtype).tolist()
-        step.home_count, step.block_count, step.lightest = grid.homes, grid.blocks, grid.lightest
-        grid.fill_homes(step.nodes)
-        self._nodes(model, grid)
+        if self._is_new("constants", dt):
+            step.constants[:] = np.frombuffer(model.constants(dt), self._real).tolist()
+        if self._is_new("nodes", (grid, grid.homes, grid.blocks, grid.lightest)):
+            step.home_count, step.block_count, step.lightest = grid.homes, grid.blocks, grid.lightest
+            grid.fill_homes(step.nodes)
+            grid.fill_nodes(step.nodes, model.keeps_change, model.has_play)
         step.results = grid.clear_results()
-
-    def _nodes(self, model: DeviceModel, grid: DeviceGrid) -> None:
-        grid.fill_nodes(self._step.nodes, model.keeps_change, model.has_play)
 
     # Launches and reports
 
@@ -273,8 +282,7 @@ class CudaStages:
 
     @staticmethod
     def _extremes(results: dict[str, Any]) -> dict[str, float]:
-        most = dict(zip(EXTREMES, map(decoded, results["most"]), strict=True))
-        return {name: 0.0 if math.isnan(value) else value for name, value in most.items()}
+        return dict(zip(EXTREMES, decoded(results["most"]).tolist(), strict=True))
 
     def _report(self, grid: DeviceGrid, stage: str, stepped: bool) -> DeviceReport:
         results = self._results(grid, stage)

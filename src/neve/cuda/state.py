@@ -26,12 +26,16 @@ class DeviceState:
     A field that is asked for is copied from the GPU if it has changed there, and back again at the next
     `upload`, since the array may have been written to. Arrays that were handed out before a step do not
     follow it: ask for the field again.
+
+    Attributes:
+        sorted: how often the columns have changed their places
     """
 
     def __init__(self, driver: Driver, host: State) -> None:
         """Take over `host`. Errors: DeviceError if the GPU has not enough memory."""
         self.host = host
         self.count = host.count
+        self.sorted = 0
         self._driver = driver
         self._newer_here = set(FIELDS)  # or perhaps written to
         self._newer_there: set[str] = set()
@@ -138,6 +142,7 @@ class DeviceState:
 
         After each the two places are exchanged. The stress follows from the rest, but is kept as well.
         """
+        self.sorted += 1
         for name in FIELDS:
             width = self._width(name)
             for k, address in enumerate(self._at[name]):

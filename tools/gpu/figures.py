@@ -1,0 +1,96 @@
+"""Measure the step on the GPU: wall time, and the time of each kernel by the GPU's own clock."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from time import perf_counter
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+from neve.bench.run import DT, landing_block
+from neve.cuda.stages import CudaStages
+from neve.simulation import Simulation
+
+SIZES = {"1m": (50, 50, 50), "10m": (125, 100, 100), "40m": (200, 200, 125)}
+"""Blocks of snow in cells of 8 particles."""
+TINY = {"1k": (5, 5, 5), "2k": (8, 6, 5)}
+"""The same for a rehearsal."""
+WARM, STEPS, BATCHES = 20, 20, 5
+
+PARTICLE_NUMBERS = {"p2g": 3 + 3 + 9 + 6 + 2, "g2p": (3 + 9 + 1 + 2 + 2) + (3 + 3 + 9 + 9 + 6 + 1)}
+"""Numbers that a kernel must read and write for each particle, with the default transfer."""
+
+
+class Clock:
+    """Mark the beginning and the end of every kernel."""
+
+    def __init__(self, driver: Any) -> None:
+        self._driver = driver
+        self._marks: dict[str, list[tuple[Any, Any]]] = defaultdict(list)
+        self._launch = CudaStages._launch
+
+    def launch(self, stages: Any, model: Any, name: str, blocks: int, threads: int) -> None:
+        """Launch a kernel between two marks."""
+        first = self._driver.event()
+        self._launch(stages, model, name, blocks, threads)
+        self._marks[name].append((first, self._driver.event()))
+
+    def milliseconds(self, steps: int) -> dict[str, float]:
+        """Return the time of each kernel for a step [ms]."""
+        total = {
+            name: sum(self._driver.milliseconds(*pair) for pair in pairs)
+            for name, pairs in self._marks.items()
+        }
+        return {name: value / steps for name, value in total.items()}
+
+
+def stepped(sim: Simulation, steps: int) -> float:
+    """Take steps without looking at the state between them; return their wall time [s]."""
+    solver, begun = sim.solver, perf_counter()
+    for k in range(steps):
+        summary = solver.step(sim.steps + k, sim.time + k * DT, DT)
+        solver.end_step(sim.steps + k + 1, sim.time + (k + 1) * DT, summary.dt)
+    return perf_counter() - begun
+
+
+def measured(cells: tuple[int, int, int]) -> dict[str, Any]:
+    """Return rates and times of a block of snow that lands."""
+    begun = perf_counter()
+    sim = Simulation(landing_block(cells, device="cuda"))
+    prepared = perf_counter() - begun
+    count = sim.count
+    begun = perf_counter()
+    sim.solver.begin(sim.steps, sim.time)
+    begin = perf_counter() - begun
+    stepped(sim, WARM)
+    walls = [stepped(sim, STEPS) for _ in range(BATCHES)]
+    stages = sim.solver.model.core
+    clock = Clock(stages._driver)
+    with mock.patch.object(CudaStages, "_launch", lambda *arguments: clock.launch(*arguments)):
+        stepped(sim, STEPS)
+        stages._driver.synchronize()
+        kernels = clock.milliseconds(STEPS)
+    real = np.dtype(sim.scene.numerics.precision).itemsize
+    bandwidth = {
+        name: PARTICLE_NUMBERS[name] * real * count / (1e-3 * kernels[name]) / 1e9
+        for name in PARTICLE_NUMBERS
+        if kernels.get(name, 0) > 0
+    }
+    free, total = stages._driver.memory()
+    return {
+        "particles": count,
+        "homes": sim.solver.grid.homes,
+        "blocks": sim.solver.grid.blocks,
+        "seconds_to_prepare": prepared,
+        "seconds_to_begin": begin,
+        "steps_of_a_batch": STEPS,
+        "step_ms": [1e3 * wall / STEPS for wall in sorted(walls)],
+        "particle_steps_per_second": count * STEPS / float(np.median(walls)),
+        "kernel_ms": kernels,
+        "GB_per_second_of_particles": bandwidth,
+        "bytes_per_particle": sim.bytes / count,
+        "memory_used": total - free,
+        "finite": bool(np.isfinite(np.asarray(sim.state.x)).all()),
+    }
