@@ -35,7 +35,7 @@ def test_points_and_surface_are_those_of_each_frame(run_path, frame):
     folder, new = export_run(run_path, Choices("abc", up="z"))
     assert new == 5
     top, names = children(folder / "snow.abc")
-    assert names == ["snow", "snow_surface", "colliders_0", "colliders_1", "bodies_0"]
+    assert names == ["snow", "snow_surface", "camera", "colliders_0", "colliders_1", "bodies_0"]
     points = alembic3d.AbcGeom.IPoints(top, "snow").getSchema()
     surface = alembic3d.AbcGeom.IPolyMesh(top, "snow_surface").getSchema()
     assert points.getNumSamples() == surface.getNumSamples() == 5

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from neve.export.axes import Axes
+from neve.export.camera import FilmCamera
 from neve.export.format import Job
 from neve.export.formats.vtk_grid import MOST_CELLS, fitting
 from neve.export.grid import snow_grid
 from neve.export.moment import Moment
 from neve.export.registry import FORMATS
+from neve.scene.schema.camera import Camera
 
 FAR = np.array([[-9e5, 0.0, 5e5], [0.0, 0.1, 0.2], [9e5, 1.0, 0.0]])
 FEW = {"none": np.zeros((0, 3)), "one": np.array([[0.1, 0.2, 0.3]]), "far": FAR}
@@ -29,7 +31,8 @@ def test_every_format_takes_what_is_few_or_far(word, few, tmp_path):
     made = FORMATS.get(word)
     if made.package is not None:
         pytest.importorskip(made.package[0])
-    writer = made(Job(tmp_path, (), Axes(), 25, 0.05, 0.1, ""))
+    camera = FilmCamera(Camera(), (), 0.1, Axes())
+    writer = made(Job(tmp_path, (), Axes(), 25, 0.05, 0.1, "", camera))
     with writer:
         writer.begin([3])
         writer.write(moment_of(FEW[few]))

@@ -129,6 +129,48 @@ def test_a_camera_that_moves_draws_anew_what_it_sees_otherwise(folder, capsys):
 
 
 @needs_mitsuba
+def test_the_lens_of_the_scene_is_that_of_the_picture(folder, capsys):
+    """camera.aperture is --aperture, which counts if both are there; camera.focus moves what is sharp."""
+    wide, near = ("--set", "camera.aperture=0.1"), ("--set", "camera.aperture=0.1", "--set", "camera.focus=3")
+    for arguments, new in (
+        (("--aperture", "0.1"), 1),
+        (wide, 0),
+        (near, 1),
+        ((*near, "--aperture", "0"), 1),
+        (("--set", "camera.focus=3"), 0),
+    ):
+        assert code("render", folder, *SMALL, "--frame", "0", *arguments) == 0
+        assert f": {new} new pictures" in capsys.readouterr().out
+    assert code("render", folder, *SMALL, *wide, "--look", "metaballs") == 2
+    assert "camera.aperture: the look metaballs is drawn through a pinhole" in capsys.readouterr().err
+
+
+@needs_mitsuba
+def test_what_lies_at_the_focus_is_sharp():
+    """An edge at the distance of `focus` is sharp, one at that of the target is blurred over the image of
+    the lens: 2 r f |1 - focus / d| / focus pixels, f the focal length in pixels."""
+    from neve.render.path_tracing.engine import mitsuba
+    from neve.render.path_tracing.lens import Lens
+
+    mi = mitsuba()
+    view = Camera(position=(0.0, -4.0, 0.0), target=(0.0, 0.0, 0.0), fov=20)
+    seen = {}
+    for depth in (2.0, 4.0):
+        lens = Lens(view, 64, 16, aperture=0.04, focus=2.0)
+        film = {"type": "hdrfilm", "width": 64, "height": 16, "rfilter": {"type": "box"}}
+        to = mi.ScalarTransform4f().translate([5.0, depth - 4.0, 0.0])
+        half = {"type": "rectangle", "to_world": to.rotate([1, 0, 0], 90).scale([5.0, 5.0, 5.0])}
+        half |= {"emitter": {"type": "area", "radiance": {"type": "rgb", "value": [1.0, 1.0, 1.0]}}}
+        parts = {"type": "scene", "integrator": {"type": "path"}, "half": half}
+        scene = mi.load_dict(parts | {"sensor": lens.sensor(mi, film, 256, 1)})
+        row = np.array(mi.render(scene))[..., 0].mean(axis=0)
+        seen[depth] = int(((row > 0.02) & (row < 0.98)).sum())
+    assert seen[2.0] <= 1
+    blur = 2 * 0.04 * lens.focal * (1 - 2.0 / 4.0) / 2.0
+    assert blur * 0.7 < seen[4.0] <= blur + 2
+
+
+@needs_mitsuba
 def test_processes_draw_the_same_pictures(folder, capsys):
     """Frames drawn by two processes are those of one, byte for byte, with a camera that must see all frames;
     what is there already is kept."""

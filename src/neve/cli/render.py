@@ -29,9 +29,9 @@ def pixels(ctx: click.Context, param: click.Parameter, value: str | None) -> tup
     return width, height
 
 
-def aperture(ctx: click.Context, param: click.Parameter, value: float) -> float:
+def aperture(ctx: click.Context, param: click.Parameter, value: float | None) -> float | None:
     """Check the radius of a lens."""
-    if not 0.0 <= value <= 100.0:
+    if value is not None and not 0.0 <= value <= 100.0:
         raise click.BadParameter(f"{value} is not a radius from 0 to 100 m", ctx, param)
     return value
 
@@ -92,7 +92,11 @@ class Told:
 @click.option("--size", metavar="WxH", callback=pixels, help="Size of the pictures, such as 1280x720.")
 @click.option("--spp", metavar="N", callback=whole_number, help="Paths of light for each pixel.")
 @click.option(
-    "--aperture", type=float, default=0.0, metavar="R", callback=aperture, help="Radius of the lens [m]."
+    "--aperture",
+    type=float,
+    metavar="R",
+    callback=aperture,
+    help="Radius of the lens [m]; the camera's by default.",
 )
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change camera or light.")
 @click.option("--denoise/--no-denoise", default=None, help="Remove noise; by default where OIDN is there.")
@@ -114,7 +118,7 @@ def render(
     phase: str | None,
     size: tuple[int, int] | None,
     spp: int | None,
-    aperture: float,
+    aperture: float | None,
     changes: tuple[str, ...],
     denoise: bool | None,
     exr: bool,

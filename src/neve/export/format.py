@@ -14,6 +14,7 @@ from typing import Any, BinaryIO, ClassVar, Self
 
 from neve.colliders.solid import Solid
 from neve.export.axes import Axes, Up
+from neve.export.camera import FilmCamera
 from neve.export.moment import Moment
 from neve.export.solids import SolidSurface, surfaces
 from neve.io.errors import RunError, reason
@@ -35,6 +36,7 @@ class Job:
         spacing: distance of two particles that touch at rest, in the unit of the files
         dx: spacing of the simulation's grid, likewise
         title: of the run, in one line
+        camera: of the scene
     """
 
     folder: Path
@@ -44,6 +46,7 @@ class Job:
     spacing: float
     dx: float
     title: str
+    camera: FilmCamera
 
 
 class Format(ABC):

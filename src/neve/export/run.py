@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from neve.build import solids as solids_of
 from neve.export.axes import Axes, Up
+from neve.export.camera import FilmCamera
 from neve.export.folder import ExportFolder
 from neve.export.format import Format, Job
 from neve.export.moment import FOR_LIFE, Life, check_names, columns_of, moment_of
@@ -62,6 +64,7 @@ class Choices:
             spacing * self.scale,
             scene.numerics.dx * self.scale,
             scene.about,
+            FilmCamera(scene.camera, solids, scene.numerics.dx, self.axes),
         )
 
     def names(self, first: Frame, life: Sequence[str]) -> tuple[str, ...]:
@@ -124,6 +127,7 @@ def export_run(
         try:
             folder.announce(format.shared_names())
             with format:
+                _show(run, job)
                 if missing:
                     format.begin([number for number, _ in missing])
                 for done, (number, mark) in enumerate(missing, 1 + len(wanted) - len(missing)):
@@ -137,6 +141,13 @@ def export_run(
         finally:
             folder.save()
     return target, len(missing)
+
+
+def _show(run: RunFolder, job: Job) -> None:
+    """Show all frames of the run to a camera that follows something."""
+    for number in frame_numbers(run.frames) if job.camera.follows else ():
+        with contextlib.suppress(RunError):  # of a damaged frame; one that is asked for is refused later
+            job.camera.see(read_frame(run.frames, number))
 
 
 def _export(

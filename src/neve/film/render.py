@@ -83,9 +83,9 @@ def render_run(
             raise RunError(
                 f"--set {change}: a run that is there can change its {' and '.join(CHANGEABLE)} alone."
             )
-    choices.check()
     numbers = chosen_frames(run.frames, frames, "render")
     scene = load(run.path, changes)
+    choices.check(scene.camera)
     mitsuba()  # whoever lacks it is told before anything is written
     target = Path(out) if out is not None else run.path / FOLDER
     with writing(target):
@@ -300,7 +300,8 @@ class _Job:
             "pixel": self._choices.pixel(self.views.values()),
             "blur": self._blur(number),
             "light": scene.light.model_dump(mode="json"),
-            "choices": [*vars(quality).values(), self._choices.kind, self._choices.aperture],
+            "choices": [*vars(quality).values(), self._choices.kind, self._choices.radius(scene.camera)],
+            "focus": scene.camera.focus,
             "denoise": self._choices.denoise and has_denoiser(),
         }
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]

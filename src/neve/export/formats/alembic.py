@@ -11,6 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.export.camera import NAME as CAMERA
 from neve.export.format import NAME, Format, Job, made_by_library, require
 from neve.export.moment import Moment
 from neve.export.solids import SolidSurface
@@ -21,7 +22,8 @@ SURFACE = f"{NAME}_surface"
 
 
 class Alembic(Format):
-    """Write `snow.abc`: points `snow`, a mesh `snow_surface`, and a mesh below a transform for each solid.
+    """Write `snow.abc`: points `snow`, a mesh `snow_surface`, a mesh below a transform for each solid,
+    and `camera`, a transform with the camera `lens` below it.
 
     Points have velocities [units/s], widths (one spacing), ids, and other fields as arbitrary parameters. The
     time of a sample is its frame's number over the frames in a second.
@@ -104,6 +106,8 @@ class _Open:
         top = self._archive.getTop()
         self._points = geom.OPoints(top, NAME, self._times)
         self._surface = geom.OPolyMesh(top, SURFACE, self._times)
+        self._camera = geom.OXform(top, CAMERA, self._times)
+        self._lens = geom.OCamera(self._camera, "lens", self._times)
         self._fields: dict[str, Any] = {}
         self._poses = {i: self._add_solid(top, i, surface) for i, surface in owner.solids}
 
@@ -126,14 +130,35 @@ class _Open:
                 self._add_field(name, values, vertex)
         snow = snow_surface(moment.x, owner.job.spacing, v=moment.v)
         self._surface.getSchema().set(self._mesh(snow.vertices, snow.faces, snow.normals, snow.velocity))
+        self._add_camera(moment.time)
         for i, (place, still) in self._poses.items():
             if place is not None:
-                matrix = self._owner._imath.M44d(*(float(c) for c in moment.poses[i].T.ravel()))
-                pose = geom.XformSample()
-                pose.setMatrix(matrix)
-                place.set(pose)
+                place.set(self._pose(moment.poses[i]))
                 if still:
                     self._poses[i] = (None, True)
+
+    def _pose(self, matrix: NDArray[np.float64]) -> Any:
+        """Return a transform (4, 4) as a sample."""
+        pose = self._owner._geom.XformSample()
+        pose.setMatrix(self._owner._imath.M44d(*(float(c) for c in matrix.T.ravel())))
+        return pose
+
+    def _add_camera(self, time: float) -> None:
+        """Add the camera at a time [s]: the focal length is in millimetres, the film in centimetres."""
+        ours, sample = self._owner.job.camera, self._owner._geom.CameraSample()
+        pose, unit = ours.at(time), self._owner.job.axes.scale
+        self._camera.getSchema().set(self._pose(pose.matrix))
+        sample.setFocalLength(1000.0 * ours.focal_length(pose) / unit)
+        sample.setHorizontalAperture(100.0 * ours.width / unit)
+        sample.setVerticalAperture(100.0 * ours.height / unit)
+        sample.setNearClippingPlane(pose.clipping[0])
+        sample.setFarClippingPlane(pose.clipping[1])
+        sample.setFocusDistance(pose.focus)
+        sample.setFStop(ours.f_number(pose))
+        half = 0.5 * ours.shutter / self._owner.job.fps
+        sample.setShutterOpen(-half)
+        sample.setShutterClose(half)
+        self._lens.getSchema().set(sample)
 
     def _add_field(self, name: str, values: NDArray[Any], vertex: Any) -> None:
         geom = self._owner._geom

@@ -12,6 +12,8 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.export.camera import ASPECT, CameraPose
+from neve.export.camera import NAME as CAMERA
 from neve.export.format import NAME, Format, replacing
 from neve.export.moment import Moment
 
@@ -24,7 +26,7 @@ ALIGNED = 4
 
 
 class Glb(Format):
-    """Write `snow_NNNNNN.glb`: the node `snow` with normals and velocities, and a node for each solid.
+    """Write `snow_NNNNNN.glb`: the node `snow` with normals and velocities, one for each solid, and `camera`.
 
     Velocities [units/s] are the attribute _VELOCITY of the vertices. glTF has y up and metres.
     """
@@ -46,6 +48,7 @@ class Glb(Format):
         for i, surface in self.solids:
             color = surface.color or SOLID_COLOR
             scene.add(surface.name, surface.vertices, surface.faces, color, moment.poses[i], {})
+        scene.look(self.job.camera.at(moment.time))
         with replacing(self.path(self.names(moment.frame)[0])) as file:
             scene.write(file)
 
@@ -58,6 +61,7 @@ class Scene:
         self._size = 0
         self._nodes: list[dict[str, Any]] = []
         self._meshes: list[dict[str, Any]] = []
+        self._cameras: list[dict[str, Any]] = []
         self._materials: list[dict[str, Any]] = []
         self._accessors: list[dict[str, Any]] = []
         self._views: list[dict[str, Any]] = []
@@ -86,6 +90,14 @@ class Scene:
         self._nodes.append({"name": name, "mesh": len(self._meshes), "matrix": columns})
         self._meshes.append({"name": name, "primitives": [primitive]})
 
+    def look(self, pose: CameraPose) -> None:
+        """Add a camera."""
+        near, far = pose.clipping
+        lens = {"yfov": pose.fov, "aspectRatio": ASPECT, "znear": near, "zfar": far}
+        columns = [float(value) for value in pose.matrix.T.ravel()]
+        self._nodes.append({"name": CAMERA, "camera": len(self._cameras), "matrix": columns})
+        self._cameras.append({"name": CAMERA, "type": "perspective", "perspective": lens})
+
     def write(self, file: BinaryIO) -> None:
         """Write the file."""
         document = {
@@ -93,6 +105,7 @@ class Scene:
             "scene": 0,
             "scenes": [{"nodes": list(range(len(self._nodes))), "extras": self._facts}],
             "nodes": self._nodes,
+            "cameras": self._cameras,
             "meshes": self._meshes,
             "materials": self._materials,
             "accessors": self._accessors,

@@ -21,6 +21,7 @@ from neve.io.errors import RunError
 
 WORLD = "/World"
 SNOW = f"{WORLD}/Snow"
+CAMERA = f"{WORLD}/Camera"
 SOLIDS = "solids.usdc"
 MANIFEST = "snow_manifest.usda"
 WHITE = (0.93, 0.95, 0.98)
@@ -33,6 +34,7 @@ Attribute = tuple[str, str, Any]
 class Usd(Format):
     """Write `snow.usda`, its manifest of clips, `solids.usdc`, and `snow_NNNNNN.usdc` for each frame.
 
+    The stage has the scene's camera, a sample for each frame.
     Points have velocities [units/s], widths (one spacing), ids and extent; other fields are primvars, a
     matrix transposed, as USD multiplies rows from the left. Time codes are numbers of frames.
     """
@@ -70,8 +72,7 @@ class Usd(Format):
         attributes = self._attributes(first)
         self._write_text(MANIFEST, lambda stage: self._declare_all(stage, attributes))
         below = (f"./{SOLIDS}",) if self.solids else ()
-        frames = list(times)
-        self._write_text(f"{NAME}.usda", lambda stage: self._put_together(stage, attributes, frames), below)
+        self._write_text(f"{NAME}.usda", lambda stage: self._put_together(stage, attributes, times), below)
 
     def _values(self, moment: Moment) -> dict[Attribute, Any]:
         """Return what changes from frame to frame: attributes and their values."""
@@ -136,8 +137,9 @@ class Usd(Format):
         layer.Traverse(WORLD, visit)
         return sorted(found, key=lambda attribute: attribute[:2])
 
-    def _put_together(self, stage: Any, attributes: list[Attribute], frames: list[int]) -> None:
-        """Make the stage: its metadata, points, transforms of solids, and the clips of the frames."""
+    def _put_together(self, stage: Any, attributes: list[Attribute], times: Mapping[int, float]) -> None:
+        """Make the stage: its metadata, points, transforms of solids, the clips of the frames, the camera."""
+        frames = list(times)
         geom, Sdf = self._pxr["UsdGeom"], self._pxr["Sdf"]
         self._describe(stage)
         world = geom.Xform.Define(stage, WORLD).GetPrim()
@@ -152,6 +154,25 @@ class Usd(Format):
         clips.SetClipManifestAssetPath(Sdf.AssetPath(f"./{MANIFEST}"))
         clips.SetClipActive([(float(frame), float(k)) for k, frame in enumerate(frames)])
         clips.SetClipTimes([(float(frame), float(frame)) for frame in frames])
+        self._add_camera(stage, times)
+
+    def _add_camera(self, stage: Any, times: Mapping[int, float]) -> None:
+        """Make the camera, a sample for each frame; lengths of lens and film are tenths of a unit."""
+        geom, Gf, ours = self._pxr["UsdGeom"], self._pxr["Gf"], self.job.camera
+        camera = geom.Camera.Define(stage, CAMERA)
+        camera.CreateProjectionAttr("perspective")
+        camera.CreateHorizontalApertureAttr(10.0 * ours.width)
+        camera.CreateVerticalApertureAttr(10.0 * ours.height)
+        camera.CreateShutterOpenAttr(-0.5 * ours.shutter)
+        camera.CreateShutterCloseAttr(0.5 * ours.shutter)
+        place = camera.AddTransformOp()
+        for frame, time in times.items():
+            pose = ours.at(time)
+            place.Set(Gf.Matrix4d(pose.matrix.T.tolist()), frame)
+            camera.CreateFocalLengthAttr().Set(10.0 * ours.focal_length(pose), frame)
+            camera.CreateFocusDistanceAttr().Set(pose.focus, frame)
+            camera.CreateFStopAttr().Set(ours.f_number(pose), frame)
+            camera.CreateClippingRangeAttr().Set(Gf.Vec2f(*pose.clipping), frame)
 
     def _write_solids(self, moment: Moment) -> None:
         """Write the meshes; what stands still has its transform here, what moves in the layers of frames."""

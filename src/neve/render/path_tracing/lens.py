@@ -25,13 +25,14 @@ STILL = 2e-5
 class Lens:
     """Hold the view of a camera and the size of its picture [px]; aperture: radius of the lens [m].
 
-    An aperture of 0 is that of a pinhole.
+    An aperture of 0 is that of a pinhole. focus: distance of what is sharp [m], None for the target's.
     """
 
     camera: View | Camera
     width: int
     height: int
     aperture: float = 0.0
+    focus: float | None = None
 
     @property
     def eye(self) -> Array:
@@ -103,7 +104,7 @@ class Lens:
             "sampler": sampler(samples, seed),
         }
         if self.aperture:
-            out |= {"aperture_radius": self.aperture, "focus_distance": self.distance}
+            out |= {"aperture_radius": self.aperture, "focus_distance": self.focus or self.distance}
         return out
 
 

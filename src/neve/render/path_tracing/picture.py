@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from neve.colliders.solid import Solid
     from neve.geometry.pose import Pose
     from neve.render.shot import View
+    from neve.scene.schema.camera import Camera
     from neve.scene.schema.scene import Scene
 
 Floats = NDArray[np.float32]
@@ -46,8 +47,8 @@ class Choices:
     """Hold what a user chooses of a picture; None: as the quality has it.
 
     quality, look, kind and phase: words of QUALITIES, LOOKS, KINDS and PHASES. samples: paths for each pixel,
-    of each pass. size: (width, height) [px]. aperture: radius of the lens [m]. denoise: whether noise is
-    removed.
+    of each pass. size: (width, height) [px]. aperture: radius of the lens [m], None: the camera's.
+    denoise: whether noise is removed.
     """
 
     quality: str = "good"
@@ -55,15 +56,20 @@ class Choices:
     kind: str = "fresh"
     samples: int | None = None
     size: tuple[int, int] | None = None
-    aperture: float = 0.0
+    aperture: float | None = None
     denoise: bool = True
     phase: str | None = None
 
-    def check(self) -> None:
-        """Refuse what the look would not show. Errors: RenderError."""
+    def check(self, camera: Camera) -> None:
+        """Refuse what the look would not show of the scene's camera. Errors: RenderError."""
         look = self.all.look
-        if look == "metaballs" and self.aperture:
-            raise RenderError("--aperture: the look metaballs is drawn through a pinhole; leave it out.")
+        if look == "metaballs" and self.radius(camera):
+            key, end = (
+                ("camera.aperture", "use --aperture 0")
+                if self.aperture is None
+                else ("--aperture", "leave it out")
+            )
+            raise RenderError(f"{key}: the look metaballs is drawn through a pinhole; {end}.")
         if self.phase and look != "reference":
             raise RenderError(
                 f"--phase {self.phase}: it is for the look reference, not {look}; leave it out."
@@ -85,6 +91,10 @@ class Choices:
             size=self.size or found.size,
             phase=self.phase or found.phase,
         )
+
+    def radius(self, camera: Camera) -> float:
+        """Return the radius of the lens [m]."""
+        return camera.aperture if self.aperture is None else self.aperture
 
     def pixel(self, views: Iterable[View]) -> float:
         """Return the finest footprint of a pixel at the target of a view [m]."""
@@ -146,7 +156,8 @@ class PathTracer:
         self._tracer = Tracer(scene, self.quality, self.quality.look, self._kind, threads)
 
     def _lens(self, view: View) -> Lens:
-        return Lens(view, *self.quality.size, aperture=self._choices.aperture)
+        camera = self._scene.camera
+        return Lens(view, *self.quality.size, self._choices.radius(camera), camera.focus)
 
     def draw(
         self,

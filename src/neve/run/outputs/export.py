@@ -83,6 +83,7 @@ class ExportOutput:
         self._prepare(context)
         assert self._format is not None
         self._folder.drop_after(context.frame, self._format.names)
+        self._recall()
         gone = []
         for frame in self._due:
             mark = self._mark(frame)
@@ -137,11 +138,19 @@ class ExportOutput:
         assert self._format is not None
         columns = context.sim.columns()
         life = Life(columns["id"](), {name: columns[name]() for name in FOR_LIFE if name in columns})
+        self._format.job.camera.see(content)
         axes = self._format.job.axes
         moment = moment_of(frame, content, axes, self._names, life, self._format.weighs)
         self._folder.announce(self._format.names(frame))
         self._format.write(moment)
         self._folder.add(frame, moment.time, self._mark(frame))
+
+    def _recall(self) -> None:
+        """Show a camera that follows something the frames that the run keeps."""
+        assert self._format is not None
+        for frame in self._due if self._format.job.camera.follows else ():
+            with contextlib.suppress(RunError):
+                self._format.job.camera.see(read_frame(self._frames, frame))
 
     def _mark(self, frame: int) -> int:
         """Return the mark of the frame file; 0 where the run keeps none."""

@@ -87,6 +87,22 @@ class Camera(Part):
         "1",
     )
 
+    aperture: Real = entry(
+        0.0,
+        "Radius of the lens: what is nearer or farther than `focus` is out of focus; 0 is a pinhole, where "
+        "all is sharp. Only in `neve render` and in exported cameras.",
+        "m",
+        ge=0,
+        le=100,
+    )
+    focus: Real | None = entry(
+        None,
+        "Distance along the view at which the picture is sharp; left out, that of the target.",
+        "m",
+        gt=0,
+        le=1e6,
+    )
+
     @model_validator(mode="after")
     def _check(self) -> Camera:
         check_times(self.keyframes)
