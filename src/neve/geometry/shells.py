@@ -21,8 +21,10 @@ NO_VOLUME = 1e-9
 """Of a shell of area A: what is below this times A^(3/2) is rounding."""
 GAPING = 0.02
 """Share of a shell's area that its area vectors may add up to, if it is closed but for small holes."""
-LOOKED_AT = 24
-"""Points of a shell that are looked for in others."""
+LOOKED_AT = 64
+"""Faces of a shell, below which points are looked for in others."""
+NEAR_CORNER = 0.98
+"""Share of the way from the middle of a face to its corners at which such points lie."""
 
 
 def oriented(vertices: Array, faces: Indices, edges: Edges) -> Indices:
@@ -150,12 +152,20 @@ def _within(vertices: Array, faces: Indices, label: NDArray[np.int32], size: Arr
 
 
 def _inner_points(vertices: Array, faces: Indices) -> Array:
-    """Return points (n, 3) just inside a shell, below the middles of its largest faces."""
+    """Return points (n, 3) just inside a shell, below the middles and near the corners of LOOKED_AT faces.
+
+    Half of these are the largest ones, the others any.
+    """
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     vectors = 0.5 * np.cross(b - a, c - a)
     area = norms(vectors)
     volume = float(np.sum((a - a[0]) * vectors)) / 3.0
-    chosen = np.argsort(-area, kind="stable")[:LOOKED_AT]
+    most = LOOKED_AT // 2
+    chosen = np.unique(
+        [*np.argsort(-area, kind="stable")[:most], *range(0, len(area), len(area) // most + 1)]
+    )
     depth = np.minimum(1e-3 * np.sqrt(area[chosen]), abs(volume) / area.sum())
-    inward = -np.copysign(1.0, volume) * vectors[chosen] / area[chosen, None]
-    return np.ascontiguousarray((a + b + c)[chosen] / 3.0 + depth[:, None] * inward)
+    below = (-np.copysign(1.0, volume) * depth / area[chosen])[:, None] * vectors[chosen]
+    middle = (a + b + c)[chosen] / 3.0
+    seen = [middle, *(NEAR_CORNER * p[chosen] + (1 - NEAR_CORNER) * middle for p in (a, b, c))]
+    return np.ascontiguousarray(np.concatenate([point + below for point in seen]))

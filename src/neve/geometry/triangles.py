@@ -96,6 +96,13 @@ class Triangles:
         return int(np.count_nonzero(edges_of(self.faces).unbalanced))
 
     @cached_property
+    def parts(self) -> int:
+        """Number of parts that hang together at edges of two faces; one that others touch may be several."""
+        edges = edges_of(self.faces)
+        rows, _ = edges.rows_of(edges.counts == 2)
+        return int(components(edges.face[rows[0::2]], edges.face[rows[1::2]], len(self.faces)).max()) + 1
+
+    @cached_property
     def spans(self) -> tuple[Array, Array]:
         """Longest edge of each face, and the height of the face above it [m], each (m,)."""
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.geometry.inside import windings
+from neve.geometry import inside
 from neve.geometry.sdf import SolidMesh, solid_mesh
 from neve.geometry.triangles import Triangles
 from neve.sampling.room import require_room
@@ -21,8 +21,6 @@ MOST_COUNTED = 2_000_000
 """Points at which the inside of an open mesh is measured."""
 FAR_OFF = 0.3
 """Share of the measured volume by which that of an open mesh may differ: thin parts measure too small."""
-OVERLAP_POINTS = 24
-"""Points along each edge of the box, at which overlaps of the parts of a closed mesh are looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,15 +78,12 @@ def mesh_space(source: Mesh, numerics: Numerics, name: str) -> MeshSpace:
 def _volume(mesh: SolidMesh, low: Array, high: Array) -> float:
     """Return the volume inside [m3]: exact if the surface is closed, or its holes flat, and no parts overlap.
 
-    The divergence theorem counts space as often as the surface winds round it; where parts overlap, its
-    volume is divided by the mean winding number inside.
+    See `neve.geometry.inside.volume`; where that is far off, or with a thickness, the grid is measured.
     """
     surface = mesh.surface
     if mesh.thickness > 0:
         return measured_volume(mesh, low, high)
-    _, winding = windings(surface, low, high, OVERLAP_POINTS)
-    times = float(winding.mean()) if len(winding) else 1.0
-    found = surface.closed_volume / times if times > 0 else 0.0
+    found = inside.volume(surface)
     if surface.open_edges == 0 and found > 0:
         return found
     measured = measured_volume(mesh, low, high)
