@@ -129,7 +129,8 @@ class Solver(ABC):
 
         "x" [m] (n, 3), "v" [m/s] (n, 3) and "id" (n,) are always there. Colour modes and frames take more
         where it is: "J_P" [1] (n,), volume after plastic flow over that at birth; "material" (n,), row of the
-        material table; "density" [kg/m3] (n,); "tau" [Pa] (n, 6), "F_E" [1] (n, 3, 3).
+        material table; "density" [kg/m3] (n,); "tau" [Pa] (n, 6), "F_E" [1] (n, 3, 3);
+        "source" (n,), index of the source that a particle came from.
         """
         return {field.name: _getter(self.state, field.name) for field in self.fields}
 

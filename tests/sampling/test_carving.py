@@ -48,8 +48,8 @@ def test_snow_inside_a_shape_is_left_out(shape: str) -> None:
     """
     keys, distance = INSIDE[shape]
     with pytest.warns(SceneWarning) as told:
-        _, state = build(scene({"shape": shape, **keys}))
-    _, whole = build(scene_from({"sources": [SNOW], "numerics": FINE}))
+        _, state, _ = build(scene({"shape": shape, **keys}))
+    _, whole, _ = build(scene_from({"sources": [SNOW], "numerics": FINE}))
     x = np.asarray(whole.x, dtype=np.float64)
     outside = np.count_nonzero(distance(x) > -5e-5)
     assert distance(np.asarray(state.x, dtype=np.float64)).min() > -5e-5 - 1e-6
@@ -72,7 +72,7 @@ def test_snow_beside_solids_is_silent() -> None:
     for sampling in ("jittered", "poisson", "regular"):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            _, state = build(scene_from(tables, [f"numerics.sampling={sampling}"]))
+            _, state, _ = build(scene_from(tables, [f"numerics.sampling={sampling}"]))
         assert state.count > 7000
 
 
@@ -85,7 +85,7 @@ def test_each_particle_counts_once() -> None:
         "colliders": [bar, {"shape": "plane", "point": [0, 0, 0.75]}],
     }
     with pytest.warns(SceneWarning) as told:
-        _, state = build(scene_from(tables))
+        _, state, _ = build(scene_from(tables))
     assert [str(warning.message) for warning in told] == [
         "sources.0 starts with 32000 inside colliders.0 and 16000 inside colliders.1, of 64000 particles: "
         "they are left out",
@@ -110,12 +110,12 @@ def test_snow_inside_meshes_and_terrain(tmp_path: Path) -> None:
     """
     place: dict[str, Any] = {"center": [0.3, 0, 0.5], "rotation": [10, 20, 30]}
     path = meshes.written(meshes.box(0.5, 0.6, 0.7), tmp_path / "a.ply")
-    _, exact = build(scene({"shape": "box", "size": [0.5, 0.6, 0.7], **place}))
-    _, state = build(scene({"shape": "mesh", "file": path, **place}))
+    _, exact, _ = build(scene({"shape": "box", "size": [0.5, 0.6, 0.7], **place}))
+    _, state, _ = build(scene({"shape": "mesh", "file": path, **place}))
     assert state.count == pytest.approx(exact.count, abs=0.01 * (64000 - exact.count))
     np.save(tmp_path / "a.npy", np.array([[0.1, 0.1], [0.5, 0.5]]))
     terrain = {"shape": "terrain", "file": str(tmp_path / "a.npy"), "size": [1.0, 1.0], "center": [0, 0, 0.2]}
-    _, state = build(scene(terrain))
+    _, state, _ = build(scene(terrain))
     x = np.asarray(state.x, dtype=np.float64)
     assert (x[:, 2] - 0.2 - 0.3 - 0.4 * x[:, 0]).min() > -1e-4
     assert state.count == pytest.approx(32000, rel=0.01), "half of the block"

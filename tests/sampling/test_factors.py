@@ -149,7 +149,7 @@ def test_state_holds_the_factors(precision: str) -> None:
         ],
     }
     scene = scene_from(tables)
-    _, state = build(scene)
+    _, state, _ = build(scene)
     box = fill(scene.sources[0], scene.numerics, 0)
     rows = slice(0, len(box.x))
     eps = float(np.finfo(precision).eps)

@@ -89,7 +89,7 @@ class FreeBodies:
 def simulate_with(scene, bodies):
     """Return a simulation of the scene in which `bodies` take part."""
     sim = Simulation(scene, threads=1)
-    plain, _ = build(scene)
+    plain, _, _ = build(scene)
     sim.solver.model = Model(
         scene.world, scene.numerics, plain.snows, scene.colliders, (*plain.solids, *bodies.solids), bodies
     )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from neve.io.atomic import replacing
 from neve.io.errors import RunError, cannot_read
 from neve.io.npz import read_npz, write_npz
+
+if TYPE_CHECKING:
+    from neve.scene.schema.scene import Scene
 
 _NAME = re.compile(r"(\d{6,})\.npz")
 
@@ -109,6 +112,13 @@ def make_frame(
 def _short(values: NDArray[Any]) -> NDArray[Any]:
     """Return numbers as float32, whole numbers as they are."""
     return values.astype(np.float32, copy=False) if values.dtype.kind == "f" else values
+
+
+def fields_of(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
+    """Return the further fields of a frame: those of `run.fields`, and the source where there are several."""
+    named = scene.run.fields
+    several = len(scene.sources) > 1 and "source" in columns and "source" not in named
+    return (*named, "source") if several else named
 
 
 def frame_of(

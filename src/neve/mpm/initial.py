@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from neve.build import coupled, material_table
 from neve.mpm.model import Model
@@ -19,8 +20,12 @@ if TYPE_CHECKING:
     from neve._core import State
 
 
-def build(scene: Scene) -> tuple[Model, State]:
-    """Sample the sources and assemble the material table.
+Births = NDArray[np.int64]
+"""The id of the first particle of each source of a scene, (s,); those of a source follow each other."""
+
+
+def build(scene: Scene) -> tuple[Model, State, Births]:
+    """Sample the sources and assemble the material table; the third value is that of `snow_of`.
 
     Each particle has rest volume V0, its share of its source's volume, factors on stiffness and strength, and
     mass m = rho0 f V0 with its factor f on density; F_E = I and J_P = 1; with an affine transfer the
@@ -31,11 +36,13 @@ def build(scene: Scene) -> tuple[Model, State]:
     Errors: SceneError for a source, a mesh or a height map that cannot be used.
     """
     model = make_model(scene)
-    return model, snow_of(scene, model, range(len(scene.sources)))
+    return model, *snow_of(scene, model, range(len(scene.sources)))
 
 
-def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> State:
+def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, Births]:
     """Return the particles of the sources of these indices, without those inside a solid of `model`.
+
+    The second value is the first row of each source, (s,).
 
     Errors: SceneError for a source that cannot be used, or that starts wholly inside solids, and for more
     particles than there is memory for.
@@ -60,7 +67,8 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> State:
         if model.native.keeps_C:
             state.C[rows] = _spin_matrix(source.spin)
         begin = rows.stop
-    return state
+    sizes = [len(s.x) for s in samples]
+    return state, np.cumsum([0, *sizes[:-1]], dtype=np.int64)
 
 
 def make_model(scene: Scene) -> Model:

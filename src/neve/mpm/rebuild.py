@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from neve.build import material_table
 from neve.geometry.pose import rotation_vector
-from neve.mpm.initial import make_model, snow_of
+from neve.mpm.initial import Births, make_model, snow_of
 from neve.mpm.model import Model
 from neve.mpm.state import fit_modes, from_arrays, to_arrays
 from neve.scene.errors import SceneError
@@ -50,9 +50,9 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
 
 
 def with_source(
-    scene: Scene, source: Source, model: Model, state: State, time: float
-) -> tuple[Scene, Model, State]:
-    """Return the scene with one more source, its model, and the state with the snow of that source.
+    scene: Scene, source: Source, model: Model, state: State, births: Births, time: float
+) -> tuple[Scene, Model, State, Births]:
+    """Return the scene with one more source, its model, the state with the snow of that source, its births.
 
     The new particles come after the others, and are named (id) on from them; they lie where they would if the
     scene had begun with them. What would lie inside a solid as it stands at `time` [s] is left out, and a
@@ -66,12 +66,12 @@ def with_source(
     )
     more = _model(scene, new_scene, model)
     more.place_solids(time)
-    fresh = to_arrays(snow_of(new_scene, more, [len(scene.sources)]))
+    fresh = to_arrays(snow_of(new_scene, more, [len(scene.sources)])[0])
     there = to_arrays(state)
     first = int(there["id"].max()) + 1 if len(there["id"]) else 0
     fresh["id"] = np.arange(first, first + len(fresh["m"]), dtype=there["id"].dtype)
     both = {name: np.concatenate([there[name], fresh[name]]) for name in there}
-    return new_scene, more, from_arrays(more.core, both)
+    return new_scene, more, from_arrays(more.core, both), np.append(births, np.int64(first))
 
 
 def _model(scene: Scene, new_scene: Scene, model: Model) -> Model:

@@ -15,7 +15,15 @@ from neve.geometry.pose import Pose
 from neve.mpm.failures import require_finite, require_progress
 from neve.mpm.initial import build, make_model
 from neve.mpm.rebuild import with_scene, with_source
-from neve.mpm.state import FIELDS, density, fit_modes, from_arrays, to_arrays
+from neve.mpm.state import (
+    FIELDS,
+    checked_births,
+    density,
+    fit_modes,
+    from_arrays,
+    source_of,
+    to_arrays,
+)
 from neve.mpm.state_checks import inspect, require_whole, warn_of_density
 from neve.mpm.step import STAGES, Stages
 from neve.mpm.step_control import try_step
@@ -33,6 +41,7 @@ class MpmSolver(Solver):
 
     Attributes:
         model: constants and solids; state: the particles (see neve.mpm.state); grid: of the last step
+        births: the id of the first particle of each source, (s,)
     """
 
     fields = FIELDS
@@ -63,7 +72,7 @@ class MpmSolver(Solver):
         """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""
         super().__init__(scene, saved)
         if saved is None:
-            self.model, self.state = build(scene)
+            self.model, self.state, self.births = build(scene)
         else:
             self.model = make_model(scene)
             if self.model.rigid:
@@ -74,6 +83,7 @@ class MpmSolver(Solver):
                 modes = fit_modes(modes, polynomial, native)
             self.state = from_arrays(self.model.core, saved, modes)
             require_whole(self.model, self.state)
+            self.births = checked_births(saved["births"], len(scene.sources))
         self.grid = self.model.core.Grid()
         self._warned = self._warned_of_density = False
 
@@ -172,7 +182,7 @@ class MpmSolver(Solver):
     def save(self) -> dict[str, NDArray[Any]]:
         """Return the state, and that of the rigid bodies."""
         rigid = self.model.rigid
-        return {**to_arrays(self.state), **(rigid.save() if rigid else {})}
+        return {**to_arrays(self.state), "births": self.births.copy(), **(rigid.save() if rigid else {})}
 
     @property
     def count(self) -> int:
@@ -185,9 +195,13 @@ class MpmSolver(Solver):
         return self.state.bytes + self.grid.bytes
 
     def columns(self) -> dict[str, Callable[[], Any]]:
-        """Return the fields of the state, the stress tau of the last step, and the density."""
+        """Return the fields of the state, the stress tau of the last step, the density, and the source."""
         state = self.state
-        return super().columns() | {"tau": lambda: state.tau, "density": lambda: density(state)}
+        return super().columns() | {
+            "tau": lambda: state.tau,
+            "density": lambda: density(state),
+            "source": lambda: source_of(state.id, self.births),
+        }
 
     @property
     def solids(self) -> Sequence[Solid]:
@@ -209,7 +223,9 @@ class MpmSolver(Solver):
 
     def add(self, source: Source, time: float) -> None:
         """Add the snow of `source` at `time` [s], and the source to the scene. Errors: SceneError."""
-        scene, self.model, self.state = with_source(self.scene, source, self.model, self.state, time)
+        scene, self.model, self.state, self.births = with_source(
+            self.scene, source, self.model, self.state, self.births, time
+        )
         self._go_on_in(scene)
 
     def _go_on_in(self, scene: Scene) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from neve.io.frames import arrays_of, frame_of
+from neve.io.frames import arrays_of, fields_of, frame_of
 from neve.run.estimate.trial import Trial, likeness, pace, silence, trial
 from neve.run.loop import last_frame
 from neve.run.outputs.registry import entries, kinds, schedule_of
@@ -210,8 +210,9 @@ def _seconds(steps: Range, a_step: float, drawing: float) -> Range:
 
 def _frame(sim: Simulation) -> Frame:
     poses = [(pose.position, pose.rotation) for _, pose in sim.solids()]
-    fields = [name for name in sim.scene.run.fields if name in sim.columns()]
-    return frame_of(sim.columns(), poses, sim.time, fields)
+    columns = sim.columns()
+    fields = [name for name in fields_of(sim.scene, columns) if name in columns]
+    return frame_of(columns, poses, sim.time, fields)
 
 
 def _saved(sim: Simulation) -> float:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from neve.io.errors import RunError
-from neve.io.frames import Frame, frame_of, frame_path, write_frame
+from neve.io.frames import Frame, fields_of, frame_of, frame_path, write_frame
 from neve.io.inventory import Inventory
 from neve.io.npz import mark_of
 from neve.io.table import Table
@@ -188,7 +188,8 @@ class FrameContext:
     def content(self) -> Frame:
         """The particles and solids of this frame as a frame file holds them, in the order of their id."""
         poses = [(pose.position, pose.rotation) for _, pose in self.sim.solids()]
-        return frame_of(self.sim.columns(), poses, self.sim.time, self.run.scene.run.fields)
+        columns = self.sim.columns()
+        return frame_of(columns, poses, self.sim.time, fields_of(self.run.scene, columns))
 
     def add_row(self, name: str, values: Mapping[str, object]) -> None:
         """Append a row to the CSV file `name` in the run folder: `frame`, `time` [s], then `values`.

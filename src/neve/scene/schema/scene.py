@@ -194,7 +194,7 @@ class Run(Part):
     fields: tuple[str, ...] = entry(
         (),
         "Further fields of the particles in each frame file, for exports: F_E, tau, density, C, m, V0, "
-        "stiffness, strength.",
+        "stiffness, strength, source (written unasked where there are several sources).",
         "",
     )
 
