@@ -22,11 +22,11 @@ def coupled(scene: Scene) -> tuple[tuple[Solid, ...], CoupledBodies | None]:
     with joined_warnings():
         dx = scene.numerics.dx
         around = tuple(solid_of(c, f"colliders.{i}", dx) for i, c in enumerate(scene.colliders))
-    if not (scene.bodies or scene.robots):
-        return around, None
-    from neve.rigid.bodies import RigidBodies
+        if not (scene.bodies or scene.robots):
+            return around, None
+        from neve.rigid.bodies import RigidBodies
 
-    rigid = RigidBodies(scene, around)
+        rigid = RigidBodies(scene, around)
     return (*around, *rigid.solids), rigid
 
 

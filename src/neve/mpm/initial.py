@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from neve.build import coupled, material_table
 from neve.mpm.model import Model
-from neve.sampling import Samples, fill
+from neve.sampling import Samples, filled
 from neve.sampling.carving import carved
+from neve.sampling.overlaps import Filled, without_overlaps
 from neve.sampling.room import expected, require_room_for_all
 from neve.scene.checks.joined import joined_warnings
-from neve.scene.schema.scene import Scene
+from neve.scene.schema.scene import Scene, Source
 
 if TYPE_CHECKING:
     from neve._core import State
@@ -31,7 +32,7 @@ def build(scene: Scene) -> tuple[Model, State, Births]:
     mass m = rho0 f V0 with its factor f on density; F_E = I and J_P = 1; with an affine transfer the
     affine velocity C is that of the source's spin; further modes of the velocity are zero.
     `numerics.initial_volume = "grid"` replaces V0 in the first step. Snow that would start inside a solid is
-    left out, and a SceneWarning says so.
+    left out, and a SceneWarning says so, as one does of sources that fill the same space.
 
     Errors: SceneError for a source, a mesh or a height map that cannot be used.
     """
@@ -51,9 +52,10 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, 
     if len(sources) > 1:
         require_room_for_all(sum(expected(s, scene.numerics) for s in sources), scene.numerics)
     with joined_warnings():
+        parts = [_filled(scene, s, i) for i, s in zip(indices, sources, strict=True)]
         samples = [
-            _free_of_solids(fill(scene.completed(s), scene.numerics, i), model, f"sources.{i}")
-            for i, s in zip(indices, sources, strict=True)
+            _free_of_solids(s, model, f"sources.{i}")
+            for i, s in zip(indices, without_overlaps(parts), strict=True)
         ]
     count = sum(len(s.x) for s in samples)
     require_room_for_all(count, scene.numerics, held=True)
@@ -75,6 +77,12 @@ def make_model(scene: Scene) -> Model:
     """Return the constants of the scene's run, without sampling any snow."""
     solids, rigid = coupled(scene)
     return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, solids, rigid)
+
+
+def _filled(scene: Scene, source: Source, index: int) -> Filled:
+    samples, space = filled(scene.completed(source), scene.numerics, index)
+    is_cut = source.overlap == "cut"
+    return Filled(f"sources.{index}", space, samples, scene.snow_of(source).rho0, is_cut)
 
 
 def _free_of_solids(samples: Samples, model: Model, name: str) -> Samples:

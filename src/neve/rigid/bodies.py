@@ -16,7 +16,7 @@ from neve.reproducible import product
 from neve.rigid.assembly import Assembly, assemble
 from neve.rigid.constraint_inertia import constraint_inertia, damping
 from neve.rigid.coupled_bodies import LostBody
-from neve.rigid.engine import engine, quaternion
+from neve.rigid.engine import engine, forget, quaternion
 from neve.rigid.overlap import require_apart
 from neve.rigid.products import solved, times, times_transposed
 from neve.rigid.robot_solids import robot_solids
@@ -47,6 +47,7 @@ class RigidBodies:
         Errors: SceneError for a robot that cannot be read, and for bodies inside one another.
         """
         self._mj = engine()
+        forget()
         bodies = tuple(
             solid_of(body, f"bodies.{i}", scene.numerics.dx) for i, body in enumerate(scene.bodies)
         )

@@ -6,12 +6,16 @@ import contextlib
 import logging
 import re
 import warnings
+from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from neve.scene.checks.joined import kind_of
+from neve.scene.errors import SceneWarning
 
 
 @lru_cache
@@ -28,19 +32,35 @@ def engine() -> Any:
     return mujoco
 
 
+_told: Counter[str] = Counter()
+"""How often each kind of warning has come since the last model was made."""
+
+
+def forget() -> None:
+    """Let the engine's warnings be told anew: a new model is made."""
+    _told.clear()
+
+
 def _tell(text: str) -> None:
     """Log a warning of the engine, but not of accelerations beyond 1e10: light bodies in snow have such.
 
-    Positions and velocities are checked after each step (`neve.rigid.bodies`).
+    Of a kind that comes again in every step, those are told whose number is 1, 10, 100 and so on. Positions
+    and velocities are checked after each step (`neve.rigid.bodies`).
     """
     if " in QACC " in text:
         return
-    logging.getLogger("neve").warning("rigid bodies: %s", text.strip().splitlines()[0])
+    said = text.strip().splitlines()[0]
+    kind = kind_of(said)
+    _told[kind] += 1
+    count = _told[kind]
+    if set(str(count)[1:]) <= {"0"} and str(count)[0] == "1":
+        times = f" (for the {count:,}th time)" if count > 1 else ""
+        logging.getLogger("neve").warning("rigid bodies: %s%s", said.rstrip("."), times)
 
 
 @contextlib.contextmanager
 def heard() -> Iterator[None]:
-    """Turn the warnings of the engine's compiler, which are Python's, to the log of Neve as well.
+    """Turn the warnings of the engine's compiler, which are Python's, to SceneWarnings.
 
     But not what it says of words that later engines will not know: they still act.
     """
@@ -48,8 +68,10 @@ def heard() -> Iterator[None]:
         warnings.simplefilter("always")
         yield
     for said in dict.fromkeys(str(warning.message) for warning in found):
-        if " is deprecated" not in said:
-            _tell(said)
+        if " is deprecated" not in said and said.strip():
+            warnings.warn(
+                f"rigid bodies: {said.strip().splitlines()[0].rstrip('.')}", SceneWarning, stacklevel=3
+            )
 
 
 def quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

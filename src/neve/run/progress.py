@@ -6,10 +6,12 @@ import contextlib
 import logging
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self, TextIO, cast
 
+from neve.scene.checks.joined import MOST_ALIKE, kind_of
 from neve.system.streams import Steady
 
 if TYPE_CHECKING:
@@ -197,7 +199,8 @@ class Warnings(Silence):
 def warnings_to(progress: Progress) -> Iterator[None]:
     """Show warnings logged under "neve" in the block as sentences of `progress`, not of Python's logging.
 
-    A run that shows no progress still warns: give it `Warnings`.
+    A run that shows no progress still warns: give it `Warnings`. Of more than MOST_ALIKE that say the same of
+    other parts, or with other numbers, the others are counted at the end.
     """
     logger = logging.getLogger("neve")
     handler = _Handler(progress)
@@ -209,12 +212,27 @@ def warnings_to(progress: Progress) -> Iterator[None]:
     finally:
         logger.propagate = before
         logger.removeHandler(handler)
+        handler.count()
 
 
 class _Handler(logging.Handler):
     def __init__(self, progress: Progress) -> None:
         super().__init__()
         self._progress = progress
+        self._seen: dict[str, list[str]] = {}
+        self._more: Counter[str] = Counter()
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._progress.say(f"warning: {record.getMessage()}")
+        said = record.getMessage()
+        kind = kind_of(said)
+        seen = self._seen.setdefault(kind, [])
+        if said not in seen and len(seen) < MOST_ALIKE:
+            seen.append(said)
+            self._progress.say(f"warning: {said}")
+        else:
+            self._more[kind] += 1
+
+    def count(self) -> None:
+        """Say how many warnings were not shown because others had said the same."""
+        for kind, times in self._more.items():
+            self._progress.say(f"warning: {self._seen[kind][0].rstrip('.')} (and likewise {times:,} others)")

@@ -16,7 +16,7 @@ from neve.sampling.structure import chunks
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Numerics, Source
 
-__all__ = ["Samples", "fill"]
+__all__ = ["Samples", "fill", "filled"]
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,12 @@ class Samples:
 
 
 def fill(source: Source, numerics: Numerics, index: int) -> Samples:
-    """Place particles in `source`, the scene's source number `index`.
+    """Return the particles in `source`, the scene's source number `index`; see `filled`."""
+    return filled(source, numerics, index)[0]
+
+
+def filled(source: Source, numerics: Numerics, index: int) -> tuple[Samples, Region]:
+    """Place particles in `source`, the scene's source number `index`, and return the space that it fills.
 
     On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and
     moves with v = velocity + spin x (x - center). Its factors are described in `neve.sampling.factors`. With
@@ -79,7 +84,7 @@ def fill(source: Source, numerics: Numerics, index: int) -> Samples:
     share = np.full(len(local), space.volume / len(local))
     if source.structure != "chunks":
         made = factors(source, space, local, numerics.seed, index)
-        return _moving(source, space, local, share, made)
+        return _moving(source, space, local, share, made), space
     built = chunks(space, local, mixed_seed(numerics.seed, index, source.structure_seed))
     kept = built.kept & (rng.random(len(local)) < built.crowd)
     if not kept.any():
@@ -88,7 +93,7 @@ def fill(source: Source, numerics: Numerics, index: int) -> Samples:
     made = {factor: values * getattr(built, factor) for factor, values in made.items()}
     weight = np.where(kept, 1.0 / built.crowd, 0.0)
     share = weight * (share[built.kept].sum() / weight.sum())
-    return _moving(source, space, local, share, made).only(kept)
+    return _moving(source, space, local, share, made).only(kept), space
 
 
 def _moving(source: Source, space: Region, local: Array, share: Array, made: dict[str, Array]) -> Samples:

@@ -88,3 +88,22 @@ def test_bar_shows_frames_and_particles():
 def test_duration(seconds, words):
     """Time spans read like a clock."""
     assert duration(seconds) == words
+
+
+def test_warnings_that_say_the_same_are_counted():
+    """Of forty that differ in numbers and parts three are shown, and the others counted at the end."""
+    stream = io.StringIO()
+    with Warnings(stream) as shown, warnings_to(shown):
+        for i in range(40):
+            logging.getLogger("neve").warning("snow of sources.%d is pressed to %d kg/m3", i, 950 + i)
+        for _ in range(5):
+            logging.getLogger("neve").warning("the disk is nearly full")
+    lines = stream.getvalue().splitlines()
+    assert lines[:3] == [
+        f"neve: warning: snow of sources.{i} is pressed to {950 + i} kg/m3" for i in range(3)
+    ]
+    assert lines[3:] == [
+        "neve: warning: the disk is nearly full",
+        "neve: warning: snow of sources.0 is pressed to 950 kg/m3 (and likewise 37 others)",
+        "neve: warning: the disk is nearly full (and likewise 4 others)",
+    ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import re
 import warnings
+from collections import Counter
 from collections.abc import Iterable, Iterator
 
 from neve.scene.errors import SceneWarning
@@ -14,20 +15,32 @@ MOST_ALIKE = 3
 NAMED = 3
 """How many of the others are named."""
 _PART = re.compile(r"\b(sources|colliders|bodies|robots|outputs)\.\d+")
+_FILE = re.compile(r'\b(file|font) = "(?:[^"\\]|\\.)*"')
 _NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
 
 
+def kind_of(sentence: str) -> str:
+    """Return what a sentence says, without which part, file and numbers it says it of."""
+    return _NUMBER.sub("#", _FILE.sub(r'\1 = "#"', _PART.sub(r"\1.#", sentence)))
+
+
 def joined(sentences: Iterable[str]) -> list[str]:
-    """Return `sentences` in order; where more than MOST_ALIKE differ in numbers alone, the first one with how
-    many others there are and what the first of them are about.
+    """Return `sentences` in order; where more than MOST_ALIKE differ in parts, files and numbers alone, the
+    first one with how many others there are and what the first of them are about. Equal ones are said once,
+    with their number.
     """
     alike: dict[str, list[str]] = {}
     for sentence in sentences:
-        alike.setdefault(_NUMBER.sub("#", _PART.sub(r"\1.#", sentence)), []).append(sentence)
+        alike.setdefault(kind_of(sentence), []).append(sentence)
     found = []
     for group in alike.values():
-        found += group if len(group) <= MOST_ALIKE else [_one(group)]
+        times = Counter(group)
+        found += [_one(group)] if len(times) > MOST_ALIKE else [_counted(*pair) for pair in times.items()]
     return found
+
+
+def _counted(sentence: str, times: int) -> str:
+    return sentence if times == 1 else f"{sentence.rstrip('.')} ({times:,} times)"
 
 
 def _one(group: list[str]) -> str:

@@ -109,6 +109,12 @@ class Source(Role):
     velocity: Rate3 = entry((0.0, 0.0, 0.0), "Velocity at the start.", "m/s")
     spin: Rate3 = entry((0.0, 0.0, 0.0), "Angular velocity at the start, about the source's centre.", "rad/s")
     snow: Overrides = entry(Overrides(), "Snow properties of this source alone: any key of [snow].", "")
+    overlap: Literal["add", "cut"] = entry(
+        "add",
+        'Where sources before it in the list fill the same space. "add": both are there, with the sum of '
+        'their densities, and a warning says how much; "cut": this one leaves out what those fill.',
+        "",
+    )
     structure: Literal["plain", "chunks"] | None = entry(
         None,
         'What the snow is built of before variation and profile change it. "plain": the same everywhere; '
