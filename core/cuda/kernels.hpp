@@ -5,18 +5,29 @@
 #include "cuda/grid_update.hpp"
 #include "cuda/p2g.hpp"
 #include "cuda/passes.hpp"
+#include "cuda/sums.hpp"
 
 // each(name, threads, function): the function takes a Step; C is a Choice, T its precision.
-#define NEVE_KERNELS(each)                                                                                  \
-  each(find_homes, sort_threads, find_homes<C>) each(sort_homes, sort_threads, sort_homes<T>)               \
-      each(rank_homes, sort_threads, rank_homes<T>) each(count_homes, sort_threads, count_homes<T>) each(   \
-          scan_homes, scan_threads, scan_homes<T>) each(place_particles, sort_threads, place_particles<C>)  \
-          each(order_homes, sort_threads, order_homes<T>) each(permute, sort_threads, permute<T>)           \
-              each(find_blocks, sort_threads, find_blocks<T>) each(link_homes, sort_threads, link_homes<T>) \
-                  each(refresh, particle_threads, refresh<C>) each(p2g, home_threads, p2g<C>)               \
-                      each(grid_update, block_nodes, grid_update<C>)                                        \
-                          each(report_nodes, report_threads, report_nodes<C>)                               \
-                              each(g2p, gather_threads, g2p<C>)                                             \
-                                  each(measure_volumes, gather_threads, measure_volumes<C>)                 \
-                                      each(scatter_lift, home_threads, scatter_lift<C>)                     \
-                                          each(gather_lift, gather_threads, gather_lift<C>)
+// clang-format off
+#define NEVE_KERNELS(each)                                  \
+  each(find_homes, sort_threads, find_homes<C>)             \
+  each(sort_homes, sort_threads, sort_homes<T>)             \
+  each(rank_homes, sort_threads, rank_homes<T>)             \
+  each(count_homes, sort_threads, count_homes<T>)           \
+  each(scan_homes, scan_threads, scan_homes<T>)             \
+  each(place_particles, sort_threads, place_particles<C>)   \
+  each(order_homes, sort_threads, order_homes<T>)           \
+  each(permute, sort_threads, permute<T>)                   \
+  each(find_blocks, sort_threads, find_blocks<T>)           \
+  each(link_homes, sort_threads, link_homes<T>)             \
+  each(refresh, particle_threads, refresh<C>)               \
+  each(p2g, home_threads, p2g<C>)                           \
+  each(grid_update, block_nodes, grid_update<C>)            \
+  each(report_nodes, report_threads, report_nodes<C>)       \
+  each(g2p, gather_threads, g2p<C>)                         \
+  each(measure_volumes, gather_threads, measure_volumes<C>) \
+  each(scatter_lift, home_threads, scatter_lift<C>)         \
+  each(gather_lift, gather_threads, gather_lift<C>)         \
+  each(inspect, sum_threads, inspect<C>)                    \
+  each(add_up, sum_threads, add_up<C>)
+// clang-format on

@@ -78,6 +78,18 @@ struct Material {
       return Law::return_map(F_trial, J_P, q);
     });
   }
+  T energy(const Mat3<T>& F_E, T J_P) const {
+    const T law_energy = with_law_of<laws>(snow().law, [&](auto law) {
+      using Law = decltype(law);
+      const auto q = Law::parameters(snow(), s.particles.stiffness[p], s.particles.strength[p]);
+      return Law::energy(F_E, J_P, q);
+    });
+    const T J = determinant(F_E) * J_P;
+    if (!near_ice(ice_room(J))) return law_energy;  // as is snow that does not flow
+    const Particle<T> particle{s.particles, p};
+    const auto ice = Ice<T>::of(particle.m(), particle.V0());
+    return law_energy + ice.energy(max(ice.beyond(J), T(0)));
+  }
   Stress<T> stress(const Mat3<T>& F_E, T J_P) const {
     Stress<T> out = with_law_of<laws>(snow().law, [&](auto law) {
       using Law = decltype(law);

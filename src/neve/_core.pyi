@@ -269,6 +269,9 @@ class Model(Protocol):
         As a GPU's kernels are chosen by.
         """
     @property
+    def snow_count(self) -> int:
+        """Number of rows of the material table."""
+    @property
     def device_snows(self) -> bytes:
         """The material table."""
     def device_constants(self, dt: float) -> bytes:

@@ -163,6 +163,36 @@ def test_a_lost_particle(gpu):
         sim.advance(1e-3)
 
 
+@pytest.mark.parametrize(
+    ("field", "value"), [("x", np.nan), ("F_E", 0.0), ("m", -1.0), ("strength", -0.5), ("material", 7)]
+)
+def test_what_no_snow_has_is_named(gpu, field, value):
+    """Found on the GPU, named as on the processor."""
+    said = []
+    for device in ("cpu", "cuda"):
+        sim = advanced(scene(FLOOR), device, calls=1)
+        row = int(np.flatnonzero(np.asarray(sim.state.id) == 40)[0])
+        getattr(sim.state, field)[row] = value
+        with pytest.raises(Blowup) as error:
+            sim.advance(1e-3)
+        said.append(str(error.value))
+    assert said[0] == said[1]
+
+
+def test_densest_particle(gpu):
+    """The same particle and nearly the same number as the processor finds."""
+    found = []
+    for device in ("cpu", "cuda"):
+        sim = advanced(scene(FLOOR), device, calls=1)
+        sim.state.V0[np.asarray(sim.state.id) == 40] *= 0.4
+        solver = sim.solver
+        row, _, densest, crowding = solver.model.core.inspect(solver.model.native, sim.state)
+        assert row == -1
+        found.append((int(sim.state.id[densest]), crowding))
+    assert found[0][0] == found[1][0] == 40
+    assert found[1][1] == pytest.approx(found[0][1], rel=1e-6)
+
+
 def test_what_is_written_counts_from_the_next_advance(gpu):
     """Velocities set between two advances, as on the processor."""
     cpu, other = advanced(scene(), "cpu", calls=1), advanced(scene(), "cuda", calls=1)

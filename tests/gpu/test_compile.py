@@ -28,7 +28,7 @@ def test_kernels_compile(nvrtc, architecture):
     code, log = nvrtc.compiled(DEFAULT, architecture, ctypes.sizeof(step_of("float32")))
     needs = usage(log)
     assert code.startswith(b"\x7fELF")
-    assert len(needs) == 18
+    assert len(needs) == 20
     assert {name: need.spilled for name, need in needs.items() if need.spilled} == {}
     assert {
         name: needs[name].registers for name, most in RESIDENT.items() if needs[name].registers > most

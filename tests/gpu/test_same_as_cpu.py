@@ -97,6 +97,17 @@ def test_two_snows_that_vary(some_gpu):
     assert len(np.unique(sim.state.material)) == 2
 
 
+@pytest.mark.parametrize("transfer", list(TRANSFERS))
+def test_sums(some_gpu, transfer):
+    """Mass, momentum and energies of the log, of snow that has been crushed and turns."""
+    modes = {"polypic_modes": 27} if transfer == "polypic" else {}
+    document = scene(FLOOR, source={**LUMP, "spin": [0, 20, 0]}, transfer=transfer, **modes)
+    cpu, gpu = (advanced(document, device).diagnostics() for device in ("cpu", "cuda"))
+    for name in ("mass", "momentum", "kinetic", "affine", "elastic", "potential"):
+        np.testing.assert_allclose(getattr(gpu, name), getattr(cpu, name), rtol=1e-9, atol=1e-9, err_msg=name)
+    assert gpu.particles == cpu.particles
+
+
 def test_volumes_from_the_grid(some_gpu):
     """numerics.initial_volume = "grid" measures the density on the nodes."""
     compared(scene(source=LUMP, initial_volume="grid"))

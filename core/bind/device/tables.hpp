@@ -118,6 +118,7 @@ void bind_device(nb::class_<Model<T>>& c) {
           },
           nb::arg("dt"), "The constants of a step of dt [s], as bytes.")
       .def_prop_ro("keeps_change", &keeps_change<T>, "Whether the grid keeps changes of velocity.")
+      .def_prop_ro("snow_count", [](const M& self) { return self.snows.size(); })
       .def_prop_ro("solid_count", [](const M& self) { return self.solids.size(); })
       .def_prop_ro(
           "device_snows", [](const M& self) { return bytes_of(self.snows.data(), self.snows.size()); },

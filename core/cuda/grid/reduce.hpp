@@ -1,4 +1,4 @@
-// Maxima over the threads of a block.
+// Maxima and sums over the threads of a block.
 #pragma once
 
 #include "cuda/grid/views.hpp"
@@ -16,30 +16,31 @@ inline BlockKey ordered(double a) {
   return bits & sign ? ~bits : bits | sign;
 }
 
-template <class T>
-NEVE_INLINE T warp_max(T a) {
-  for (int far = warp / 2; far > 0; far /= 2) {
-    const T other = __shfl_xor_sync(all_lanes, a, far);
-    a = other > a ? other : a;
-  }
-  return a;
-}
-
-// Each of N numbers becomes the largest over the block, in thread 0. All threads of the block must come.
-template <int Threads, int N, class T>
-inline void block_max(T (&a)[N]) {
+// Each of N numbers becomes join(a, b) of those of all threads, in thread 0. All threads of the block must come.
+template <int Threads, int N, class T, class F>
+NEVE_INLINE void block_join(T (&a)[N], F&& join) {
   static_assert(Threads % warp == 0);
   __shared__ T part[Threads / warp][N];
-  for (int k = 0; k < N; ++k) a[k] = warp_max(a[k]);
+  for (int k = 0; k < N; ++k) {
+    for (int far = warp / 2; far > 0; far /= 2) a[k] = join(a[k], __shfl_xor_sync(all_lanes, a[k], far));
+  }
   if (threadIdx.x % warp == 0) {
     for (int k = 0; k < N; ++k) part[threadIdx.x / warp][k] = a[k];
   }
   __syncthreads();
   if (threadIdx.x == 0) {
     for (int w = 1; w < Threads / warp; ++w) {
-      for (int k = 0; k < N; ++k) a[k] = part[w][k] > a[k] ? part[w][k] : a[k];
+      for (int k = 0; k < N; ++k) a[k] = join(a[k], part[w][k]);
     }
   }
+}
+template <int Threads, int N, class T>
+inline void block_max(T (&a)[N]) {
+  block_join<Threads>(a, [](T b, T c) { return c > b ? c : b; });
+}
+template <int Threads, int N, class T>
+inline void block_sum(T (&a)[N]) {
+  block_join<Threads>(a, [](T b, T c) { return b + c; });
 }
 
 // Tell the host: results.most[first + k] is at least a[k]. One thread of a block does.

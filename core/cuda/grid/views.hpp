@@ -104,6 +104,13 @@ struct Results {
   unsigned unused;
 };
 
+// Sums over all particles, and what inspect() has seen.
+struct Sums {
+  double number[8];  // mass, momentum, kinetic, affine, elastic, potential energy
+  BlockKey densest;  // density over that of ice as a float, ~ row; 0: none
+  unsigned doubtful, unused;
+};
+
 template <class T>
 struct Constants {
   StepConstants<T> step;
@@ -119,7 +126,8 @@ struct Step {
   const Solid<T>* solids;
   Exchange* exchanged;  // with each solid
   Results* results;
-  unsigned particle_count, home_count, block_count, solid_count;
+  Sums* sums;
+  unsigned particle_count, home_count, block_count, solid_count, snow_count;
   int commit;  // g2p: move the particles, not only report
   T lightest;  // mass of the lightest particle [kg]
   Constants<T> constants;

@@ -49,6 +49,11 @@ RESULTS = np.dtype(
 )
 """`Results`: what stages have found."""
 
+SUMS = np.dtype(
+    [("number", np.float64, 8), ("densest", np.uint64), ("doubtful", np.uint32), ("unused", np.uint32)]
+)
+"""`Sums`: over all particles."""
+
 HOME_BYTES, COORD_BYTES, EXCHANGE_BYTES = 52, 12, 56
 """Sizes of `Home`, `BlockCoord` and `Exchange`."""
 
@@ -105,8 +110,8 @@ def step_of(precision: str) -> type[Any]:
             ("particles", Particles),
             ("nodes", Nodes),
             ("sorting", Sorting),
-            *((name, _pointer) for name in ("snows", "solids", "exchanged", "results")),
-            *((f"{name}_count", _word) for name in ("particle", "home", "block", "solid")),
+            *((name, _pointer) for name in ("snows", "solids", "exchanged", "results", "sums")),
+            *((f"{name}_count", _word) for name in ("particle", "home", "block", "solid", "snow")),
             ("commit", _whole),
             ("lightest", real),
             ("constants", real * 10),

@@ -43,10 +43,10 @@ class DeviceModel:
         """Return the constants of a step of dt [s]."""
         return self.native.device_constants(dt)
 
-    def snows(self) -> int:
-        """Return the address of the material table."""
+    def snows(self) -> tuple[int, int]:
+        """Return the address of the material table, and how many snows it has."""
         self._snows = self._current(self._snows, self.native.device_snows)
-        return self._snows[1].address
+        return self._snows[1].address, self.native.snow_count
 
     def solids(self) -> tuple[int, int]:
         """Return the address of the solids where they are now, and how many there are."""

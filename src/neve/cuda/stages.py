@@ -1,7 +1,4 @@
-"""The stages of the step on the GPU: those of `neve._core.f32` and `f64`, under the same names.
-
-Sums over the state are still made on the processor, of a copy.
-"""
+"""The stages of the step on the GPU: those of `neve._core.f32` and `f64`, under the same names."""
 
 from __future__ import annotations
 
@@ -16,6 +13,7 @@ from neve.cuda.grid import DeviceGrid, solids_of
 from neve.cuda.layout import EXTREMES, decoded, step_of
 from neve.cuda.model import DeviceModel
 from neve.cuda.state import DeviceState
+from neve.cuda.sums import DeviceTotals, Sums
 from neve.solver import Blowup
 
 if TYPE_CHECKING:
@@ -60,6 +58,7 @@ class CudaStages:
         self._scratch = DeviceGrid(driver, precision)
         self._real = np.float32 if precision == "float32" else np.float64
         self._filled: dict[str, Any] = {}
+        self._sums = Sums(driver)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._core, name)
@@ -158,19 +157,28 @@ class CudaStages:
             grid.current = grid.current and not report.drifted
         return report
 
-    # Passes of the processor
+    # Passes over the state
 
-    def totals(self, model: DeviceModel, state: DeviceState) -> Any:
+    def totals(self, model: DeviceModel, state: DeviceState) -> DeviceTotals:
         """Add up the state as it stands."""
-        return self._core.totals(model.native, state.whole())
+        self._sum_up("add_up", model, state)
+        return self._sums.totals()
 
     def first_not_finite(self, state: DeviceState) -> int:
         """Return the row with the lowest id that has a value that is not finite; -1 if there is none."""
         return self._core.first_not_finite(state.whole())
 
-    def inspect(self, model: DeviceModel, state: DeviceState) -> Any:
-        """Look for values that no snow has, and for the densest."""
-        return self._core.inspect(model.native, state.whole())
+    def inspect(self, model: DeviceModel, state: DeviceState) -> tuple[int, str, int, float]:
+        """Look for values that no snow has, and for the densest; the processor names what is wrong."""
+        self._sum_up("inspect", model, state)
+        densest = self._sums.densest()
+        return self._core.inspect(model.native, state.whole()) if densest is None else (-1, "", *densest)
+
+    def _sum_up(self, name: str, model: DeviceModel, state: DeviceState) -> None:
+        state.upload()
+        self._prepare(model, state, self._scratch, 0.0)
+        self._step.sums = self._sums.clear()
+        self._each(model, name, state.count)
 
     # Sorting
 
@@ -234,7 +242,7 @@ class CudaStages:
         if self._is_new("particles", (state, state.sorted)):
             state.fill(step.particles)
             step.particle_count = state.count
-        step.snows = model.snows()
+        step.snows, step.snow_count = model.snows()
         self._constants(model, grid, dt)
         return step
 
