@@ -49,6 +49,9 @@ READERS: dict[str, Callable[[Path, str], Map]] = {
     ".npy": read_array,
 }
 assert set(READERS) == set(MAPS)
+PICTURES = (".png", ".tif", ".tiff")
+PNG, TIFF = b"\x89PNG\r\n\x1a\n", (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+"""How such files begin (PNG; TIFF 6.0 and BigTIFF in both orders of bytes)."""
 
 
 def height_field(terrain: Terrain, name: str) -> HeightField:
@@ -61,7 +64,7 @@ def height_field(terrain: Terrain, name: str) -> HeightField:
     """
     key = f"{name}.file = {json.dumps(terrain.file, ensure_ascii=False)}"
     path = where(terrain.file, "terrains")
-    found = READERS[path.suffix.lower()](path, key)
+    found = _reader(path)(path, key)
     shape = found.values.shape
     if len(shape) != 2 or min(shape) < 2:
         axes = f"{len(shape)} axes" if len(shape) != 2 else f"{shape[0]} x {shape[1]} numbers"
@@ -76,6 +79,20 @@ def height_field(terrain: Terrain, name: str) -> HeightField:
     for doubt in (*found.doubts, *_doubts(terrain, found, heights, size, name)):
         warnings.warn(f"{key} {doubt}", SceneWarning, stacklevel=2)
     return _core.geometry.HeightField(np.ascontiguousarray(heights, dtype=np.float32), size)
+
+
+def _reader(path: Path) -> Callable[[Path, str], Map]:
+    """Return the reader of a file, by its ending; of pictures, by what they are whatever they are called."""
+    suffix = path.suffix.lower()
+    if suffix in PICTURES:
+        try:
+            with path.open("rb") as file:
+                begin = file.read(8)
+        except OSError:  # told by the reader
+            begin = b""
+        if begin == PNG or begin[:4] in TIFF:
+            return read_picture if begin == PNG else read_tiff
+    return READERS[suffix]
 
 
 def _require_whole(found: Map, key: str) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tiffs
+from PIL import Image
 from tiffs import ASCII, DOUBLE, SHORT, geo, heights
 
 from neve.geometry.maps.tiff import read_tiff
@@ -207,6 +208,15 @@ def test_every_way_round_the_map_faces_north(matrix: Any, tmp_path: Path) -> Non
         assert ground(path, **keys)[0] == pytest.approx([*corners, wide, deep], abs=1e-3)
 
 
+def test_pixels_of_a_negative_height_are_told(tmp_path: Path) -> None:
+    """ModelPixelScale is positive (OGC 19-008r4); GDAL takes the first row for the northernmost anyway."""
+    path = tiffs.write(tmp_path / "a.tif", heights().astype(np.float32), tags=geo((10.0, -10.0)))
+    found, said = ground(path)
+    assert found == pytest.approx(CORNERS, abs=1e-3)
+    assert len(said) == 1
+    assert "its first row is taken for the northernmost" in said[0]
+
+
 def test_turned_maps(tmp_path: Path) -> None:
     """30 degrees from the east: refused, or told with a size; with the same rotation in the scene taken."""
     c, s = 10.0 * np.cos(np.pi / 6), 10.0 * np.sin(np.pi / 6)
@@ -341,3 +351,13 @@ def test_a_cut_file_is_damaged(tmp_path: Path, capfd: pytest.CaptureFixture[str]
         with pytest.raises(SceneError, match="it is damaged"):
             read_tiff(path, "it")
     assert capfd.readouterr() == ("", "")
+
+
+def test_pictures_are_what_they_are_whatever_they_are_called(tmp_path: Path) -> None:
+    """A TIFF named .png and a PNG named .tif are read as what they begin with."""
+    path = Path(tiffs.write(tmp_path / "a.png", heights().astype(np.float32), tags=geo()))
+    assert ground(str(path))[0] == pytest.approx(CORNERS, abs=1e-3)
+    Image.fromarray(heights().astype(np.uint16)).save(tmp_path / "b.png")
+    (tmp_path / "b.png").rename(tmp_path / "b.tif")
+    found = ground(str(tmp_path / "b.tif"), size=(290.0, 190.0), height=65535.0)[0]
+    assert found == pytest.approx(CORNERS, abs=1e-3)

@@ -146,6 +146,15 @@ def test_errors_name_the_link(keys, name, tmp_path, caplog):
             add_robot(_new_spec((0, 0, 0)), Robot(file=str(path)), "robots.0")
 
 
+def test_a_mesh_that_is_missing_is_named_with_its_link(tmp_path):
+    """The file alone does not say where in the robot to look."""
+    text = LINK.format(mass="1", ixx="0.1", child="forearm")
+    path = tmp_path / "robot.urdf"
+    path.write_text(text.replace('<sphere radius="0.05"/>', '<mesh filename="package://r/no.stl"/>'))
+    with pytest.raises(SceneError, match=r'names a mesh ".*no\.stl" of the link "forearm" that is neither'):
+        add_robot(_new_spec((0, 0, 0)), Robot(file=str(path)), "robots.0")
+
+
 def test_a_robot_that_is_lost_in_its_first_step_is_named(tmp_path):
     """A wheel of 1e11 m makes positions that are no numbers: the sentence names it."""
     path = tmp_path / "robot.xml"

@@ -181,7 +181,7 @@ BAD = {
     "<mujoco><asset><mesh name='m' file='none.stl'/></asset><worldbody><geom type='mesh' mesh='m'/>"
     "</worldbody></mujoco>": "none.stl",
     "<robot name='x'><link name='a'><collision><geometry><mesh filename='package://p/m.stl'/></geometry>"
-    "</collision></link></robot>": 'names a mesh "package://p/m.stl" that is neither beside',
+    "</collision></link></robot>": 'names a mesh "package://p/m.stl" of the link "a" that is neither beside',
 }
 
 

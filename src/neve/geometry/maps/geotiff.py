@@ -68,6 +68,8 @@ def placed(
     if transform is None:
         upright = _oriented(values, orientation)
         return Map(upright[::-1].T, full, unit=stated or 1.0, no_size=why, doubts=doubts)
+    if any(one < 0.0 for one in _numbers(page, PIXEL_SCALE)[1:2]):
+        doubts = (*doubts, "has pixels of a negative height: its first row is taken for the northernmost")
     units = _units(page, key)
     unit, doubts = stated or units.vertical, doubts if stated else doubts + units.doubts
     turned, (a, b, d, e) = _to_the_north(values, transform)

@@ -31,7 +31,7 @@ def read(path: Path, text: str) -> tuple[Any, list[str]]:
     except (ValueError, OSError, MemoryError, engine().FatalError) as error:
         raise SceneError(f"{text} cannot be read as a robot: {reason(error)}") from None
     if is_urdf(path):
-        _find_meshes(child, path.parent, text)
+        _find_meshes(child, path, text)
         child.compiler.fusestatic = False
     return child, _named_geoms(child, text)
 
@@ -147,14 +147,26 @@ def _require_links(path: Path, text: str) -> None:
                 raise SceneError(f'{text} cannot be read as a robot: the joint "{joint.get("name")}" {what}')
 
 
-def _find_meshes(child: Any, folder: Path, text: str) -> None:
-    """Make the names of the meshes of a URDF file, seen from its `folder`, absolute."""
+def _find_meshes(child: Any, path: Path, text: str) -> None:
+    """Make the names of the meshes of the URDF file `path`, seen from its folder, absolute."""
     for mesh in child.meshes:
-        found = _mesh_file(mesh.file, folder)
+        found = _mesh_file(mesh.file, path.parent)
         if found is None:
             missing = json.dumps(mesh.file, ensure_ascii=False)
-            raise SceneError(f"{text} names a mesh {missing} that is neither beside the file nor above it")
+            link = _link_of(mesh.file, path)
+            named = f" of the link {json.dumps(link, ensure_ascii=False)}" if link else ""
+            raise SceneError(
+                f"{text} names a mesh {missing}{named} that is neither beside the file nor above it"
+            )
         mesh.file = str(found)
+
+
+def _link_of(name: str, path: Path) -> str:
+    """Return the first link of the URDF file `path` with a mesh of the file `name`, or ""."""
+    for link in ElementTree.parse(path).getroot().findall("link"):
+        if any(Path(mesh.get("filename", "")).name == Path(name).name for mesh in link.iter("mesh")):
+            return link.get("name", "")
+    return ""
 
 
 def _mesh_file(name: str, folder: Path) -> Path | None:
