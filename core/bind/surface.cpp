@@ -5,6 +5,7 @@
 #include "surface/carry.hpp"
 #include "surface/grains.hpp"
 #include "surface/nets.hpp"
+#include "surface/stretched.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -126,6 +127,23 @@ void put(const Mat3f& m, float* a) {
     for (int j = 0; j < 3; ++j) a[3 * i + j] = m(i, j);
 }
 
+Field stretched(const Points& x, const Numbers& amounts, const Matrices& S, float width, float cell_size,
+                int blurs) {
+  check(x, amounts, cell_size);
+  if (blurs < 0 || blurs > 8) throw nb::value_error("blurs: from 0 to 8");
+  if (S.shape(0) != x.shape(0)) throw nb::value_error("stretch has a matrix for each point");
+  if (!(width > 0)) throw nb::value_error("width is above zero");
+  for (std::size_t p = 0; p < x.shape(0); ++p)
+    for (int a = 0; a < 3; ++a)
+      if (!(kernel_reach(matrix(S.data() + 9 * p), a) * width <= most_kernel_cells * cell_size))
+        throw nb::value_error("kernels reach up to 64 cells");
+  nb::gil_scoped_release release;
+  const float* from = S.data();
+  return of_stretched(
+      vectors(x), {amounts.data(), amounts.shape(0)}, [&](std::size_t p) { return matrix(from + 9 * p); },
+      width, cell_size, blurs);
+}
+
 auto make_grains(const Points& x, const Names& id, const Numbers& lone, const Matrices& offset, float spacing,
                  int count) {
   if (id.shape(0) != x.shape(0) || lone.shape(0) != x.shape(0))
@@ -183,6 +201,8 @@ NB_MODULE(_surface, m) {
   nb::class_<Field>(m, "Field", "A scalar on a sparse grid of cells.")
       .def("__init__", &make_points, "x"_a, "amounts"_a, "cell_size"_a, "blurs"_a = 0)
       .def_static("balls", &balls, "x"_a, "amounts"_a, "radius"_a, "cell_size"_a)
+      .def_static("stretched", &stretched, "x"_a, "amounts"_a, "stretch"_a, "width"_a, "cell_size"_a,
+                  "blurs"_a = 0)
       .def_static("moments", &make_moments, "x"_a, "amounts"_a, "v"_a, "cell_size"_a)
       .def_prop_ro("cell_size", [](const Field& field) { return field.blocks.cell_size(); })
       .def_prop_ro("origin", [](const Field& f) { return std::tuple{f.origin.x, f.origin.y, f.origin.z}; })

@@ -22,6 +22,21 @@ class Field:
     def balls(x: NDArray[np.float32], amounts: NDArray[np.float32], radius: float, cell_size: float) -> Field:
         """Add up amount * wyvill(distance / radius) of balls at centres of cells; R up to 64 cells."""
     @staticmethod
+    def stretched(
+        x: NDArray[np.float32],
+        amounts: NDArray[np.float32],
+        stretch: NDArray[np.float32],
+        width: float,
+        cell_size: float,
+        blurs: int = 0,
+    ) -> Field:
+        """Add up kernels prod_k N((S^-1 (x - x_p))_k / width), N the quadratic B-spline, each of sum one.
+
+        stretch: S, symmetric and positive (n, 3, 3); width [m]. With S = 1 and width = cell_size it is
+        `Field(x, amounts, cell_size, blurs)`. Errors: ValueError for other sizes, or kernels that reach
+        further than 64 cells.
+        """
+    @staticmethod
     def moments(
         x: NDArray[np.float32], amounts: NDArray[np.float32], v: NDArray[np.float32], cell_size: float
     ) -> tuple[Field, NDArray[np.float32]]:

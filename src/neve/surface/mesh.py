@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from neve._surface import Field
 from neve.surface.grains import Grains
+from neve.surface.kernels import kernels_of
 from neve.surface.volume import amounts, points
 
 Floats = NDArray[np.float32]
@@ -57,19 +58,28 @@ def snow_field(grains: Grains, weights: NDArray[Any] | None = None) -> Field:
 
 
 def snow_surface(
-    x: NDArray[Any], spacing: float, cell_size: float | None = None, v: NDArray[Any] | None = None
+    x: NDArray[Any],
+    spacing: float,
+    cell_size: float | None = None,
+    v: NDArray[Any] | None = None,
+    anisotropic: bool = False,
 ) -> SurfaceMesh:
     """Return the surface of snow as smooth as the particles are fine.
 
     The field is sum_p s^3 w_ip / cell_size^3, w the quadratic B-spline blurred by `BLURS`; the surface lies
     where it is `LEVEL`. A particle without any neighbour has none.
 
-    x: positions (n, 3) [m]; spacing s: of particles at rest [m]; cell_size: of the grid [m], by default s;
-    v: velocities (n, 3) [m/s], for those of the vertices.
+    x: positions (n, 3) [m]; spacing s: of particles at rest [m]; cell_size: of the grid [m], by default s,
+    and s / 2 for anisotropic kernels (Yu and Turk 2013), which draw flat snow flat; v: velocities (n, 3)
+    [m/s], for those of the vertices.
     """
-    cell = cell_size or spacing
+    cell = cell_size or (0.5 * spacing if anisotropic else spacing)
     share = (spacing / cell) ** 3
-    found = mesh_of(Field(points(x), amounts(share), cell, BLURS), LEVEL)
+    if anisotropic:
+        field = kernels_of(x, spacing).field(share, spacing, cell, BLURS)
+    else:
+        field = Field(points(x), amounts(share), cell, BLURS)
+    found = mesh_of(field, LEVEL)
     if v is None:
         return found
     return SurfaceMesh(found.vertices, found.normals, found.faces, velocity_at(found.vertices, x, v, spacing))
