@@ -157,18 +157,7 @@ void bind_grid(nb::module_& m) {
       .def_prop_ro("bytes", &G::bytes)
       .def(
           "take_exchanged",
-          [](G& grid, std::size_t solids) {
-            grid.exchanged.resize(solids);
-            double* out;
-            auto a = fresh<double>(out, {solids, 7});
-            for (const Exchange& e : grid.exchanged) {
-              for (double value : e.impulse) *out++ = value;
-              for (double value : e.moment) *out++ = value;
-              *out++ = e.work;
-            }
-            grid.exchanged.assign(solids, Exchange{});
-            return a;
-          },
+          [](G& grid, std::size_t solids) { return take_exchanged(grid.exchanged, solids); },
           "What snow and each of the solids exchanged since the last call, (solids, 7): impulse of the snow "
           "on the "
           "solid [N s], its moment about the solid's centre [N m s], work of the solid on the snow [J].")

@@ -7,6 +7,7 @@
 #include "bind/arrays.hpp"
 #include "bind/snow.hpp"
 #include "bind/words.hpp"
+#include "coupling/exchange.hpp"
 #include "geometry/height_field.hpp"
 #include "geometry/sdf_grid.hpp"
 #include "mpm/model.hpp"
@@ -49,6 +50,20 @@ Solid<T>& add_solid(Model<T>& model, Shape shape, const std::string& mode, doubl
   s.rotation = identity<T>();
   s.margin = T(margin_of(thickness, model.dx));
   return model.solids.emplace_back(s);
+}
+
+// What was exchanged with each of `solids`, (solids, 7), and nothing from then on.
+inline nb::object take_exchanged(std::vector<Exchange>& exchanged, std::size_t solids) {
+  exchanged.resize(solids);
+  double* out;
+  auto a = fresh<double>(out, {solids, 7});
+  for (const Exchange& e : exchanged) {
+    for (double value : e.impulse) *out++ = value;
+    for (double value : e.moment) *out++ = value;
+    *out++ = e.work;
+  }
+  exchanged.assign(solids, Exchange{});
+  return nb::cast(a);
 }
 
 // phi (n,) and normals (n, 3) of a solid in its place, by packs as in the step.

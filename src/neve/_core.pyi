@@ -418,6 +418,119 @@ _Model = Model
 _State = State
 _Grid = Grid
 
+class ParticleReport:
+    """What a step of the discrete element method found."""
+
+    speed: float
+    """Largest speed of a particle [m/s]."""
+    stiffest: float
+    """Largest sum of the stiffness of a particle's contacts and bonds over its mass [1/s2]."""
+    moved: float
+    """Longest way of a particle since `Particles.rebuild`, against the mean velocity of then [m]."""
+    finite: bool
+    """Every particle has a finite place and velocity."""
+
+class ParticleTotals:
+    """Sums over the particles, in double precision and in a fixed order."""
+
+    mass: float
+    """[kg]"""
+    momentum: list[float]
+    """Sum of m v, (3,) [kg m/s]."""
+    kinetic: float
+    """Sum of m |v|^2 / 2 [J]."""
+    elastic: float
+    """Of bonds, contacts and the springs of their friction [J]."""
+    potential: float
+    """Sum of -m g . x [J]."""
+    bonds: float
+    """Number of bonds."""
+    contacts: float
+    """Number of contacts."""
+
+class Particles(Protocol):
+    """Particles of the discrete element method, and what is remembered of their pairs.
+
+    Arrays are views of the core's memory, rows in an order that `rebuild` changes.
+    """
+
+    x: Reals
+    """Positions (n, 3) [m]."""
+    v: Reals
+    """Velocities (n, 3) [m/s]."""
+    m: Reals
+    """Masses (n,) [kg]."""
+    V0: Reals
+    """Volumes of snow at birth (n,) [m3]."""
+    radius: Reals
+    """Radii now (n,) [m]."""
+    J_P: Reals
+    """Volumes over those at birth (n,) [1]."""
+    stiffness: Reals
+    """Factors on the modulus (n,) [1]."""
+    strength: Reals
+    """Factors on the strain that bonds bear and on the yield pressure (n,) [1]."""
+    k: Reals
+    """Modulus times radius at birth (n,) [N/m]; from `set_materials`."""
+    bond: Reals
+    """Strain that bonds bear (n,) [1]; from `set_materials`."""
+    material: NDArray[np.uint16]
+    """Rows of the material table (n,)."""
+    source: NDArray[np.uint16]
+    """Numbers of the sources (n,): snow of one is bonded."""
+    id: NDArray[np.uint32]
+    """Birth numbers (n,)."""
+    last_dt: float
+    """Length of the last step [s], by which the springs of friction are still to be turned."""
+    @property
+    def count(self) -> int:
+        """Number of particles n."""
+    @property
+    def bytes(self) -> int:
+        """Memory [bytes]."""
+    @property
+    def current(self) -> bool:
+        """The lists hold all pairs that can touch: no `rebuild` is needed before the next step."""
+    def set_law(self, damping: float, tangential: float, ice: float, hardening: float) -> None:
+        """Set what all contacts share.
+
+        damping: damper over stiffness [s]; tangential: stiffness along over that across [1]; ice: density at
+        which nothing is compacted more [kg/m3]; hardening: rise of density for an e-fold yield pressure
+        [kg/m3].
+        """
+    def set_materials(self, rows: Array64, /) -> None:
+        """Set the table, (k, 4): modulus [Pa], friction [1], bond strain [1], yield pressure [Pa].
+
+        Errors: ValueError if a particle names a row that is not there.
+        """
+    def rebuild(self, near: float, dt: float) -> None:
+        """Sort the particles by cell and list all pairs within `near` [m] and some spare for steps of dt [s].
+
+        Errors: ValueError with the birth number of a particle that is lost.
+        """
+    def make_bonds(self, first: int, gap: float) -> None:
+        """Bond the listed pairs of one source and of ids from `first` on whose gap is at most `gap` radii."""
+    def relax(self) -> float:
+        """Move overlapping particles apart once; return the largest overlap before, over both radii [1]."""
+    def stiffness_now(self) -> ParticleReport:
+        """Report on the particles as they are."""
+    def step(self, solids: _Model, dt: float) -> ParticleReport:
+        """Advance by dt [s] among the solids of a model, with its gravity."""
+    def totals(self, solids: _Model) -> ParticleTotals:
+        """Add up the state."""
+    def contacts(self) -> tuple[NDArray[np.uint32], NDArray[np.int32], Reals]:
+        """Return begin (n + 1,); for each entry the row of the other particle; four numbers (k, 4) [m].
+
+        Of a bond the stretch that it bears, above 0, and the overlap at rest; of a contact less the gap that
+        its cohesion bridges, and the spring of its friction (3).
+        """
+    def set_contacts(self, begin: NDArray[np.uint32], row: NDArray[np.int32], values: Reals) -> None:
+        """Take over what `contacts` returned. Errors: ValueError if it is of other particles."""
+    def take_exchanged(self, solids: int) -> Array64:
+        """Return what snow and each of the solids exchanged since the last call, (solids, 7)."""
+
+_Particles = Particles
+
 class Precision(Protocol):
     """The objects and stages of one precision; objects of the other one are a TypeError."""
 
@@ -448,6 +561,8 @@ class Precision(Protocol):
         F_E = I; J_P, stiffness and strength 1; id 0 to count - 1; all else, the mass too, is 0.
         Errors: ValueError for more_modes below 0.
         """
+    def Particles(self, count: int) -> _Particles:
+        """Make `count` particles without mass or radius; J_P and factors are 1, id 0 to count - 1."""
     def Grid(self) -> _Grid:
         """Make an empty grid: `sort` lays it out."""
     def sort(self, model: _Model, state: _State, grid: _Grid, /) -> None:

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.colliders.motion import pose
 from neve.colliders.solid import Solid, solid_of
+from neve.geometry.pose import Pose
+from neve.sampling import Samples, filled
+from neve.sampling.carving import carved
+from neve.sampling.overlaps import Filled, without_overlaps
+from neve.sampling.room import expected, require_room_for_all
 from neve.scene.checks.joined import joined_warnings
-from neve.scene.schema.scene import Scene, Snow
+from neve.scene.schema.scene import Collider, Scene, Snow, Source
 
 if TYPE_CHECKING:
+    from neve._core import Model as CoreModel
     from neve.rigid.coupled_bodies import CoupledBodies
 
 
@@ -38,3 +50,121 @@ def solids(scene: Scene) -> tuple[Solid, ...]:
 def material_table(scene: Scene) -> list[Snow]:
     """Return the different snows of the scene, in the order of their first source."""
     return list(dict.fromkeys(scene.snow_of(source) for source in scene.sources))
+
+
+class PlacedSolids:
+    """Hold the solids of one run, and put them in their place in the core.
+
+    native: the core's model, which gets the solids; colliders: of the scene; solids: these and the bodies that
+    `rigid` moves; dx: length on which the solver resolves snow [m]. `solid_speed` is a bound on the speed of
+    the solids' surfaces now [m/s].
+    """
+
+    def __init__(
+        self,
+        native: CoreModel,
+        colliders: Sequence[Collider],
+        solids: Sequence[Solid],
+        rigid: CoupledBodies | None,
+        dx: float,
+    ) -> None:
+        self.native = native
+        self.colliders = tuple(colliders)
+        self.solids = tuple(solids)
+        self.rigid = rigid
+        self.dx = dx
+        self.solid_speed = 0.0
+        for solid in self.solids:
+            _add(native, solid)
+        for i, solid in enumerate(self.solids):
+            if solid.motion == "dynamic":
+                native.make_dynamic(i)
+        self._reach = np.array([solid.reach for solid in self.solids])
+        self._centres = np.zeros((len(self.solids), 3))
+        for i, collider in enumerate(self.colliders):
+            self._place(i, pose(collider, 0.0))
+        self.place_solids(0.0)
+
+    def distance(self, i: int, x: NDArray[np.float64]) -> NDArray[Any]:
+        """Return the signed distance of points x (n, 3) [m] from the surface of solid i, (n,) [m]."""
+        phi, _ = self.native.surface(i, np.ascontiguousarray(x))
+        return phi
+
+    def near(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[int]:
+        """Return which solids may reach into the box from `low` to `high` [m] (3,), and some near."""
+        gap = np.maximum(np.maximum(low - self._centres, self._centres - high), 0.0)
+        return np.flatnonzero(np.sum(gap * gap, axis=1) <= (self._reach + self.dx) ** 2).tolist()
+
+    def free(self, samples: Samples, name: str) -> Samples:
+        """Return `samples` of the source `name` without those inside a solid (see `neve.sampling.carving`)."""
+        near = self.near(samples.x.min(axis=0), samples.x.max(axis=0))
+        solids = [self.solids[i] for i in near]
+        return carved(samples, solids, lambda k, x: self.distance(near[k], x), self.dx, name)
+
+    def poses(self, time: float) -> list[Pose]:
+        """Return the pose of each solid at `time` [s]."""
+        scripted = [pose(collider, time) for collider in self.colliders]
+        return scripted + (self.rigid.poses() if self.rigid else [])
+
+    def place_solids(self, time: float) -> None:
+        """Put what moves where its script has it at `time` [s], and every rigid body where it is."""
+        self.solid_speed = 0.0
+        for i, collider in enumerate(self.colliders):
+            if self.solids[i].motion != "static":
+                self._place(i, pose(collider, time))
+        if self.rigid:
+            for i, p in enumerate(self.rigid.poses(), len(self.colliders)):
+                self._place(i, p)
+            self.native.set_body_dynamics(self.rigid.mobility(), self.rigid.free_acceleration())
+
+    def _place(self, i: int, p: Pose) -> None:
+        self._centres[i] = p.position
+        self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
+        self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p))
+
+    @property
+    def solids_move(self) -> bool:
+        """Whether any solid changes its place in time."""
+        return any(solid.motion != "static" for solid in self.solids)
+
+
+def samples_of(scene: Scene, placed: PlacedSolids, indices: Sequence[int]) -> list[Samples]:
+    """Return the snow of the sources of these indices: cut where it overlaps, without what is inside a solid.
+
+    Errors: SceneError for a source that cannot be used, or that starts wholly inside solids, and for more
+    particles than there is memory for.
+    """
+    sources = [scene.sources[i] for i in indices]
+    if len(sources) > 1:
+        require_room_for_all(sum(expected(s, scene.numerics) for s in sources), scene.numerics)
+    with joined_warnings():
+        parts = [_filled(scene, s, i) for i, s in zip(indices, sources, strict=True)]
+        samples = [
+            placed.free(s, f"sources.{i}") for i, s in zip(indices, without_overlaps(parts), strict=True)
+        ]
+    require_room_for_all(sum(len(s.x) for s in samples), scene.numerics, held=True)
+    return samples
+
+
+def _filled(scene: Scene, source: Source, index: int) -> Filled:
+    samples, space = filled(scene.completed(source), scene.numerics, index)
+    is_cut = source.overlap == "cut"
+    return Filled(f"sources.{index}", space, samples, scene.snow_of(source).rho0, is_cut)
+
+
+def _fastest(solid: Solid, now: Pose) -> float:
+    """Return a bound on the speed of the solid's surface [m/s]; of an endless one, the speed of its point."""
+    speed = math.hypot(*now.velocity)
+    if solid.endless:
+        return speed
+    return speed + math.hypot(*now.omega) * solid.reach
+
+
+def _add(native: CoreModel, solid: Solid) -> None:
+    """Tell the core of `solid`."""
+    if solid.mesh:
+        native.add_mesh_solid(solid.mesh.sdf, solid.mode, solid.mu_c, solid.mesh.usual_thickness)
+    elif solid.terrain:
+        native.add_terrain_solid(solid.terrain, solid.mode, solid.mu_c)
+    else:
+        native.add_solid(solid.shape, solid.half, solid.mode, solid.mu_c)

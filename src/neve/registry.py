@@ -44,7 +44,9 @@ class Registry:
 
 
 METHODS = Registry(
-    "numerics.method", {"mpm": "neve.mpm.solver:MpmSolver"}, {"mpm": "the material point method"}
+    "numerics.method",
+    {"mpm": "neve.mpm.solver:MpmSolver", "particles": "neve.particles.solver:ParticleSolver"},
+    {"mpm": "the material point method", "particles": "particles in contact, for real time"},
 )
 """The solvers: subclasses of `neve.solver.Solver`."""
 

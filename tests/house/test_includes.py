@@ -18,8 +18,8 @@ LAYERS = [
     {"render/solids"},  # solids on a picture
     {"render"},  # what draws
     {"cpu", "surface", "cuda"},  # the stages of the step over all of them
-    {"cpu/passes"},  # what is asked of all of them besides
-    {"bind/device"},  # what is handed to a GPU
+    {"cpu/passes", "particles"},  # what is asked of all of them besides; the discrete element method
+    {"bind/device", "bind/particles"},  # what is handed to a GPU; Python, for the discrete element method
     {"bind"},  # Python
 ]
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}

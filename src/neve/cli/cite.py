@@ -22,6 +22,7 @@ WORKS: Mapping[str, str] = {
 # Method -> works that describe it. A method's name is the word that chooses it in a scene, or its table.
 METHODS: Mapping[str, tuple[str, ...]] = {
     "mpm": ("sulsky1994", "sulsky1995"),
+    "particles": ("goswami2019", "cundall1979"),
     **{name: tuple(choice.cites) for name, choice in {**LAWS, **SPLINES, **TRANSFERS}.items()},
     "snow": tuple(dict.fromkeys(key for law in LAWS.values() for key in law.plasticity_cites)),
     "poisson": ("bridson2007",),
@@ -40,7 +41,9 @@ def methods(scene: Scene) -> list[str]:
     laws: list[str] = [snow.law for snow in snows]
     if any(LAWS[snow.law].has_elastic_option and snow.plasticity == "snow" for snow in snows):
         laws.append("snow")
-    names = [scene.numerics.method, *laws, scene.numerics.spline, scene.numerics.transfer]
+    names = [scene.numerics.method]
+    if scene.numerics.method != "particles":
+        names += [*laws, scene.numerics.spline, scene.numerics.transfer]
     if scene.numerics.sampling == "poisson":
         names.append("poisson")
     noises = [scene.completed(source).variation for source in scene.sources]

@@ -8,14 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import coupled, material_table
+from neve.build import coupled, material_table, samples_of
 from neve.mpm.model import Model
-from neve.sampling import Samples, filled
-from neve.sampling.carving import carved
-from neve.sampling.overlaps import Filled, without_overlaps
-from neve.sampling.room import expected, require_room_for_all
-from neve.scene.checks.joined import joined_warnings
-from neve.scene.schema.scene import Scene, Source
+from neve.sampling import Samples
+from neve.scene.schema.scene import Scene
 
 if TYPE_CHECKING:
     from neve._core import State
@@ -49,16 +45,8 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, 
     particles than there is memory for.
     """
     sources = [scene.sources[i] for i in indices]
-    if len(sources) > 1:
-        require_room_for_all(sum(expected(s, scene.numerics) for s in sources), scene.numerics)
-    with joined_warnings():
-        parts = [_filled(scene, s, i) for i, s in zip(indices, sources, strict=True)]
-        samples = [
-            _free_of_solids(s, model, f"sources.{i}")
-            for i, s in zip(indices, without_overlaps(parts), strict=True)
-        ]
+    samples = samples_of(scene, model, indices)
     count = sum(len(s.x) for s in samples)
-    require_room_for_all(count, scene.numerics, held=True)
     state = model.core.State(count, model.native.more_modes)
     rows_of = {snow: row for row, snow in enumerate(model.snows)}
     begin = 0
@@ -77,19 +65,6 @@ def make_model(scene: Scene) -> Model:
     """Return the constants of the scene's run, without sampling any snow."""
     solids, rigid = coupled(scene)
     return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, solids, rigid)
-
-
-def _filled(scene: Scene, source: Source, index: int) -> Filled:
-    samples, space = filled(scene.completed(source), scene.numerics, index)
-    is_cut = source.overlap == "cut"
-    return Filled(f"sources.{index}", space, samples, scene.snow_of(source).rho0, is_cut)
-
-
-def _free_of_solids(samples: Samples, model: Model, name: str) -> Samples:
-    """Return `samples` of the source `name` without those inside a solid of `model`."""
-    near = model.near(samples.x.min(axis=0), samples.x.max(axis=0))
-    solids = [model.solids[i] for i in near]
-    return carved(samples, solids, lambda k, x: model.distance(near[k], x), model.numerics.dx, name)
 
 
 def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) -> None:

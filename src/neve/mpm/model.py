@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from neve.backend import Cpu, backend
-from neve.colliders.motion import pose
+from neve.build import PlacedSolids
 from neve.colliders.solid import Solid
 from neve.cuda.errors import DeviceError
-from neve.geometry.pose import Pose
 from neve.rigid.coupled_bodies import CoupledBodies
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Collider, Numerics, Snow, World
@@ -21,11 +19,10 @@ from neve.scene.values.choices import TRANSFERS
 from neve.scene.values.elastic import p_wave_modulus
 
 if TYPE_CHECKING:
-    from neve._core import Model as CoreModel
     from neve._core import Precision
 
 
-class Model:
+class Model(PlacedSolids):
     """Hold the material table, the solids, gravity and dx of one run, in the core's precision.
 
     `core` is the set of compiled stages (float32 or float64), `native` the core's own model; `courant` the
@@ -44,11 +41,7 @@ class Model:
         self.core = _stages(numerics, any(solid.motion == "dynamic" for solid in solids))
         self.numerics = numerics
         self.snows = tuple(snows)
-        self.colliders = tuple(colliders)
-        self.solids = tuple(solids)
-        self.rigid = rigid
-        self.solid_speed = 0.0
-        self.native = self.core.Model(
+        native = self.core.Model(
             numerics.dx,
             numerics.spline,
             numerics.transfer,
@@ -57,54 +50,11 @@ class Model:
             numerics.polypic_modes,
             _damping(numerics, self.snows),
         )
+        super().__init__(native, colliders, solids, rigid, numerics.dx)
         self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in self.snows))
         for snow in self.snows:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
-        for solid in self.solids:
-            _add(self.native, solid)
-        for i, solid in enumerate(self.solids):
-            if solid.motion == "dynamic":
-                self.native.make_dynamic(i)
-        self._reach = np.array([solid.reach for solid in self.solids])
-        self._centres = np.zeros((len(self.solids), 3))
         self.limit_compression(1.0)
-        for i, collider in enumerate(self.colliders):
-            self._place(i, pose(collider, 0.0))
-        self.place_solids(0.0)
-
-    def distance(self, i: int, x: NDArray[np.float64]) -> NDArray[Any]:
-        """Return the signed distance of points x (n, 3) [m] from the surface of solid i, (n,) [m]."""
-        phi, _ = self.native.surface(i, np.ascontiguousarray(x))
-        return phi
-
-    def near(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[int]:
-        """Return which solids may reach into the box from `low` to `high` [m] (3,), and some near."""
-        gap = np.maximum(np.maximum(low - self._centres, self._centres - high), 0.0)
-        return np.flatnonzero(np.sum(gap * gap, axis=1) <= (self._reach + self.numerics.dx) ** 2).tolist()
-
-    def poses(self, time: float) -> list[Pose]:
-        """Return the pose of each solid at `time` [s]."""
-        scripted = [pose(collider, time) for collider in self.colliders]
-        return scripted + (self.rigid.poses() if self.rigid else [])
-
-    def place_solids(self, time: float) -> None:
-        """Put what moves where its script has it at `time` [s], and every rigid body where it is.
-
-        Sets `solid_speed`, a bound on the speed of their surfaces [m/s].
-        """
-        self.solid_speed = 0.0
-        for i, collider in enumerate(self.colliders):
-            if self.solids[i].motion != "static":
-                self._place(i, pose(collider, time))
-        if self.rigid:
-            for i, p in enumerate(self.rigid.poses(), len(self.colliders)):
-                self._place(i, p)
-            self.native.set_body_dynamics(self.rigid.mobility(), self.rigid.free_acceleration())
-
-    def _place(self, i: int, p: Pose) -> None:
-        self._centres[i] = p.position
-        self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
-        self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p))
 
     def limit_compression(self, strongest: float) -> None:
         """Set `max_compression`: how far a step may press snow, -dt tr grad v [1], before hardening stores
@@ -112,11 +62,6 @@ class Model:
         particle [1].
         """
         self.max_compression = self.native.max_compression(strongest)
-
-    @property
-    def solids_move(self) -> bool:
-        """Whether any solid changes its place in time."""
-        return any(solid.motion != "static" for solid in self.solids)
 
 
 def _stages(numerics: Numerics, bodies: bool) -> Precision:
@@ -145,24 +90,6 @@ def stable_courant(stiffness: float, nu: float) -> float:
     Poisson's ratio.
     """
     return math.sqrt(2.0 / stiffness * (1.0 - nu) / (1.0 + nu))
-
-
-def _fastest(solid: Solid, now: Pose) -> float:
-    """Return a bound on the speed of the solid's surface [m/s]; of an endless one, the speed of its point."""
-    speed = math.hypot(*now.velocity)
-    if solid.endless:
-        return speed
-    return speed + math.hypot(*now.omega) * solid.reach
-
-
-def _add(native: CoreModel, solid: Solid) -> None:
-    """Tell the core of `solid`."""
-    if solid.mesh:
-        native.add_mesh_solid(solid.mesh.sdf, solid.mode, solid.mu_c, solid.mesh.usual_thickness)
-    elif solid.terrain:
-        native.add_terrain_solid(solid.terrain, solid.mode, solid.mu_c)
-    else:
-        native.add_solid(solid.shape, solid.half, solid.mode, solid.mu_c)
 
 
 def _constants(snow: Snow) -> dict[str, float]:

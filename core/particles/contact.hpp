@@ -1,0 +1,78 @@
+// The force between two particles: elastic, cohesive, rubbing (docs/particles.md).
+#pragma once
+
+#include "math/mat3.hpp"
+
+namespace neve {
+
+// A pair i, j seen from i: n points from j to i.
+template <class R>
+struct Pair {
+  Vec3<R> n;    // [1]
+  R overlap;    // of the two spheres, below zero: a gap [m]
+  R k;          // stiffness of the contact [N/m]
+  R v_n;        // speed at which they part [m/s]
+  Vec3<R> v_t;  // velocity of i past j [m/s]
+};
+
+// What is remembered of a pair. Nothing: `hold` is zero. A bond: `hold` is above zero, the stretch at which it breaks [m],
+// and a.x the overlap at which it was made. A contact: `hold` is below zero, less the gap that its cohesion bridges [m],
+// and a the spring of its friction [m].
+template <class R>
+struct Memory {
+  R hold;
+  Vec3<R> a;
+};
+
+// What all contacts of a run share.
+template <class T>
+struct ContactLaw {
+  T damping;     // of contacts: their damper over their stiffness [s]
+  T tangential;  // stiffness along a contact over that across it [1]
+  T dt;          // for which the velocities have moved the particles since the last call [s]
+};
+
+// A contact without cohesion: so small a gap that none is bridged.
+template <class T>
+inline constexpr T loose = std::numeric_limits<T>::min();
+
+template <class R>
+inline Pair<R> pair_of(const Vec3<R>& x, const Vec3<R>& v, const R& radii, const R& k) {
+  const R tiny = splat<R>(std::numeric_limits<scalar_t<R>>::min());
+  const R d2 = dot(x, x);
+  const R inv = rsqrt(R(max(d2, tiny)));  // two in one place push nowhere
+  const Vec3<R> n = x * inv;
+  const R v_n = dot(v, n);
+  return {n, R(radii - d2 * inv), k, v_n, v - n * v_n};
+}
+
+// Force across a bond [N], positive: apart.
+template <class R>
+inline R bond_force(const Pair<R>& pair, const R& rest, const ContactLaw<scalar_t<R>>& law) {
+  return pair.k * (pair.overlap - rest - pair.v_n * law.damping);
+}
+
+// Force across a contact [N]: where the spheres overlap it never pulls, in a gap that cohesion bridges it does.
+template <class R>
+inline R contact_force(const Pair<R>& pair, const ContactLaw<scalar_t<R>>& law) {
+  const R elastic = pair.k * pair.overlap, damped = elastic - pair.k * pair.v_n * law.damping;
+  return select(pair.overlap > scalar_t<R>(0), max(damped, splat<R>(0)), elastic);
+}
+
+// Turn the spring of friction on, let it slip where it is stronger than mu times the force across, and return the force
+// along the contact [N]. The damper acts only where both together hold: so neither gives back more than it took.
+template <class R>
+inline Vec3<R> rub(Vec3<R>& spring, const Pair<R>& pair, const R& pressed, const R& mu,
+                   const ContactLaw<scalar_t<R>>& law) {
+  using T = scalar_t<R>;
+  const R zero = splat<R>(0), one = splat<R>(1);
+  const R stiff = pair.k * law.tangential, most = mu * max(pressed, zero);
+  spring = spring + pair.v_t * law.dt;
+  spring = spring - pair.n * dot(spring, pair.n);
+  const R pull = stiff * sqrt(R(dot(spring, spring)));
+  spring = spring * select(pull > most, R(most / select(pull > zero, pull, one)), one);
+  const Vec3<R> elastic = spring * R(-stiff), both = elastic - pair.v_t * R(pair.k * law.damping);
+  return select(dot(both, both) <= most * most * T(1), both, elastic);
+}
+
+}  // namespace neve

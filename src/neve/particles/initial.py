@@ -1,0 +1,167 @@
+"""Fill the sources of a scene with particles in contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.backend import backend
+from neve.build import PlacedSolids, coupled, material_table, samples_of
+from neve.particles.constants import (
+    BOND_GAP,
+    DAMPING,
+    HARDENING,
+    ICE,
+    NEVER,
+    PACKING,
+    TANGENTIAL,
+    contact_constants,
+    radius_at_birth,
+)
+from neve.sampling import Samples
+from neve.scene.errors import SceneError
+from neve.scene.schema.scene import Scene
+from neve.solver import Field
+
+if TYPE_CHECKING:
+    from neve._core import Particles, Precision
+
+FIELDS = (
+    Field("x", (3,), "m", "real", "position"),
+    Field("v", (3,), "m/s", "real", "velocity"),
+    Field("m", (), "kg", "real", "mass"),
+    Field("V0", (), "m3", "real", "volume of snow at birth"),
+    Field("radius", (), "m", "real", "radius"),
+    Field("J_P", (), "1", "real", "volume over that at birth"),
+    Field("stiffness", (), "1", "real", "factor on E0"),
+    Field("strength", (), "1", "real", "factor on the thresholds of bonds and compaction"),
+    Field("material", (), "", "uint16", "row of the material table"),
+    Field("source", (), "", "uint16", "number of the source"),
+    Field("id", (), "", "uint32", "number in the order of birth"),
+)
+"""All that a particle owns, beside its contacts (see `neve._core.Particles.contacts`)."""
+
+ROUNDS, ROUNDS_BETWEEN_LISTS = 60, 6
+"""How often overlaps of fresh snow are moved apart, and how often with the same lists of neighbours."""
+
+
+def kernels(scene: Scene) -> Precision:
+    """Return the compiled stages for the scene's precision."""
+    return backend(scene.numerics.device).kernels(scene.numerics.precision)
+
+
+def place_solids(scene: Scene) -> PlacedSolids:
+    """Return the scene's solids in the core. Errors: SceneError for bodies, which particles do not move."""
+    for name in ("bodies", "robots"):
+        if getattr(scene, name):
+            raise SceneError(f'{name}: numerics.method = "particles" moves no bodies; use "mpm"')
+    around, _ = coupled(scene)
+    numerics = scene.numerics
+    gravity = np.array(scene.world.gravity, dtype=np.float64)
+    native = kernels(scene).Model(numerics.dx, numerics.spline, "pic", 0.0, gravity)
+    return PlacedSolids(native, scene.colliders, around, None, numerics.dx)
+
+
+def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[str, NDArray[Any]]:
+    """Return the particles of the sources of these indices as arrays of FIELDS, in the order of the sources.
+
+    Each source is packed on its own: the particles that `neve.sampling` places are moved apart until they hardly
+    overlap. Errors: as `neve.mpm.initial.snow_of`.
+    """
+    rows_of = {snow: row for row, snow in enumerate(material_table(scene))}
+    parts = []
+    for i, samples in zip(indices, samples_of(scene, solids, indices), strict=True):
+        snow = scene.snow_of(scene.sources[i])
+        parts.append(_columns(scene, packed(scene, samples, solids), rows_of[snow], i, snow.rho0))
+    columns = {field.name: np.concatenate([part[field.name] for part in parts]) for field in FIELDS[:-1]}
+    return columns | {"id": np.arange(len(columns["x"]), dtype=np.uint32)}
+
+
+def packed(scene: Scene, samples: Samples, solids: PlacedSolids) -> Samples:
+    """Return `samples` with their positions moved apart, so that spheres of their volumes hardly overlap.
+
+    They are moved out of the solids too: what touches one at birth touches it without a force.
+    """
+    core = kernels(scene)
+    count = len(samples.x)
+    fresh = core.Particles(count)
+    middle = samples.x.mean(axis=0)
+    fresh.x[...] = samples.x - middle
+    fresh.radius[...] = [radius_at_birth(volume) for volume in samples.volume]
+    near = 2.0 * float(np.max(fresh.radius))
+    around = solids.near(samples.x.min(axis=0) - near, samples.x.max(axis=0) + near)
+    for done in range(ROUNDS):
+        if done % ROUNDS_BETWEEN_LISTS == 0:
+            fresh.rebuild(1.2 * near, 0.0)
+        fresh.relax()
+        for i in around:
+            phi, normal = solids.native.surface(i, np.asarray(fresh.x, dtype=np.float64) + middle)
+            fresh.x[...] += np.maximum(np.asarray(fresh.radius) - phi, 0.0)[:, None] * normal
+    x = np.empty((count, 3))
+    x[np.asarray(fresh.id)] = fresh.x
+    values = {name: getattr(samples, name) for name in ("v", "volume", "stiffness", "strength", "density")}
+    return Samples(x=x + middle, **values)
+
+
+def _columns(scene: Scene, s: Samples, row: int, source: int, rho0: float) -> dict[str, NDArray[Any]]:
+    real = np.dtype(scene.numerics.precision)
+    count = len(s.x)
+    columns: dict[str, NDArray[Any]] = {
+        "x": s.x,
+        "v": s.v,
+        "m": rho0 * s.density * s.volume,
+        "V0": s.volume,
+        "radius": np.array([radius_at_birth(volume) for volume in s.volume]),
+        "J_P": np.ones(count),
+        "stiffness": s.stiffness,
+        "strength": s.strength,
+    }
+    columns = {name: np.asarray(values, dtype=real) for name, values in columns.items()}
+    return columns | {
+        "material": np.full(count, row, dtype=np.uint16),
+        "source": np.full(count, source, dtype=np.uint16),
+    }
+
+
+def from_arrays(scene: Scene, arrays: Mapping[str, NDArray[Any]]) -> Particles:
+    """Make particles from the arrays of FIELDS. Errors: ValueError for an array of another shape or kind."""
+    particles = kernels(scene).Particles(len(arrays["m"]))
+    for field in FIELDS:
+        column, given = getattr(particles, field.name), np.asarray(arrays[field.name])
+        if given.shape != column.shape or given.dtype != column.dtype:
+            raise ValueError(
+                f"{field.name} is an array {given.shape} of {given.dtype}: "
+                f"these particles need {column.shape} of {column.dtype}"
+            )
+        column[...] = given
+    return particles
+
+
+def set_constants(scene: Scene, particles: Particles) -> None:
+    """Give the core the constants of the scene's snows, and of all contacts.
+
+    The damper of a contact is its stiffness times one time for all, so that no contact of a particle has more
+    than the damping ratio DAMPING: c = 2 DAMPING k min_p sqrt(m_p / (2 k_p)).
+    """
+    table = np.array([contact_constants(snow) for snow in material_table(scene)], dtype=np.float64)
+    particles.set_materials(table)
+    k = np.asarray(particles.k, dtype=np.float64)
+    m = np.asarray(particles.m, dtype=np.float64)
+    damping = 2.0 * DAMPING * float(np.sqrt(np.min(m / (2.0 * k)))) if len(k) else 0.0
+    particles.set_law(damping, TANGENTIAL, ICE, HARDENING)
+
+
+def reach(particles: Particles) -> float:
+    """Return the distance within which two particles may act on each other [m]."""
+    born = np.asarray(particles.radius, dtype=np.float64) / np.cbrt(
+        np.asarray(particles.J_P, dtype=np.float64)
+    )
+    bond = np.asarray(particles.bond, dtype=np.float64)
+    stretch = float(np.max(bond[bond < NEVER / 2], initial=0.0))
+    return 2.0 * float(np.max(born, initial=0.0)) * (1.0 + BOND_GAP + min(stretch, 0.5))
+
+
+__all__ = ["FIELDS", "PACKING", "from_arrays", "packed", "place_solids", "reach", "set_constants", "snow_of"]

@@ -1,0 +1,277 @@
+"""Particles in contact as a solver: state, contacts, and the step with its size control."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.build import material_table
+from neve.colliders.solid import Solid
+from neve.geometry.pose import Pose
+from neve.particles.constants import BOND_GAP
+from neve.particles.initial import (
+    FIELDS,
+    from_arrays,
+    place_solids,
+    reach,
+    set_constants,
+    snow_of,
+)
+from neve.scene.errors import SceneError
+from neve.scene.schema.scene import Scene, Source
+from neve.solver import Arrays, Blowup, Solver, StepSummary
+
+if TYPE_CHECKING:
+    from neve._core import ParticleReport, Particles
+
+CONTACTS = ("contact_begin", "contact_row", "contact_memory")
+"""Names of what `Particles.contacts` returns in a checkpoint."""
+FEWEST = 6
+"""Contacts of a particle that the time step allows for at least: new ones come within a step."""
+
+
+@dataclass(frozen=True)
+class ParticleDiagnostics:
+    """Hold the sums over all particles at one instant, in double precision in a fixed order.
+
+    mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic, elastic (of bonds, contacts and the springs of
+    their friction), potential (-m g . x); affine is none. `work` [J]: of the colliders on the snow so far.
+    bonds, contacts: how many there are.
+    """
+
+    mass: float
+    momentum: tuple[float, float, float]
+    kinetic: float
+    elastic: float
+    potential: float
+    work: float
+    particles: int
+    bonds: int
+    contacts: int
+    affine: float = 0.0
+
+
+class ParticleSolver(Solver):
+    """Advance snow as particles that push, pull, rub and are compacted.
+
+    Attributes:
+        state: the particles, a `neve._core.Particles`
+    """
+
+    fields = FIELDS
+    stages = ("neighbours", "step")
+    fixed = (*Solver.fixed, "dx", "particles_per_cell", "sampling", "seed")
+    log_columns = (
+        "mass",  # [kg]
+        "momentum_x",  # [kg m/s]
+        "momentum_y",
+        "momentum_z",
+        "kinetic",  # energies [J]
+        "elastic",
+        "potential",
+        "affine",  # none
+        "work",  # of the colliders on the snow since the start
+        "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
+        "particles",
+        "bonds",
+        "contacts",
+    )
+    state: Particles
+
+    def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
+        """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""
+        super().__init__(scene, saved)
+        self.placed = place_solids(scene)
+        if saved is None:
+            self.state = from_arrays(scene, snow_of(scene, self.placed, range(len(scene.sources))))
+            self._derive()
+            self._bond(0)
+        else:
+            self.state = from_arrays(scene, saved)
+            self._derive()
+            self.state.set_contacts(*(np.asarray(saved[name]) for name in CONTACTS))
+            self.state.last_dt = float(saved["last_dt"])
+
+    def _derive(self) -> None:
+        set_constants(self.scene, self.state)
+        self._near = reach(self.state)
+        k, m = (np.asarray(a, dtype=np.float64) for a in (self.state.k, self.state.m))
+        self._least_stiff = FEWEST * float(np.max(k / m, initial=0.0))
+
+    def _bond(self, first: int) -> None:
+        """Bond the snow of birth numbers from `first` on."""
+        self._rebuild()
+        self.state.make_bonds(first, BOND_GAP)
+
+    def _rebuild(self) -> None:
+        with self.timer.stage("neighbours"):
+            try:
+                self.state.rebuild(self._near, 1.0 / math.sqrt(self._least_stiff))
+            except ValueError as error:
+                raise Blowup(
+                    f"particle {error} is lost, or more than {2**19 * self._near:.4g} m from the origin: "
+                    "lower numerics.cfl or the velocities"
+                ) from None
+
+    def begin(self, steps: int, time: float) -> None:
+        """Sort the particles, find their neighbours, and see how stiff their contacts are. Errors: Blowup."""
+        self._derive()
+        self._rebuild()
+        self._report = self.state.stiffness_now()
+        self._require_finite(self._report, steps, time)
+
+    def step(self, steps: int, time: float, remaining: float) -> StepSummary:
+        """Take one step, of the dt that the contacts allow or the scene's own, if it is less. Errors: Blowup."""
+        if self.placed.solids_move:
+            self.placed.place_solids(time)
+        dt, bound = self._longest(self._report)
+        if not dt > 1e-9 * remaining:
+            raise Blowup(
+                f"after step {steps} contacts of particles ask for a time step of {dt:.3g} s: "
+                "lower snow.E0 or the velocities"
+            )
+        dt = remaining / max(1, math.ceil(remaining / dt * (1 - 1e-9)))
+        with self.timer.stage("step"):
+            self._report = self.state.step(self.placed.native, dt)
+        return StepSummary(dt, bound, 0)
+
+    def _longest(self, report: ParticleReport) -> tuple[float, str]:
+        """Return the time step [s] and what bounds it.
+
+        Half the limit 2 / sqrt(sum k / m) of the particle whose contacts are stiffest for its mass, where the
+        exact limit is at least sqrt 2 / sqrt(sum k / m); and the way of a particle or a solid, `cfl` of the
+        distance of two particles.
+        """
+        numerics = self.scene.numerics
+        dt, bound = numerics.dt_max, "dt_max"
+        stable = 1.0 / math.sqrt(max(report.stiffest, self._least_stiff))
+        if stable < dt:
+            dt, bound = stable, "contact"
+        way = numerics.cfl * numerics.spacing
+        for speed, name in ((report.speed, "speed"), (self.placed.solid_speed, "solid")):
+            if speed * dt > way:
+                dt, bound = way / speed, name
+        if numerics.dt != "auto" and float(numerics.dt) <= dt:
+            return float(numerics.dt), "fixed"
+        return dt, bound
+
+    def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
+        """Check the particles, and renew the lists of neighbours if they are used up. Errors: Blowup."""
+        self._require_finite(self._report, steps, time)
+        if not self.state.current:
+            self._rebuild()
+        return None
+
+    def _require_finite(self, report: ParticleReport, steps: int, time: float) -> None:
+        if report.finite:
+            return
+        wrong = ~(np.isfinite(self.state.x).all(axis=1) & np.isfinite(self.state.v).all(axis=1))
+        rows = np.flatnonzero(wrong)
+        which = f"particle {self.state.id[rows[0]]}" if len(rows) else "a particle"
+        raise Blowup(
+            f"{which} has no finite place or velocity after step {steps} (t = {time:.6g} s): "
+            "lower numerics.cfl, or check E0 and velocities"
+        )
+
+    def diagnostics(self, exchanged: NDArray[np.float64]) -> ParticleDiagnostics:
+        """Add up the state, in double precision in a fixed order."""
+        t = self.state.totals(self.placed.native)
+        px, py, pz = t.momentum
+        return ParticleDiagnostics(
+            mass=t.mass,
+            momentum=(px, py, pz),
+            kinetic=t.kinetic,
+            elastic=t.elastic,
+            potential=t.potential,
+            work=float(exchanged[:, 6].sum()),
+            particles=self.count,
+            bonds=round(t.bonds),
+            contacts=round(t.contacts),
+        )
+
+    def log_values(self, totals: ParticleDiagnostics) -> Mapping[str, float]:
+        """Return the values of the columns of the log, but the excess of energy."""
+        values = {}
+        for name in self.log_columns:
+            if name.startswith("momentum_"):
+                values[name] = totals.momentum["xyz".index(name[-1])]
+            elif name != "excess":
+                values[name] = getattr(totals, name)
+        return values
+
+    def save(self) -> dict[str, NDArray[Any]]:
+        """Return the state, what is remembered of its contacts, and the last dt, by which these are old."""
+        contacts = dict(zip(CONTACTS, map(np.array, self.state.contacts()), strict=True))
+        return {**super().save(), **contacts, "last_dt": np.array(self.state.last_dt)}
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return int(self.state.count)
+
+    @property
+    def bytes(self) -> int:
+        """Memory of particles and contacts [bytes]."""
+        return int(self.state.bytes)
+
+    @property
+    def radius(self) -> NDArray[Any]:
+        """Radius of each particle [m], (n,)."""
+        return np.asarray(self.state.radius)
+
+    def columns(self) -> dict[str, Callable[[], Any]]:
+        """Return the fields of the state, and the density."""
+        state = self.state
+        return super().columns() | {"density": lambda: np.asarray(state.m / (state.V0 * state.J_P))}
+
+    @property
+    def solids(self) -> Sequence[Solid]:
+        """Colliders."""
+        return self.placed.solids
+
+    def poses(self, time: float) -> list[Pose]:
+        """Return the pose of each solid at `time` [s]."""
+        return self.placed.poses(time)
+
+    def take_exchanged(self) -> NDArray[np.float64]:
+        """Return what snow and each solid exchanged since the last call, (n, 7)."""
+        return self.state.take_exchanged(len(self.placed.solids))
+
+    def change(self, scene: Scene) -> None:
+        """Go on with the same particles and contacts in another scene. Bonds keep the strength of their birth.
+
+        Errors: SceneError for sources that come or go, or snows that part.
+        """
+        if len(scene.sources) != len(self.scene.sources):
+            raise SceneError("sources cannot come or go while a run goes on; start it anew, or add snow")
+        placed = place_solids(scene)
+        table = material_table(scene)
+        rows = np.array([table.index(scene.snow_of(source)) for source in scene.sources], dtype=np.uint16)
+        self.state.material[...] = rows[self.state.source]
+        self.placed, self.scene = placed, scene
+        self._derive()
+
+    def add(self, source: Source, time: float) -> None:
+        """Add the snow of `source` at `time` [s], and the source to the scene. Errors: SceneError."""
+        old = self.scene
+        values = {name: getattr(old, name) for name in Scene.model_fields}
+        scene = Scene.model_validate({**values, "sources": (*old.sources, source)})
+        placed = place_solids(scene)
+        placed.place_solids(time)
+        fresh = snow_of(scene, placed, [len(old.sources)])
+        there = self.save()
+        first = int(there["id"].max()) + 1 if len(there["id"]) else 0
+        fresh["id"] = np.arange(first, first + len(fresh["m"]), dtype=there["id"].dtype)
+        begin = np.concatenate([there["contact_begin"], np.full(len(fresh["m"]), there["contact_begin"][-1])])
+        both = {field.name: np.concatenate([there[field.name], fresh[field.name]]) for field in FIELDS}
+        state = from_arrays(scene, both)
+        self.scene, self.placed, self.state = scene, placed, state
+        self._derive()
+        state.set_contacts(begin.astype(np.uint32), there["contact_row"], there["contact_memory"])
+        state.last_dt = float(there["last_dt"])
+        self._bond(first)

@@ -1,0 +1,100 @@
+"""Two particles: a bond vibrates and breaks, a contact bounces and rubs, as single springs do."""
+
+import math
+
+import numpy as np
+import pytest
+from verification.particles.common import energy, pair_of_particles
+
+from neve.particles.constants import DAMPING, contact_constants
+
+NEVER_YIELDS = {"law": "drucker_prager", "cohesion": 0.0, "E0": 1e5, "friction_angle": 20.0}
+
+
+def x_of(sim, number):
+    """Return place and velocity along x of the particle with this birth number."""
+    row = int(np.flatnonzero(np.asarray(sim.state.id) == number)[0])
+    return float(sim.state.x[row, 0]), float(sim.state.v[row, 0])
+
+
+def test_period_of_a_bond():
+    """Two particles of mass m on a spring k swing with w^2 = 2 k / m, less what the damper of ratio DAMPING takes.
+
+    Half a period from the largest stretch to the least is pi / (w sqrt(1 - DAMPING^2)).
+    """
+    sim, r = pair_of_particles(0.0, snow={"plasticity": "none"}, bonded=True)
+    k, m = float(sim.state.k[0]), float(sim.state.m[0])
+    assert k == pytest.approx(sim.scene.snow.E0 * r)
+    row = int(np.flatnonzero(np.asarray(sim.state.id) == 1)[0])
+    sim.state.x[row, 0] += 0.01 * r
+    w = math.sqrt(2 * k / m)
+    half = math.pi / (w * math.sqrt(1 - DAMPING**2))
+    least, when = math.inf, 0.0
+    for _ in range(400):
+        sim.advance(1.5 * half / 400)
+        gap = x_of(sim, 1)[0] - x_of(sim, 0)[0] - 2 * r
+        if gap < least:
+            least, when = gap, sim.time
+    assert when == pytest.approx(half, rel=0.02)
+    assert -least == pytest.approx(0.01 * r * math.exp(-DAMPING * w * half), rel=0.03)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_strength_of_a_bond(share):
+    """A bond that is stretched by bond_strain of the distance breaks, by less it holds.
+
+    Without damping a start with the speed v stretches it by v / w.
+    """
+    snow = {"theta_s": 0.02}
+    sim, r = pair_of_particles(0.0, snow=snow, bonded=True)
+    sim.state.set_law(0.0, 0.5, 917.0, 100.0)
+    sim.solver._derive = lambda: None  # keep the damper off
+    k, m = float(sim.state.k[0]), float(sim.state.m[0])
+    w = math.sqrt(2 * k / m)
+    stretch = share * 0.02 * 2 * r
+    for number, sign in ((0, -1), (1, 1)):
+        row = int(np.flatnonzero(np.asarray(sim.state.id) == number)[0])
+        sim.state.v[row, 0] = sign * stretch * w / 2
+    assert sim.diagnostics().bonds == 1
+    sim.advance(3 / w)
+    assert sim.diagnostics().bonds == (1 if share < 1 else 0)
+
+
+def test_bounce():
+    """A contact with the damping ratio z throws back the share e of the speed, and never pulls.
+
+    A spring and a damper that act until their force is zero give e = exp(-z / s (pi - atan(2 z s / (2 z^2 - 1)))),
+    s = sqrt(1 - z^2) (Schwager and Poeschel 2007 [M]: e of a contact that ends where the force does).
+    """
+    sim, r = pair_of_particles(0.001, speed=-0.2, snow=NEVER_YIELDS)
+    sim.advance(0.05)
+    apart = x_of(sim, 1)[1] - x_of(sim, 0)[1]
+    z = DAMPING
+    s = math.sqrt(1 - z * z)
+    e = math.exp(-z / s * (math.pi - math.atan(2 * z * s / (1 - 2 * z * z))))
+    assert apart == pytest.approx(0.2 * e, rel=0.02)
+    assert x_of(sim, 1)[1] + x_of(sim, 0)[1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_energy_of_a_bounce_falls():
+    """The energy of two particles that meet off centre only falls, but for the swing of explicit steps."""
+    sim, r = pair_of_particles(0.05, speed=-1.0, snow=NEVER_YIELDS)
+    row = int(np.flatnonzero(np.asarray(sim.state.id) == 1)[0])
+    sim.state.x[row, 2] = 0.8 * r
+    start = energy(sim)
+    sim.advance(0.2)
+    assert 0.3 * start < energy(sim) < start
+
+
+def test_constants_of_named_snows():
+    """Every law has finite constants: E0, the strain and the pressure at which its own snow flows."""
+    from neve.scene.schema.scene import Snow
+    from neve.scene.schema.snow_kinds import SNOWS
+
+    for kind in SNOWS:
+        snow = Snow.model_validate({"kind": kind})
+        c = contact_constants(snow)
+        assert c.modulus == snow.E0
+        assert 0 < c.friction < 3
+        assert 0 <= c.bond_strain < 1
+        assert c.yield_pressure > 0

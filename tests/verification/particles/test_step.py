@@ -1,0 +1,270 @@
+"""The step of particles: its oracle, momentum, bits, solids, compaction, and what is refused."""
+
+import numpy as np
+import pytest
+from reference import particles as reference
+from verification.particles.common import columns, energy, particles
+
+import neve
+from neve.particles.constants import ICE
+from neve.particles.solver import CONTACTS
+from neve.scene.errors import SceneError
+from neve.solver import Blowup
+
+SOFT = {"law": "drucker_prager", "cohesion": 500.0, "E0": 1e5, "friction_angle": 30.0}
+
+
+def oracle_of(sim):
+    """Copy particles and what is remembered of their pairs into the reference, by birth number."""
+    state, n = sim.state, sim.count
+    ids = np.asarray(state.id)
+    order = np.argsort(ids)
+    begin, row, memory = (np.asarray(a) for a in state.contacts())
+    hold, rest, spring = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n, 3))
+    for p in range(n):
+        for e in range(begin[p], begin[p + 1]):
+            i, j = ids[p], ids[row[e]]
+            hold[i, j] = memory[e, 0]
+            if memory[e, 0] > 0:
+                rest[i, j] = memory[e, 1]
+            else:
+                spring[i, j] = memory[e, 1:]
+    c = sim.solver
+    k = np.asarray(state.k)[order]
+    m = np.asarray(state.m)[order]
+    table = [neve.particles.constants.contact_constants(sim.scene.snow)]
+    return reference.Cluster(
+        np.asarray(state.x)[order], np.asarray(state.v)[order], m, np.asarray(state.radius)[order], k,
+        np.full(n, table[0].friction), np.asarray(state.bond)[order],
+        hold > 0, rest, np.abs(hold), hold < 0, spring,
+        2 * 0.1 * np.sqrt(np.min(m / (2 * k))), 0.5, float(state.last_dt),
+    ), c  # fmt: skip
+
+
+def test_oracle():
+    """Two lumps that collide, break and rub: 60 steps are those of the reference, to rounding."""
+    lumps = [
+        {"shape": "sphere", "center": (-0.09, 0, 0), "radius": 0.08, "velocity": (4, 0, 0.5)},
+        {"shape": "sphere", "center": (0.09, 0.01, 0.03), "radius": 0.08, "velocity": (-4, 0, 0)},
+    ]
+    sim = particles(lumps, snow=SOFT, gravity=(0, 0, -9.81), dt=2e-4)
+    sim.advance(4e-3)
+    sim.solver.begin(0, 0.0)
+    cluster, _ = oracle_of(sim)
+    assert cluster.touching.any()
+    assert cluster.bonded.any()
+    before = cluster.bonded.sum()
+    for _ in range(40):
+        sim.advance(2e-4)
+        reference.step(cluster, 2e-4, np.array([0, 0, -9.81]))
+    got = columns(sim)
+    assert cluster.bonded.sum() < before
+    np.testing.assert_allclose(got["x"], cluster.x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(got["v"], cluster.v, rtol=0, atol=1e-9)
+    d = sim.diagnostics()
+    assert d.bonds == cluster.bonded.sum() / 2
+    assert d.contacts == cluster.touching.sum() / 2
+
+
+def test_momentum():
+    """Forces of pairs are opposite to the bit: momentum stays within the rounding of its sums."""
+    lumps = [
+        {"shape": "sphere", "center": (-0.16, 0, 0), "radius": 0.14, "velocity": (5, 0, 1)},
+        {
+            "shape": "sphere",
+            "center": (0.16, 0.02, 0),
+            "radius": 0.14,
+            "velocity": (-5, 0, 0),
+            "spin": (0, 9, 0),
+        },
+    ]
+    sim = particles(lumps)
+    start = sim.diagnostics()
+    sim.advance(0.05)
+    end = sim.diagnostics()
+    assert end.bonds < start.bonds
+    scale = start.mass * 5
+    np.testing.assert_allclose(end.momentum, start.momentum, rtol=0, atol=1e-12 * scale)
+    assert end.mass == start.mass
+
+
+def test_spin_of_a_bonded_lump():
+    """Bonds pull along their own line: a lump that spins keeps its angular momentum and its bonds."""
+    sim = particles(
+        [{"shape": "sphere", "radius": 0.12, "spin": (0.4, -0.2, 0.8)}], snow={"plasticity": "none"}
+    )
+    spin = lambda p: np.sum(np.cross(p["x"], p["m"][:, None] * p["v"]), axis=0)  # noqa: E731
+    start, bonds = spin(columns(sim)), sim.diagnostics().bonds
+    sim.advance(0.3)
+    np.testing.assert_allclose(spin(columns(sim)), start, rtol=0, atol=1e-11 * np.linalg.norm(start))
+    assert sim.diagnostics().bonds == bonds
+
+
+def test_free_flight_is_at_rest():
+    """Snow is born without stress: it flies without breaking, and its elastic energy stays zero."""
+    sim = particles([{"shape": "sphere", "radius": 0.15, "velocity": (7, -3, 2)}])
+    bonds = sim.diagnostics().bonds
+    sim.advance(0.1)
+    d = sim.diagnostics()
+    assert d.bonds == bonds > 3 * sim.count
+    assert d.elastic < 1e-15 * d.kinetic
+    assert np.all(np.asarray(sim.state.J_P) == 1.0)
+
+
+def busy(precision, threads=1):
+    return particles(
+        [
+            {"shape": "box", "center": (-0.2, 0, 0.2), "size": (0.25, 0.25, 0.25), "velocity": (5, 0, -3)},
+            {"shape": "sphere", "center": (0.15, 0.03, 0.2), "radius": 0.15, "velocity": (-5, 0, -3), "snow": SOFT},
+        ],
+        [
+            {"shape": "plane", "normal": (0.1, 0, 1), "mu_c": 0.3},
+            {"shape": "box", "center": (0, 0.1, 0.05), "size": (0.1, 0.1, 0.2), "spin": (0, 0, 9)},
+        ],
+        gravity=(0, 0, -9.81),
+        precision=precision,
+        threads=threads,
+    )  # fmt: skip
+
+
+def same(a, b):
+    one, two = a.arrays(), b.arrays()
+    assert one.keys() == two.keys()
+    for name, value in one.items():
+        np.testing.assert_array_equal(value, two[name], err_msg=name)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_same_bits(precision):
+    """Any number of threads, and a run that went on from what was saved, give the same bits."""
+    sims = [busy(precision, threads) for threads in (1, 2, 3)]
+    for sim in sims:
+        sim.advance(0.02)
+        sim.advance(0.02)
+    same(sims[0], sims[1])
+    same(sims[0], sims[2])
+    assert sims[0].diagnostics() == sims[1].diagnostics()
+    resumed = busy(precision)
+    resumed.advance(0.02)
+    resumed = neve.Simulation.restore(resumed.scene, resumed.arrays(), threads=1)
+    resumed.diagnostics()  # looks, and changes nothing
+    resumed.advance(0.02)
+    same(sims[0], resumed)
+
+
+def test_energy_never_grows():
+    """Of lumps that fall, break and heap up, energy less the work of the colliders only falls, step by step.
+
+    What is allowed is the swing of explicit steps: symplectic Euler keeps the energy of a linear vibration to
+    w dt / 2 of what vibrates, elastic and kinetic, here far below the 0.5 % of the start that may come back.
+    """
+    sim = busy("float64")
+    start = lowest = energy(sim)
+    for _ in range(120):
+        sim.advance(5e-3)
+        now = energy(sim)
+        assert now <= lowest + 5e-3 * abs(start)
+        lowest = min(lowest, now)
+    assert lowest < 0.5 * start
+
+
+@pytest.mark.parametrize("angle, mu, slides", [(30.0, 0.3, True), (20.0, 0.6, False)])
+def test_block_on_a_slope(angle, mu, slides):
+    """An elastic block slides with g (sin a - mu cos a), or stays where mu > tan a."""
+    a = np.radians(angle)
+    n = (np.sin(a), 0, np.cos(a))
+    along = np.array([np.cos(a), 0, -np.sin(a)])
+    sim = particles(
+        [{"shape": "box", "center": tuple(0.1 * np.array(n)), "size": (0.2, 0.2, 0.15), "rotation": (0, angle, 0)}],
+        [{"shape": "plane", "normal": n, "mu_c": mu}],
+        gravity=(0, 0, -9.81), snow={"plasticity": "none"},
+    )  # fmt: skip
+    sim.advance(0.4)
+    speed = lambda: float(np.asarray(sim.state.v).mean(axis=0) @ along)  # noqa: E731
+    early = speed()
+    sim.advance(0.2)
+    gained = (speed() - early) / 0.2
+    exact = 9.81 * (np.sin(a) - mu * np.cos(a)) if slides else 0.0
+    assert gained == pytest.approx(exact, abs=0.02 * 9.81)
+    force = sim.exchanged[0, :3] / 0.6
+    weight = 9.81 * sim.diagnostics().mass
+    assert force @ np.array(n) == pytest.approx(-weight * np.cos(a), rel=0.1)
+
+
+def test_compaction():
+    """A block between plates is compacted, never beyond ice; radius, volume and density go together."""
+    snow = {"theta_c": 0.01, "E0": 1e5}
+    plates = [
+        {"shape": "plane"},
+        {"shape": "box", "center": (0, 0, 0.27), "size": (0.6, 0.6, 0.1), "velocity": (0, 0, -1.0)},
+        *[{"shape": "plane", "point": (0.1 * s * u, 0.1 * s * (1 - u), 0), "normal": (-s * u, -s * (1 - u), 0)}
+          for s in (-1, 1) for u in (0, 1)],
+    ]  # fmt: skip
+    sim = particles([{"shape": "box", "center": (0, 0, 0.1), "size": (0.2, 0.2, 0.2)}], plates, snow=snow)
+    born = columns(sim)
+    sim.advance(0.12)
+    now = columns(sim)
+    J = now["J_P"]
+    np.testing.assert_allclose(J, (now["radius"] / born["radius"]) ** 3, rtol=1e-9)
+    assert np.mean(J) < 0.75
+    density = now["m"] / (now["V0"] * J)
+    assert density.max() <= ICE * (1 + 1e-6)
+    np.testing.assert_array_equal(now["m"], born["m"])
+
+
+def test_layer_at_rest_is_not_compacted():
+    """Snow whose own weight is below its yield pressure keeps its volume, and comes to rest."""
+    sim = particles(
+        [{"shape": "box", "center": (0, 0, 0.1), "size": (0.3, 0.3, 0.2)}], [{"shape": "plane"}],
+        gravity=(0, 0, -9.81), snow={"E0": 5e5},
+    )  # fmt: skip
+    bonds = sim.diagnostics().bonds
+    sim.advance(0.5)
+    assert np.all(np.asarray(sim.state.J_P) == 1.0)
+    d = sim.diagnostics()
+    assert np.sqrt(2 * d.kinetic / d.mass) < 0.02
+    assert d.bonds > 0.98 * bonds
+
+
+def test_snow_is_added_and_changed():
+    """A run takes more snow, which is bonded in itself, and goes on in a changed scene with the same snow."""
+    sim = busy("float64")
+    sim.advance(0.01)
+    bonds, count = sim.diagnostics().bonds, sim.count
+    source = {"shape": "box", "center": (1, 1, 1), "size": (0.1, 0.1, 0.1)}
+    from neve.scene.schema.scene import Scene
+
+    more = Scene.model_validate({"sources": [source]}).sources[0]
+    sim.add(more)
+    assert sim.count > count
+    assert sim.diagnostics().bonds > bonds
+    assert np.array_equal(np.sort(np.asarray(sim.state.id)), np.arange(sim.count))
+    before = columns(sim)
+    sim.change(sim.scene.model_copy(update={"colliders": sim.scene.colliders[:1]}))
+    for name, value in columns(sim).items():
+        np.testing.assert_array_equal(value, before[name], err_msg=name)
+    sim.advance(0.01)
+    assert len(sim.exchanged) == 1
+
+
+def test_what_is_refused():
+    """Bodies, a particle that is lost, and contacts of other particles: one sentence each."""
+    with pytest.raises(SceneError, match='bodies: numerics.method = "particles" moves no bodies'):
+        neve.Simulation(
+            neve.Scene.model_validate(
+                {
+                    "numerics": {"method": "particles"},
+                    "sources": [{"shape": "sphere", "radius": 0.2}],
+                    "bodies": [{"shape": "sphere", "radius": 0.1, "density": 100}],
+                }
+            )
+        )
+    sim = particles([{"shape": "sphere", "radius": 0.1}])
+    sim.state.x[3] = np.nan
+    with pytest.raises(Blowup, match="particle .* is lost"):
+        sim.advance(0.01)
+    sim = particles([{"shape": "sphere", "radius": 0.1}])
+    arrays = dict(sim.arrays())
+    arrays[CONTACTS[1]] = arrays[CONTACTS[1]] + sim.count
+    with pytest.raises(ValueError, match="contacts"):
+        neve.Simulation.restore(sim.scene, arrays)
