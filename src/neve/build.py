@@ -55,9 +55,9 @@ def material_table(scene: Scene) -> list[Snow]:
 class PlacedSolids:
     """Hold the solids of one run, and put them in their place in the core.
 
-    native: the core's model, which gets the solids; colliders: of the scene; solids: these and the bodies that
-    `rigid` moves; dx: length on which the solver resolves snow [m]. `solid_speed` is a bound on the speed of
-    the solids' surfaces now [m/s].
+    native: the core's model, which gets the solids; colliders: of the scene; solids: these and the bodies
+    that `rigid` moves; dx: length on which the solver resolves snow [m]. `solid_speed` is a bound on the
+    speed of the solids' surfaces now [m/s].
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class PlacedSolids:
         return np.flatnonzero(np.sum(gap * gap, axis=1) <= (self._reach + self.dx) ** 2).tolist()
 
     def free(self, samples: Samples, name: str) -> Samples:
-        """Return `samples` of the source `name` without those inside a solid (see `neve.sampling.carving`)."""
+        """Return `samples` of the source `name` without those inside a solid."""
         near = self.near(samples.x.min(axis=0), samples.x.max(axis=0))
         solids = [self.solids[i] for i in near]
         return carved(samples, solids, lambda k, x: self.distance(near[k], x), self.dx, name)

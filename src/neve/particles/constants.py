@@ -12,15 +12,15 @@ PACKING = 0.55
 BOND_GAP = 0.3
 """Gap over the sum of the radii across which snow is bonded at birth [1]."""
 TANGENTIAL = 0.5
-"""Stiffness of a contact along its plane over that across it [1]; Mindlin's for equal spheres is 2 (1 - nu) / (2 - nu)."""
+"""Stiffness of a contact along its plane over that across it [1]; our choice."""
 DAMPING = 0.1
 """Damping ratio of a contact between two equal particles [1]."""
 FRICTION = math.tan(math.radians(38.0))
-"""Coulomb's coefficient of snow whose law has none [1]; 38 degrees as in a public port of Goswami et al. 2019 [C]."""
+"""Coulomb's coefficient of snow whose law has none [1]; 38 degrees as a port of Goswami et al. 2019 [C]."""
 ICE = 917.0
 """Density at which a particle is compacted no more [kg/m3]."""
 HARDENING = 100.0
-"""Rise of density by which the yield pressure grows e-fold [kg/m3]; Goswami et al. 2019, as a public port has it [C]."""
+"""Rise of density by which the yield pressure grows e-fold [kg/m3]; a port of Goswami et al. 2019 [C]."""
 NEVER = 1e30
 """A strain or a pressure [Pa] that nothing reaches."""
 
@@ -29,8 +29,8 @@ class ContactConstants(NamedTuple):
     """Constants of one snow, in the order in which the core takes them.
 
     modulus: stiffness of a contact over the radius [Pa]; friction: Coulomb's coefficient [1]; bond_strain:
-    stretch of a pair over its distance at which its bond breaks [1]; yield_pressure: above which a particle is
-    compacted, at birth [Pa].
+    stretch of a pair over its distance at which its bond breaks [1]; yield_pressure: above which a particle
+    is compacted, at birth [Pa].
     """
 
     modulus: float

@@ -68,8 +68,8 @@ def place_solids(scene: Scene) -> PlacedSolids:
 def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[str, NDArray[Any]]:
     """Return the particles of the sources of these indices as arrays of FIELDS, in the order of the sources.
 
-    Each source is packed on its own: the particles that `neve.sampling` places are moved apart until they hardly
-    overlap. Errors: as `neve.mpm.initial.snow_of`.
+    Each source is packed on its own: the particles that `neve.sampling` places are moved apart until they
+    hardly overlap. Errors: as `neve.mpm.initial.snow_of`.
     """
     rows_of = {snow: row for row, snow in enumerate(material_table(scene))}
     parts = []

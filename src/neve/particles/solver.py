@@ -126,7 +126,7 @@ class ParticleSolver(Solver):
         self._require_finite(self._report, steps, time)
 
     def step(self, steps: int, time: float, remaining: float) -> StepSummary:
-        """Take one step, of the dt that the contacts allow or the scene's own, if it is less. Errors: Blowup."""
+        """Take one step, of the dt that the contacts allow, or the scene's if it is less. Errors: Blowup."""
         if self.placed.solids_move:
             self.placed.place_solids(time)
         dt, bound = self._longest(self._report)
@@ -243,7 +243,7 @@ class ParticleSolver(Solver):
         return self.state.take_exchanged(len(self.placed.solids))
 
     def change(self, scene: Scene) -> None:
-        """Go on with the same particles and contacts in another scene. Bonds keep the strength of their birth.
+        """Go on with the same particles and contacts in another scene. Bonds keep their strength.
 
         Errors: SceneError for sources that come or go, or snows that part.
         """

@@ -18,7 +18,7 @@ def x_of(sim, number):
 
 
 def test_period_of_a_bond():
-    """Two particles of mass m on a spring k swing with w^2 = 2 k / m, less what the damper of ratio DAMPING takes.
+    """Two particles of mass m on a spring k swing with w^2 = 2 k / m, less what the damper takes.
 
     Half a period from the largest stretch to the least is pi / (w sqrt(1 - DAMPING^2)).
     """
@@ -63,10 +63,10 @@ def test_strength_of_a_bond(share):
 def test_bounce():
     """A contact with the damping ratio z throws back the share e of the speed, and never pulls.
 
-    A spring and a damper that act until their force is zero give e = exp(-z / s (pi - atan(2 z s / (2 z^2 - 1)))),
-    s = sqrt(1 - z^2) (Schwager and Poeschel 2007 [M]: e of a contact that ends where the force does).
+    A spring and a damper that act until their force is zero, at w s t = pi - atan(2 z s / (1 - 2 z^2)) with
+    s = sqrt(1 - z^2), give e = exp(-z w t).
     """
-    sim, r = pair_of_particles(0.001, speed=-0.2, snow=NEVER_YIELDS)
+    sim, _ = pair_of_particles(0.001, speed=-0.2, snow=NEVER_YIELDS)
     sim.advance(0.05)
     apart = x_of(sim, 1)[1] - x_of(sim, 0)[1]
     z = DAMPING

@@ -115,7 +115,10 @@ def busy(precision, threads=1):
     return particles(
         [
             {"shape": "box", "center": (-0.2, 0, 0.2), "size": (0.25, 0.25, 0.25), "velocity": (5, 0, -3)},
-            {"shape": "sphere", "center": (0.15, 0.03, 0.2), "radius": 0.15, "velocity": (-5, 0, -3), "snow": SOFT},
+            {
+                "shape": "sphere", "center": (0.15, 0.03, 0.2), "radius": 0.15, "velocity": (-5, 0, -3),
+                "snow": SOFT,
+            },
         ],
         [
             {"shape": "plane", "normal": (0.1, 0, 1), "mu_c": 0.3},
@@ -168,14 +171,19 @@ def test_energy_never_grows():
     assert lowest < 0.5 * start
 
 
-@pytest.mark.parametrize("angle, mu, slides", [(30.0, 0.3, True), (20.0, 0.6, False)])
+@pytest.mark.parametrize(("angle", "mu", "slides"), [(30.0, 0.3, True), (20.0, 0.6, False)])
 def test_block_on_a_slope(angle, mu, slides):
     """An elastic block slides with g (sin a - mu cos a), or stays where mu > tan a."""
     a = np.radians(angle)
     n = (np.sin(a), 0, np.cos(a))
     along = np.array([np.cos(a), 0, -np.sin(a)])
     sim = particles(
-        [{"shape": "box", "center": tuple(0.1 * np.array(n)), "size": (0.2, 0.2, 0.15), "rotation": (0, angle, 0)}],
+        [
+            {
+                "shape": "box", "center": tuple(0.1 * np.array(n)), "size": (0.2, 0.2, 0.15),
+                "rotation": (0, angle, 0),
+            }
+        ],
         [{"shape": "plane", "normal": n, "mu_c": mu}],
         gravity=(0, 0, -9.81), snow={"plasticity": "none"},
     )  # fmt: skip
@@ -197,9 +205,10 @@ def test_compaction():
     plates = [
         {"shape": "plane"},
         {"shape": "box", "center": (0, 0, 0.27), "size": (0.6, 0.6, 0.1), "velocity": (0, 0, -1.0)},
-        *[{"shape": "plane", "point": (0.1 * s * u, 0.1 * s * (1 - u), 0), "normal": (-s * u, -s * (1 - u), 0)}
-          for s in (-1, 1) for u in (0, 1)],
-    ]  # fmt: skip
+    ]
+    for s, u in ((-1, 0), (1, 0), (-1, 1), (1, 1)):
+        side = np.array([s * u, s * (1 - u), 0])
+        plates.append({"shape": "plane", "point": tuple(0.1 * side), "normal": tuple(-1.0 * side)})
     sim = particles([{"shape": "box", "center": (0, 0, 0.1), "size": (0.2, 0.2, 0.2)}], plates, snow=snow)
     born = columns(sim)
     sim.advance(0.12)
@@ -249,7 +258,7 @@ def test_snow_is_added_and_changed():
 
 def test_what_is_refused():
     """Bodies, a particle that is lost, and contacts of other particles: one sentence each."""
-    with pytest.raises(SceneError, match='bodies: numerics.method = "particles" moves no bodies'):
+    with pytest.raises(SceneError, match=r'bodies: numerics\.method = "particles" moves no bodies'):
         neve.Simulation(
             neve.Scene.model_validate(
                 {
@@ -261,7 +270,7 @@ def test_what_is_refused():
         )
     sim = particles([{"shape": "sphere", "radius": 0.1}])
     sim.state.x[3] = np.nan
-    with pytest.raises(Blowup, match="particle .* is lost"):
+    with pytest.raises(Blowup, match="is lost"):
         sim.advance(0.01)
     sim = particles([{"shape": "sphere", "radius": 0.1}])
     arrays = dict(sim.arrays())
