@@ -12,7 +12,7 @@ namespace neve::bind {
 void bind_f32(nb::module_& m);
 void bind_f64(nb::module_& m);
 void bind_geometry(nb::module_& m);
-void bind_particles(nb::module_& f32, nb::module_& f64);
+void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64);
 }  // namespace neve::bind
 
 namespace {
@@ -129,5 +129,5 @@ NB_MODULE(_core, m) {
   neve::bind::bind_f32(f32);
   auto f64 = m.def_submodule("f64", "Double precision, for verification and wide worlds.");
   neve::bind::bind_f64(f64);
-  neve::bind::bind_particles(f32, f64);
+  neve::bind::bind_particles(m, f32, f64);
 }

@@ -99,22 +99,15 @@ void bind_columns(nb::class_<Particles<T>>& c) {
 }
 
 template <class T>
-void bind_of(nb::module_& m) {
+void bind_constants(nb::class_<Particles<T>>& c) {
   using P = Particles<T>;
-  const auto free_gil = nb::call_guard<nb::gil_scoped_release>();
-  nb::class_<P> c(m, "Particles",
-                  "Particles of the discrete element method, and what is remembered of their pairs.");
-  bind_columns(c);
-  c.def(nb::init<std::size_t>(), nb::arg("count"))
-      .def_prop_ro("count", [](const P& p) { return p.state.count; })
-      .def_prop_ro("bytes", [](P& p) { return p.state.bytes() + p.lists.bytes() + p.sums.values.bytes(); })
-      .def(
-          "set_law",
-          [](P& p, double damping, double tangential, double ice, double hardening) {
-            p.model.law.damping = T(damping), p.model.law.tangential = T(tangential);
-            p.model.ice = ice, p.model.hardening = hardening;
-          },
-          nb::arg("damping"), nb::arg("tangential"), nb::arg("ice"), nb::arg("hardening"))
+  c.def(
+       "set_law",
+       [](P& p, double damping, double tangential, double ice, double hardening) {
+         p.model.law.damping = T(damping), p.model.law.tangential = T(tangential);
+         p.model.ice = ice, p.model.hardening = hardening;
+       },
+       nb::arg("damping"), nb::arg("tangential"), nb::arg("ice"), nb::arg("hardening"))
       .def(
           "set_materials",
           [](P& p, const In<double, nb::shape<-1, 4>>& rows) {
@@ -127,7 +120,20 @@ void bind_of(nb::module_& m) {
             }
             derive(p.state, p.model.materials);
           },
-          nb::arg("rows"), "(n, 4): modulus [Pa], friction [1], bond_strain [1], yield [Pa].")
+          nb::arg("rows"), "(n, 4): modulus [Pa], friction [1], bond_strain [1], yield [Pa].");
+}
+
+template <class T>
+void bind_of(nb::module_& m) {
+  using P = Particles<T>;
+  const auto free_gil = nb::call_guard<nb::gil_scoped_release>();
+  nb::class_<P> c(m, "Particles",
+                  "Particles of the discrete element method, and what is remembered of their pairs.");
+  bind_columns(c);
+  bind_constants(c);
+  c.def(nb::init<std::size_t>(), nb::arg("count"))
+      .def_prop_ro("count", [](const P& p) { return p.state.count; })
+      .def_prop_ro("bytes", [](P& p) { return p.state.bytes() + p.lists.bytes() + p.sums.values.bytes(); })
       .def_prop_rw(
           "last_dt", [](const P& p) { return p.model.law.dt; }, [](P& p, T dt) { p.model.law.dt = dt; })
       .def(
@@ -168,13 +174,13 @@ void bind_of(nb::module_& m) {
 
 }  // namespace
 
-void bind_particles(nb::module_& f32, nb::module_& f64) {
-  nb::class_<ParticleReport>(f32, "ParticleReport", "What a step found.")
+void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64) {
+  nb::class_<ParticleReport>(m, "ParticleReport", "What a step found.")
       .def_ro("speed", &ParticleReport::speed)
       .def_ro("stiffest", &ParticleReport::stiffest)
       .def_ro("moved", &ParticleReport::moved)
       .def_ro("finite", &ParticleReport::finite);
-  nb::class_<ParticleTotals>(f32, "ParticleTotals", "Sums over the particles, in double.")
+  nb::class_<ParticleTotals>(m, "ParticleTotals", "Sums over the particles, in double.")
       .def_ro("mass", &ParticleTotals::mass)
       .def_prop_ro("momentum",
                    [](const ParticleTotals& t) { return std::vector<double>(t.momentum, t.momentum + 3); })

@@ -42,22 +42,24 @@ class ContactConstants(NamedTuple):
 def contact_constants(snow: Snow) -> ContactConstants:
     """Return the constants of contacts for `snow`.
 
-    The modulus is Young's. Tension breaks bonds, and pressure compacts, where the snow's own law would flow:
+    The modulus is Young's. Tension breaks bonds, and pressure compacts, where the snow's own law would flow,
+    by the constants that the law has:
 
-    * `stomakhin2013`, `neo_hookean`, `hencky`: strain theta_s, pressure E0 theta_c; never without plasticity
-    * `cam_clay`: tension beta p0, pressure p0; friction of the slope M, sin phi = 3 M / (6 + M)
-    * `drucker_prager`: tension is the cohesion, no compaction; tan(friction_angle)
+    * cohesion, friction_angle: tension is the cohesion, no compaction; tan(friction_angle)
+    * p0, beta, M: tension beta p0, pressure p0; friction of the slope M, sin phi = 3 M / (6 + M)
+    * theta_c, theta_s: strain theta_s, pressure E0 theta_c; never without plasticity
     """
-    if snow.law == "drucker_prager":
-        friction = math.tan(math.radians(snow.friction_angle))
-        return ContactConstants(snow.E0, friction, snow.cohesion / snow.E0, NEVER)
-    if snow.law == "cam_clay":
-        sine = min(3.0 * snow.M / (6.0 + snow.M), 0.99)
+    c = snow.constants()
+    if "friction_angle" in c:
+        friction = math.tan(math.radians(c["friction_angle"]))
+        return ContactConstants(snow.E0, friction, c["cohesion"] / snow.E0, NEVER)
+    if "p0" in c:
+        sine = min(3.0 * c["M"] / (6.0 + c["M"]), 0.99)
         friction = sine / math.sqrt(1.0 - sine * sine)
-        return ContactConstants(snow.E0, friction, snow.beta * snow.p0 / snow.E0, snow.p0)
-    if snow.plasticity == "none":
+        return ContactConstants(snow.E0, friction, c["beta"] * c["p0"] / snow.E0, c["p0"])
+    if snow.plasticity == "none" or "theta_s" not in c:
         return ContactConstants(snow.E0, FRICTION, NEVER, NEVER)
-    return ContactConstants(snow.E0, FRICTION, snow.theta_s, snow.E0 * snow.theta_c)
+    return ContactConstants(snow.E0, FRICTION, c["theta_s"], snow.E0 * c["theta_c"])
 
 
 def radius_at_birth(volume: float) -> float:

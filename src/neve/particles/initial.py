@@ -49,8 +49,14 @@ ROUNDS, ROUNDS_BETWEEN_LISTS = 60, 6
 
 
 def kernels(scene: Scene) -> Precision:
-    """Return the compiled stages for the scene's precision."""
-    return backend(scene.numerics.device).kernels(scene.numerics.precision)
+    """Return the compiled stages for the scene's precision. Errors: SceneError for a device that has none."""
+    numerics = scene.numerics
+    found = backend("cpu" if numerics.device == "auto" else numerics.device).kernels(numerics.precision)
+    if not hasattr(found, "Particles"):
+        raise SceneError(
+            f'numerics.device = "{numerics.device}" has no numerics.method = "particles": use "cpu"'
+        )
+    return found
 
 
 def place_solids(scene: Scene) -> PlacedSolids:

@@ -258,7 +258,9 @@ def test_each_solver_says_what_is_fixed():
     assert not is_live(scene(), "numerics.precision")
 
 
-@pytest.mark.parametrize(("key", "allowed"), [("method", 'use "mpm" or "grains"'), ("device", r'use "cpu"')])
+@pytest.mark.parametrize(
+    ("key", "allowed"), [("method", 'use "mpm", "particles" or "grains"'), ("device", r'use "cpu"')]
+)
 def test_a_bad_word_says_what_is_allowed(tmp_path, key, allowed):
     """One sentence with key, value and the registered words."""
     path = tmp_path / "scene.toml"
