@@ -19,8 +19,9 @@ LAYERS = [
     {"render"},  # what draws
     {"cpu", "surface", "cuda"},  # the stages of the step over all of them
     {"cpu/passes", "particles"},  # what is asked of all of them besides; the discrete element method
-    {"bind/device", "bind/particles"},  # what is handed to a GPU; Python, for the discrete element method
+    {"bind/device"},  # what is handed to a GPU
     {"bind"},  # Python
+    {"bind/particles"},  # Python, for the discrete element method
 ]
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
 

@@ -19,7 +19,10 @@ STUBS = {
 CONTRACT = STUBS["_core"]
 TAU = Field("tau", (6,), "Pa", "real", "Kirchhoff stress, which FIELDS leaves out")
 ALIASES = {"Reals", "Array64", "Triple"}
-PARTS = {"Geometry": ("TriangleMesh", "SdfGrid", "HeightField"), "Precision": ("Model", "State", "Grid")}
+PARTS = {
+    "Geometry": ("TriangleMesh", "SdfGrid", "HeightField"),
+    "Precision": ("Model", "State", "Grid", "Particles"),
+}
 """Types of `geometry`, `f32` and `f64`, and the classes that lie in them."""
 
 
