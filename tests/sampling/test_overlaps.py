@@ -26,7 +26,7 @@ def made(sources: list[dict[str, Any]], dx: float = 0.05, **numerics: Any) -> tu
     scene = scene_from({"sources": sources, "numerics": {"dx": dx, **numerics}})
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
-        _, state = build(scene)
+        _, state, _ = build(scene)
     assert all(one.category is SceneWarning for one in heard)
     return state, [str(one.message) for one in heard]
 

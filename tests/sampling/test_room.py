@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from neve import Simulation, _core
+from neve import build as scene_build
 from neve.mpm import initial
 from neve.sampling import fill
 from neve.sampling.room import (
@@ -91,7 +92,7 @@ def test_sources_that_fit_one_by_one_may_not_fit_together(monkeypatch):
     monkeypatch.setattr(memory, "free", lambda: 10**9)
     assert 0.9e6 < expected(whole.sources[0], whole.numerics) < 1.1e6
     require_room(np.full(3, 0.5), 0.125, whole.numerics, "sources.0")
-    monkeypatch.setattr(initial, "fill", lambda *_: pytest.fail("a source was filled"))
+    monkeypatch.setattr(scene_build, "filled", lambda *_: pytest.fail("a source was filled"))
     with pytest.raises(
         SceneError, match=r"all sources together would take 1e\+07 particles .* 1 GB are free"
     ):
