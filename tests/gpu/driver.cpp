@@ -9,13 +9,15 @@
 
 namespace {
 
-constexpr int no_memory = 2, not_found = 500, launch_failure = 719;
+constexpr int no_memory = 2, no_context = 201, not_found = 500, launch_failure = 719;
 constexpr std::size_t guard = 64;
 std::map<char*, std::size_t> allocated;
 std::size_t limit = std::size_t(1) << 33, used = 0, used_most = 0;
 unsigned order = 0, version = 13010, devices = 1;
 std::string failing;
 int failed = 0;
+thread_local bool has_context = false;  // each thread has to say which GPU it means
+int state() { return has_context ? failed : no_context; }
 
 using Entry = std::function<void(const void*)>;
 struct Function {
@@ -68,10 +70,14 @@ int cuDeviceGet(int* out, int) { return *out = 0, 0; }
 int cuDeviceGetName(char* out, int, int) { return std::strcpy(out, "shim"), 0; }
 int cuDeviceGetAttribute(int* out, int what, int) { return *out = what == 75 ? 9 : 0, 0; }
 int cuDevicePrimaryCtxRetain(void** out, int) { return *out = &allocated, 0; }
-int cuCtxSetCurrent(void*) { return 0; }
-int cuCtxSynchronize() { return failed; }
+int cuCtxSetCurrent(void*) {
+  has_context = true;
+  return 0;
+}
+int cuCtxSynchronize() { return state(); }
 int cuMemGetInfo_v2(std::size_t* left, std::size_t* all) { return *left = limit - used, *all = limit, 0; }
 int cuMemAlloc_v2(unsigned long long* out, std::size_t size) {
+  if (!has_context) return no_context;
   if (used + size > limit) return no_memory;
   char* at = static_cast<char*>(std::aligned_alloc(256, (size + guard + 255) / 256 * 256));
   std::memset(at, 0xff, size);  // NaN: what is read before it is written shows
@@ -86,13 +92,13 @@ int cuMemFree_v2(unsigned long long address) {
   return 0;
 }
 int cuMemcpyHtoD_v2(unsigned long long to, const void* from, std::size_t n) {
-  return std::memcpy(reinterpret_cast<void*>(to), from, n), failed;
+  return std::memcpy(reinterpret_cast<void*>(to), from, n), state();
 }
 int cuMemcpyDtoH_v2(void* to, unsigned long long from, std::size_t n) {
-  return std::memcpy(to, reinterpret_cast<const void*>(from), n), failed;
+  return std::memcpy(to, reinterpret_cast<const void*>(from), n), state();
 }
 int cuMemsetD8_v2(unsigned long long to, unsigned char a, std::size_t n) {
-  return std::memset(reinterpret_cast<void*>(to), a, n), failed;
+  return std::memset(reinterpret_cast<void*>(to), a, n), state();
 }
 int cuModuleLoadData(void** out, const void* image) {
   const auto found = choices.find(static_cast<const char*>(image));

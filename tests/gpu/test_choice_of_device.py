@@ -1,10 +1,11 @@
 """Which device is taken, and what is said where it cannot: one sentence, exit code 2."""
 
 import logging
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from gpu.runs import FLOOR, LUMP, advanced, assert_same, scene
+from gpu.runs import FLOOR, LUMP, SECONDS, advanced, assert_same, scene
 
 import neve
 from neve import _core
@@ -118,6 +119,14 @@ def test_too_little_memory(gpu):
         neve.Simulation(scene_from(scene(FLOOR, device="cuda")))
 
 
+def test_memory_that_ends_in_a_run(gpu):
+    """A grid that grows beyond what is left ends the run in one sentence."""
+    sim = neve.Simulation(scene_from(scene(FLOOR, device="cuda")))
+    gpu.set(memory=gpu.used() + 50_000)
+    with pytest.raises(DeviceError, match=r"shim has .* of memory left, and .* more are needed: raise"):
+        sim.advance(1e-3)
+
+
 def test_memory_is_given_back(gpu):
     """When the simulation is gone."""
     before = gpu.used()
@@ -200,6 +209,16 @@ def test_what_is_written_counts_from_the_next_advance(gpu):
         sim.state.v[:] = np.array([0.0, 1.0, 2.0])
         sim.advance(1e-3)
     assert_same(cpu, other, 1e-12)
+
+
+def test_any_thread_of_the_host(gpu):
+    """A simulation made in one thread is advanced and looked at in others, as the viewer does."""
+    here = advanced(scene(FLOOR), "cuda")
+    sim = advanced(scene(FLOOR), "cuda", calls=1)
+    with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(1) as other:
+        one.submit(sim.advance, SECONDS).result()
+        x = other.submit(lambda: np.array(sim.state.x)).result()
+    np.testing.assert_allclose(x, np.asarray(here.state.x), rtol=0, atol=1e-12)
 
 
 def test_model_of_the_core_answers(gpu):

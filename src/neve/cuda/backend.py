@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import logging
 from typing import TYPE_CHECKING, cast
 
@@ -28,14 +27,7 @@ class Cuda(Cpu):
             compiler(gpu.version)
         except NoDevice as error:
             raise NoDevice(f'numerics.device = "cuda" needs a GPU: {error}; use "cpu" or "auto"') from None
-        gpu.use()
         return cast("Precision", CudaStages(gpu, super().kernels(precision), precision))
-
-    def use_threads(self, count: int | None) -> None:
-        """Let the next stages run from the calling thread; what runs on the processor takes `count`."""
-        super().use_threads(count)
-        with contextlib.suppress(NoDevice):
-            driver().use()
 
 
 class Auto(Cuda):

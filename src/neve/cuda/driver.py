@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import sys
+import threading
 from typing import Any
 
 from neve.cuda.errors import OUT_OF_MEMORY, DriverError, NoDevice
@@ -28,6 +29,7 @@ class Driver:
 
     def __init__(self, library: str = LIBRARY) -> None:
         """Open the library and the GPU. Errors: NoDevice."""
+        self._thread, self._context = threading.local(), ctypes.c_void_p()
         try:
             self._library = ctypes.CDLL(library)
         except OSError:
@@ -49,11 +51,6 @@ class Driver:
         self.architecture = 10 * self._attribute(_MAJOR, device) + self._attribute(_MINOR, device)
         self._call("cuDevicePrimaryCtxRetain", ctypes.byref(context), device)
         self._context = context
-        self.use()
-
-    def use(self) -> None:
-        """Make the GPU that of the calling thread."""
-        self._call("cuCtxSetCurrent", self._context)
 
     def _attribute(self, which: int, device: ctypes.c_int) -> int:
         value = ctypes.c_int()
@@ -61,6 +58,9 @@ class Driver:
         return value.value
 
     def _call(self, function: str, *arguments: Any) -> None:
+        if self._context and not getattr(self._thread, "has_context", False):
+            self._thread.has_context = True  # each thread of the host says that it means this GPU
+            self._call("cuCtxSetCurrent", self._context)
         code = getattr(self._library, function)(*arguments)
         if code != 0:
             name = ctypes.c_char_p()

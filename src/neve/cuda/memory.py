@@ -45,7 +45,8 @@ class Buffer:
             return
         raise DeviceError(
             f"{self._driver.name} has {in_words(self._driver.memory()[0])} of memory left, and "
-            f"{in_words(size)} more are needed"
+            f"{in_words(size)} more are needed: raise numerics.dx, or resume the run from its last "
+            'checkpoint with numerics.device = "cpu"'
         )
 
     def release(self) -> None:
