@@ -48,7 +48,7 @@ def times_around(surface: Triangles) -> float:
     their distance times the share of space that overlaps. 0 if there is no inside.
     """
     _, winding = windings(surface, surface.low, surface.high, POINTS)
-    if (winding == 1).all() and surface.parts == 1:
+    if (winding == 1).all() and not _boxes_overlap(surface):
         return 1.0
     rng = np.random.default_rng(0)
     lengths, often = np.concatenate([_along(surface, axis, rng) for axis in range(3)], axis=1)
@@ -56,6 +56,22 @@ def times_around(surface: Triangles) -> float:
     if (often[inside] == 1).all():
         return 1.0
     return float((lengths * often).sum() / lengths[inside].sum())
+
+
+def _boxes_overlap(surface: Triangles) -> bool:
+    """Return whether the boxes around any two parts of a surface have more in common than a side."""
+    order = np.argsort(surface.parts, kind="stable")
+    begin = np.flatnonzero(np.diff(surface.parts[order], prepend=-1))
+    if len(begin) == 1:
+        return False
+    corners = surface.vertices[surface.faces[order]]
+    low = np.minimum.reduceat(corners.min(axis=1), begin)
+    high = np.maximum.reduceat(corners.max(axis=1), begin)
+    room = 1e-6 * float((surface.high - surface.low).max())
+    for k in range(len(begin) - 1):
+        if ((low[k + 1 :] < high[k] - room) & (high[k + 1 :] > low[k] + room)).all(axis=1).any():
+            return True
+    return False
 
 
 def _along(surface: Triangles, axis: int, rng: np.random.Generator) -> Array:

@@ -21,6 +21,8 @@ APART = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
 """How far corners may lie apart that were one, in the largest coordinate; the last only if all closes."""
 ON_EDGE = 1e-6
 """How far from an edge a corner may lie that is on it, in the largest coordinate."""
+MOST_APART = 1e-4
+"""And in the size of the whole, which counts where that is far from the origin."""
 MOST_NEAR = 100
 """Pairs of near corners for each corner, from which on they are finer than what is to be one."""
 MOST_WALLS = 10_000
@@ -55,8 +57,11 @@ def distinct(faces: NDArray[np.integer]) -> tuple[NDArray[np.int64], NDArray[np.
     return order[begin], np.diff(begin, append=len(order))
 
 
-def _scale(vertices: Array) -> float:
-    return float(np.abs(vertices).max()) if len(vertices) else 0.0
+def _apart(vertices: Array, faces: Faces, share: float) -> float:
+    """Return `share` of the largest coordinate, but no more than MOST_APART of the size of all [m]."""
+    used = vertices[np.unique(faces)]
+    size = float((used.max(axis=0) - used.min(axis=0)).max())
+    return min(share * float(np.abs(used).max()), MOST_APART * size)
 
 
 def _whole(faces: Faces) -> Faces:
@@ -71,14 +76,15 @@ def _welded(vertices: Array, faces: Faces) -> Faces:
 
     edges = edges_of(faces)
     corners = np.unique(edges.ends[edges.odd])
-    tree, scale = cKDTree(vertices[corners]), _scale(vertices)
+    tree = cKDTree(vertices[corners])
     best, fewest = faces, int(np.count_nonzero(edges.odd))
     for apart in APART:
-        near = tree.query_pairs(apart * scale, output_type="ndarray")
+        within = _apart(vertices, faces, apart)
+        if tree.count_neighbors(tree, within) > (2 * MOST_NEAR + 1) * len(corners):
+            break
+        near = tree.query_pairs(within, output_type="ndarray")
         if not len(near):
             continue
-        if len(near) > MOST_NEAR * len(corners):
-            break
         label = components(near[:, 0], near[:, 1], len(corners))
         _, first = np.unique(label, return_index=True)
         to = np.arange(len(vertices))
@@ -103,7 +109,7 @@ def _split(vertices: Array, faces: Faces) -> Faces:
     corners = np.unique(edges.ends[edges.odd])
     a, b = vertices[edges.ends[edges.edge[open_rows]].T]
     near = cKDTree(vertices[corners]).query_ball_point(0.5 * (a + b), 0.5 * norms(b - a) * (1 + 1e-9))
-    within = ON_EDGE * _scale(vertices)
+    within = _apart(vertices, faces, ON_EDGE)
     inserted: dict[int, dict[int, list[int]]] = {}
     for row, found, p, q in zip(open_rows.tolist(), near, a, b, strict=True):
         if len(found) <= 2:

@@ -96,11 +96,11 @@ class Triangles:
         return int(np.count_nonzero(edges_of(self.faces).unbalanced))
 
     @cached_property
-    def parts(self) -> int:
-        """Number of parts that hang together at edges of two faces; one that others touch may be several."""
+    def parts(self) -> NDArray[np.int32]:
+        """Which part each face is of (m,): parts hang together at edges of two faces."""
         edges = edges_of(self.faces)
         rows, _ = edges.rows_of(edges.counts == 2)
-        return int(components(edges.face[rows[0::2]], edges.face[rows[1::2]], len(self.faces)).max()) + 1
+        return components(edges.face[rows[0::2]], edges.face[rows[1::2]], len(self.faces))
 
     @cached_property
     def spans(self) -> tuple[Array, Array]:

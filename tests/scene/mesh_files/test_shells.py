@@ -281,3 +281,13 @@ def test_turned_boxes_that_overlap():
     for other in (faces, faces[:, ::-1]):
         surface = tidied(*joined((corners, faces), (turned, other)))
         assert volume(surface) == pytest.approx(2 * (8 - 8 * (np.sqrt(2) - 1)), rel=3e-3)
+
+
+def test_holes_are_not_welded_shut():
+    """A ball that lacks five faces keeps its hole, also 100 km away, and beside a loose corner far off."""
+    ball = meshes.without(meshes.ball(0.5), 5)
+    for shift in (0.0, 1e5):
+        corners = np.concatenate([np.asarray(ball.vertices) + shift, [[1e6, 0.0, 0.0]]])
+        surface = tidied(corners, np.asarray(ball.faces))
+        assert (len(surface.faces), surface.open_edges > 0) == (len(ball.faces), True)
+        assert surface.closed_volume == pytest.approx(meshes.ball(0.5).volume, rel=0.01)
