@@ -32,6 +32,9 @@ def engine() -> Any:
     return mujoco
 
 
+UNTOLD = (" in QACC ", "Attach conflict", " is deprecated")
+"""Of accelerations beyond 1e10, which light bodies in snow have; of memory and cameras of a robot's file that
+differ from those of the scene; of words that later engines will not know, and that still act."""
 _told: Counter[str] = Counter()
 """How often each kind of warning has come since the last model was made."""
 
@@ -42,12 +45,12 @@ def forget() -> None:
 
 
 def _tell(text: str) -> None:
-    """Log a warning of the engine, but not of accelerations beyond 1e10: light bodies in snow have such.
+    """Log a warning of the engine, unless it is UNTOLD.
 
     Of a kind that comes again in every step, those are told whose number is 1, 10, 100 and so on. Positions
     and velocities are checked after each step (`neve.rigid.bodies`).
     """
-    if " in QACC " in text:
+    if any(words in text for words in UNTOLD):
         return
     said = text.strip().splitlines()[0]
     kind = kind_of(said)
@@ -60,15 +63,12 @@ def _tell(text: str) -> None:
 
 @contextlib.contextmanager
 def heard() -> Iterator[None]:
-    """Turn the warnings of the engine's compiler, which are Python's, to SceneWarnings.
-
-    But not what it says of words that later engines will not know: they still act.
-    """
+    """Turn the warnings of the engine's compiler, which are Python's, to SceneWarnings, unless UNTOLD."""
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         yield
     for said in dict.fromkeys(str(warning.message) for warning in found):
-        if " is deprecated" not in said and said.strip():
+        if said.strip() and not any(words in said for words in UNTOLD):
             warnings.warn(
                 f"rigid bodies: {said.strip().splitlines()[0].rstrip('.')}", SceneWarning, stacklevel=3
             )

@@ -45,7 +45,7 @@ def fill(folder):
 
 BAD = [
     ("rum small.toml", "there is no command rum (did you mean run?)"),
-    ("fly", "there is no command fly (the commands are "),
+    ("yodel", "there is no command yodel (the commands are "),
     ("--versoin", "there is no option --versoin (did you mean --version?)"),
     ("run", "SCENE is missing: see neve run --help"),
     ("cite", "SCENE is missing: see neve cite --help"),

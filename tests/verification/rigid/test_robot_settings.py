@@ -117,6 +117,19 @@ def test_options_of_physics_are_named(option, named, tmp_path):
     assert both(ROBOT.format('balanceinertia="true"', plain), tmp_path)[2] == []
 
 
+def test_what_does_not_matter_is_not_told(tmp_path, caplog):
+    """Half a cheetah as in a well-known benchmark: 14 kg, and not a word of sizes, cameras or old words."""
+    text = """<mujoco model="c"><compiler angle="radian" inertiafromgeom="true" settotalmass="14"/>
+      <size nstack="300000" nuser_geom="1"/><visual><map znear="0.1"/></visual>
+      <option gravity="0 0 -9.81" timestep="0.01"/><worldbody><body name="torso" pos="0 0 .7">
+      <joint axis="1 0 0" type="slide"/><geom fromto="-.5 0 0 .5 0 0" size="0.046" type="capsule"/>
+      <body name="thigh" pos="-.5 0 0"><joint axis="0 1 0" range="-.52 1.05"/><geom size=".05"/></body></body>
+      </worldbody></mujoco>"""
+    _, scene, said = both(text, tmp_path)
+    assert float(scene.body_mass.sum()) == pytest.approx(14.0)
+    assert (said, caplog.records) == ([], [])
+
+
 LINK = """<robot name="r"><link name="base"><inertial><mass value="1"/>
 <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
 <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
