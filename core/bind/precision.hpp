@@ -265,15 +265,17 @@ void bind_passes(nb::module_& m) {
       "densest, and its density over that of ice, or over what else its pressing ends at.");
   m.def(
       "ice",
-      [](const Reals<T>& z) {
+      [](const Reals<T>& z, double speed) {
         const auto of = [](auto a) { return Ice<decltype(a)>{splat<decltype(a)>(T(1))}; };
+        const auto to_come = [&](auto a) { return of(a).modulus_to_come(a, splat<decltype(a)>(T(speed))); };
         return nb::make_tuple(each_lane<T>(z, [&](auto a) { return of(a).pressure(a); }),
                               each_lane<T>(z, [&](auto a) { return of(a).energy(a); }),
-                              each_lane<T>(z, [&](auto a) { return of(a).modulus(a); }));
+                              each_lane<T>(z, to_come));
       },
-      nb::arg("z"),
-      "Pressure [Pa], energy [J/m3] and acoustic modulus [Pa] of ice, each over J_ice; z = ln(J_ice / J) >= "
-      "0.");
+      nb::arg("z"), nb::arg("speed") = 0.0,
+      "Pressure [Pa], energy [J/m3] and the acoustic modulus to come [Pa] of ice that changes z by speed / "
+      "dx "
+      "in a second, each over J_ice; z = ln(J_ice / J) >= 0; speed in m/s.");
 }
 
 template <class T>

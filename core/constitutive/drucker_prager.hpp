@@ -9,6 +9,8 @@
 // in J up to J_P_max: without it snow that was torn apart and pushed together again would be larger than before. Snow
 // torn apart beyond J_P_max forgets the rest, and touches again while it is larger by that. Short of the cap J_E J_P
 // is conserved to rounding, and a hydrostatic compression is elastic.
+//
+// Cohesion is not lost by tearing: what is pulled apart against p_t stays stored, p_t ln J_P, and coming back returns it.
 #pragma once
 
 #include "constitutive/hencky.hpp"
@@ -100,6 +102,14 @@ struct DruckerPrager : HenckyFlow {
     }
     out.stress = in_frame(svd.U, HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
     return out;
+  }
+
+  // Psi of F_E, and what tearing has stored: p_t ln J_P.
+  template <class R>
+  NEVE_INLINE static R energy(const Mat3<R>& F_E, R J_P, const Parameters<R>& q) {
+    using T = scalar_t<R>;
+    const R tension = (q.lam + q.mu * T(2.0 / 3)) * q.apex, apart = log1p(max(R(J_P - T(1)), splat<R>(0)));
+    return HenckyFlow::energy(F_E, J_P, q) + tension * apart;
   }
 };
 

@@ -24,6 +24,7 @@ inline constexpr double ice_bulk_modulus = 8.9e9;  // [Pa]
 inline constexpr double ice_full_strain = 0.1;     // z_s
 inline constexpr double most_without_ice = 0.9;    // J that no snow is ice at
 inline constexpr double least_ice_volume = 1e-4;   // over J_ice: logarithms stop there
+inline constexpr double ice_caution = 2;  // on the modulus: steps in ice end at w dt = 1, not at sqrt 2
 
 template <class R>
 struct Ice {
@@ -51,10 +52,15 @@ struct Ice {
     const R u = min(R(z / z_s), splat<R>(1)), u2 = u * u, past = max(R(z - z_s), splat<R>(0));
     return J_ice * K * (T(0.05) * z_s * z_s * u2 * u2 * u + past * (T(0.25) * z_s + T(0.5) * past));
   }
-  // rho0 c^2 of a pressure wave, J dp_Cauchy/dz.
-  R modulus(R z) const {
-    const R u = min(R(z / z_s), splat<R>(1));
-    return J_ice * K * u * u * u + pressure(z);
+  // rho0 c^2 = dp/dz + p of a pressure wave where a blow ends that has taken ice to z >= 0 and changes z by
+  // `speed` / dx in a second: where the elastic energy is U(z) and J_ice 917 kg/m3 speed^2 / 2 besides. An upper
+  // bound: with y this energy over that at z_s, (z / z_s)^3 = y^(3/5) <= y^(19/32).
+  R modulus_to_come(R z, R speed) const {
+    constexpr T whole = T(0.05) * K * z_s * z_s, density = T(ice_density);
+    const R one = splat<R>(1), y = (energy(z) / J_ice + T(0.5) * density * speed * speed) / whole;
+    const R y2 = sqrt(min(y, one)), y16 = sqrt(sqrt(sqrt(y2)));
+    const R past = sqrt(T(0.0625) + T(0.1) * max(R(y - one), splat<R>(0))) - T(0.25);
+    return J_ice * K * (y2 * y16 * sqrt(y16) * (T(1) + T(0.25) * z_s) + z_s * past);
   }
 };
 
@@ -72,16 +78,24 @@ NEVE_INLINE auto near_ice(const R& room) {
   return room < splat<R>(scalar_t<R>(1.1));
 }
 
-// Add the stress of ice to what deforms from J_before to J, where `here`. The modulus is that of where it will be after
-// one more step like this: the next one is chosen by it.
+// Add the stress of ice to what deforms from J_before to J in dx / `cell_speed`, where `here`.
+//
+// The modulus, by which the next step is chosen, is that of where the blow will end, times ice_caution, as soon as one
+// more step like this one would lead into ice and until all has left it. Stiffness that comes from nothing and goes
+// again needs both: steps that change while the stress p works add p |dz/dt| / 2 times their change to the energy, on the
+// way in and out alike; and a step that meets, or leaves, a stiff spring on its way may add (w dt)^2 / 4 of it.
 template <class R, class M>
-NEVE_INLINE void add_ice(const Ice<R>& ice, const R& J, const R& J_before, const M& here, Stress<R>& stress) {
-  const R zero = splat<R>(0), z = ice.beyond(J), ahead = z + max(R(z - ice.beyond(J_before)), zero);
-  const R pressure = ice.pressure(max(z, zero));
+NEVE_INLINE void add_ice(const Ice<R>& ice, const R& J, const R& J_before, scalar_t<R> cell_speed,
+                         const M& here, Stress<R>& stress) {
+  using T = scalar_t<R>;
+  const R zero = splat<R>(0), z = ice.beyond(J), change = z - ice.beyond(J_before);
+  const R within = max(z, zero), pressure = ice.pressure(within);
+  const R modulus = ice.modulus_to_come(within, change * cell_speed) * T(ice_caution);
+  const auto meets = here & (z + max(change, zero) > zero);
   stress.tau.xx = select(here, R(stress.tau.xx - pressure), stress.tau.xx);
   stress.tau.yy = select(here, R(stress.tau.yy - pressure), stress.tau.yy);
   stress.tau.zz = select(here, R(stress.tau.zz - pressure), stress.tau.zz);
-  stress.modulus = select(here, R(stress.modulus + ice.modulus(max(ahead, zero))), stress.modulus);
+  stress.modulus = select(meets, R(stress.modulus + modulus), stress.modulus);
 }
 
 }  // namespace neve

@@ -76,7 +76,8 @@ class HomeGather {
     const R J = determinant(now.material.F_E) * now.material.J_P;
     const R room = ice_room(model_, state_, p, count, J);
     extremes_.ice_room = min(room, extremes_.ice_room);
-    if (any(near_ice(room))) add_ice(model_, state_, p, count, J, now.material.stress);
+    if (any(near_ice(room)))
+      add_ice(model_, state_, p, count, J, step_.cells.dx / step_.dt, now.material.stress);
     check(pack, now);
     if (exchange_) keep(p, count, now);
   }

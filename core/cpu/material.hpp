@@ -140,15 +140,15 @@ NEVE_INLINE Lanes<T> ice_room(const Model<T>& model, const State<T>& state, std:
   return room;
 }
 
-// Add the stress of ice to particles that deform to J.
+// Add the stress of ice to particles that deform to J in dx / cell_speed.
 template <class T>
 [[gnu::noinline]] void add_ice(const Model<T>& model, const State<T>& state, std::size_t p, int count,
-                               const Lanes<T>& J, Stress<Lanes<T>>& stress) {
+                               const Lanes<T>& J, T cell_speed, Stress<Lanes<T>>& stress) {
   using R = Lanes<T>;
   const PackIce<T> pack(model, state, p, count);
   const R J_before =
       determinant(load_matrix<R>(state.F_E, p, count)) * load<R>(state.J_P.column(0) + p, count);
-  neve::add_ice(pack.ice, J, J_before, pack.mark > splat<R>(0), stress);
+  neve::add_ice(pack.ice, J, J_before, cell_speed, pack.mark > splat<R>(0), stress);
 }
 
 }  // namespace detail
@@ -174,7 +174,7 @@ template <class T>
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::stress(F, J_P, q); });
   const Lanes<T> J = determinant(F_E) * J_P;
   if (any(near_ice(detail::ice_room(model, state, p, count, J))))
-    detail::add_ice(model, state, p, count, J, out);
+    detail::add_ice(model, state, p, count, J, T(0), out);
   return out;
 }
 

@@ -58,7 +58,7 @@ struct HomeGather {
     Advanced<T> now = advance<X>(particle, grid, step, solids, material,
                                  Recorder<T>{exchange, s.exchanged, m, s.commit != 0});
     const T J = determinant(now.material.F_E) * now.material.J_P, room = material.ice_room(J);
-    if (near_ice(room)) material.add_ice(J, now.material.stress);
+    if (near_ice(room)) material.add_ice(J, step.cells.dx / step.dt, now.material.stress);
     seen.extremes.ice_room = min(room, seen.extremes.ice_room);
     if (seen.extremes.add_step(true, now, m, particle.V0(), step) > T(0))
       seen.offender = max(seen.offender, ~s.particles.id[p]);

@@ -64,11 +64,11 @@ struct Material {
     const Particle<T> particle{s.particles, p};
     return snow().plastic ? neve::ice_room(J, particle.m(), particle.V0()) : std::numeric_limits<T>::max();
   }
-  // Before the particle's F_E and J_P change.
-  NEVE_INLINE void add_ice(T J, Stress<T>& stress) const {
+  // For a particle that deforms to J in dx / cell_speed; before its F_E and J_P change.
+  NEVE_INLINE void add_ice(T J, T cell_speed, Stress<T>& stress) const {
     const Particle<T> particle{s.particles, p};
     const T J_before = determinant(particle.F_E()) * particle.J_P();
-    neve::add_ice(Ice<T>::of(particle.m(), particle.V0()), J, J_before, snow().plastic, stress);
+    neve::add_ice(Ice<T>::of(particle.m(), particle.V0()), J, J_before, cell_speed, snow().plastic, stress);
   }
 
   Mapped<T> operator()(const Mat3<T>& F_trial, T J_P) const {
@@ -97,7 +97,7 @@ struct Material {
       return Law::stress(F_E, J_P, q);
     });
     const T J = determinant(F_E) * J_P;
-    if (near_ice(ice_room(J))) add_ice(J, out);
+    if (near_ice(ice_room(J))) add_ice(J, T(0), out);
     return out;
   }
 };

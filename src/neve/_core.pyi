@@ -606,8 +606,11 @@ class Precision(Protocol):
         Then the row of the densest snow with plastic flow, -1 without any, and its density over that of ice
         or, if that is more, over its own at rest / 0.9.
         """
-    def ice(self, z: Reals) -> tuple[Reals, Reals, Reals]:
-        """Return pressure [Pa], energy [J/m3], modulus [Pa] of ice over J_ice, of z = ln(J_ice / J) >= 0."""
+    def ice(self, z: Reals, speed: float = 0.0) -> tuple[Reals, Reals, Reals]:
+        """Return pressure [Pa], energy [J/m3], modulus to come [Pa] of ice over J_ice.
+
+        z = ln(J_ice / J) >= 0, which changes by speed [m/s] / dx in a second.
+        """
     def svd(self, F: Reals) -> tuple[Reals, Reals, Reals]:
         """Return U (n, 3, 3), sigma (n, 3) and V (n, 3, 3) with F = U diag(sigma) V^T, of F (n, 3, 3).
 

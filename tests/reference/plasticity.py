@@ -55,6 +55,11 @@ def nothing(F_trial, J_P, snow, elasticity):
     return F_trial.copy(), np.ones(len(F_trial)) * J_P
 
 
+def tension(snow):
+    """p_t of drucker_prager, at which snow comes apart [Pa]."""
+    return snow.strength * snow.cohesion / np.tan(np.radians(snow.friction_angle))
+
+
 def drucker_prager(F_trial, J_P, snow, elasticity):
     """q <= M_phi (p + p_t); past the apex tr eps = e_c snow comes apart, which J_P remembers.
 
@@ -64,7 +69,7 @@ def drucker_prager(F_trial, J_P, snow, elasticity):
     U, sigma, V = polar_svd(F_trial)
     eps = np.log(sigma)
     e = eps.sum(-1) + np.log(J_P)
-    p_t = snow.strength * snow.cohesion / np.tan(np.radians(snow.friction_angle))
+    p_t = tension(snow)
     e_c = p_t / snow.K
     sine = np.sin(np.radians(snow.friction_angle))
     deviator = eps - eps.mean(-1, keepdims=True)

@@ -90,6 +90,8 @@ def energy(F_E, J_P, snow):
     def fill(rows, law, kind, own):
         h = own.hardening(J_P[rows])
         out[rows] = ELASTICITIES[law].energy(F_E[rows], h * own.mu0, h * own.lam0)
+        if law == "drucker_prager":
+            out[rows] += plasticity.tension(own) * np.log(np.maximum(J_P[rows], 1))
 
     by_law(len(F_E), snow, fill)
     return out

@@ -185,6 +185,11 @@ class MpmSolver(Solver):
         return {**to_arrays(self.state), "births": self.births.copy(), **(rigid.save() if rigid else {})}
 
     @property
+    def report(self) -> Report:
+        """What the last step found in the particles."""
+        return self._report
+
+    @property
     def count(self) -> int:
         """Number of particles."""
         return int(self.state.count)

@@ -86,6 +86,25 @@ def test_torn_snow_pushed_together_is_no_larger(sand):
     assert invariants(tau)[0][0] == pytest.approx(-sand.K * np.log(0.97), rel=1e-9)
 
 
+def test_tearing_stores_its_work():
+    """dPsi = tr tau dlnJ / 3 on the way apart and back, torn by 1.3: what p_t did is stored.
+
+    The trapezoidal rule is exact but in the step over the apex, where tension bends: K de^2 / 8 of it.
+    """
+    law = LAWS["drucker_prager cohesive"]
+    steps = np.concatenate([np.linspace(0, np.log(1.3), 400), np.linspace(np.log(1.3), -0.01, 400)])
+    F_E, J_P, tension, stored = np.eye(3)[None], np.ones(1), [0.0], [0.0]
+    for de in np.diff(steps):
+        F_E, J_P, tau, psi = respond(_core.f64, np.exp(de / 3) * F_E, J_P, law)
+        tension.append(np.trace(tau[0]) / 3)
+        stored.append(psi[0])
+    done = np.cumsum(0.5 * (np.array(tension[1:]) + tension[:-1]) * np.diff(steps))
+    _, p_t = cone(law)
+    assert stored[399] == pytest.approx(p_t * (np.log(1.3) - 0.5 * p_t / law.K), rel=1e-9)
+    np.testing.assert_allclose(stored[1:], done, atol=law.K * np.abs(np.diff(steps)).max() ** 2 / 4)
+    assert stored[-1] == pytest.approx(0.5 * law.K * 0.01**2, rel=1e-9)
+
+
 def test_shear_keeps_volume(sand):
     """Sliding does not dilate: pressed to 0.95 and sheared for 100 steps, J_E and p stay: 1e-10."""
     F_E, J_P = pressed(0.95 ** (1 / 3)), np.ones(1)

@@ -63,7 +63,7 @@ def test_faults_are_seen():
 
 def balances(sim, seconds):
     """Let a simulation go on, and give its budget after each step."""
-    meter, budget = Meter(sim), Budget()
+    meter, budget = Meter(sim), Budget(sim.scene.numerics.transfer)
 
     def look():
         budget.record(meter.step())
