@@ -137,3 +137,16 @@ def test_choices_take_the_place_of_the_quality():
     found = Choices("draft", look="medium", samples=3, size=(10, 20)).all
     assert (found.look, found.samples, found.size) == ("medium", 3, (10, 20))
     assert found.bounces == Choices("draft").all.bounces
+
+
+def test_terrain_without_a_finish_is_no_coat_of_paint():
+    """It is diffuse, without a relief: one that a camera close to the ground would see pixel by pixel."""
+    from types import SimpleNamespace
+
+    from neve.render.path_tracing.solids import Materials
+
+    def kind(terrain, finish):
+        return Materials().of(SimpleNamespace(finish=finish, color=None, terrain=terrain))["bsdf"]["type"]
+
+    assert kind(object(), None) == "diffuse"
+    assert kind(object(), "paint") == kind(None, None) == "bumpmap"

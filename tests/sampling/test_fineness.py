@@ -64,6 +64,8 @@ def test_the_command_runs_the_fine_scene(tmp_path, capsys, monkeypatch):
     assert f"--fine: numerics.dx = {fine.numerics.dx:g}" in capsys.readouterr().err
     assert load(out).numerics.dx == fine.numerics.dx
     assert len(read_frame(out / "frames", 0).x) == pytest.approx(3000, rel=0.05)
+    assert code("run", out, "--fine", "--resume") == 2
+    assert "a run that is resumed keeps its own: leave --fine out" in capsys.readouterr().err
     assert code("run", file, "--fine", "--set", "numerics.dx=0.05", "--out", tmp_path / "b") == 2
     assert "--fine chooses numerics.dx" in capsys.readouterr().err
     assert code("run", file, "--fine", "--set", "numerics={dx=0.05}", "--out", tmp_path / "b") == 2

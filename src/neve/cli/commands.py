@@ -106,6 +106,10 @@ def run(
     SCENE is the name of a scene that comes with Neve (`neve list`), a TOML file, or a run folder: its scene
     is run again or, with --resume, continued.
     """
+    if fine and resume:
+        raise click.UsageError(
+            "--fine chooses the grid of a new run, and a run that is resumed keeps its own: leave --fine out"
+        )
     folder = _run_folder(scene, out, resume)
     from neve.io.run_folder import RunFolder
     from neve.scene.reading.load import load

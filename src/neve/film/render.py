@@ -37,7 +37,7 @@ FOLDER = "render"
 FILM = "render.mp4"
 PART = "render_{:06d}-{:06d}.mp4"
 """Name of a film of some frames, by the first and the last: it takes the place of no film of all."""
-FORMAT = 8
+FORMAT = 9
 """Changes when the same choices give another picture."""
 CHANGEABLE = ("camera", "light")
 """Tables of the scene that may be changed once the snow has moved."""

@@ -23,6 +23,8 @@ SHARP = math.cos(math.radians(35.0))
 """Faces that turn by more than this at an edge keep their own normals there."""
 WIDE = 1e3
 """Half of the side of an endless plane that is painted [m]."""
+GROUND = "ground"
+"""What terrain is made of that has no finish: it is no solid with a coat of paint."""
 SIDE = 512
 """Pixels along a texture's side."""
 MOST_HEIGHTS = 1024
@@ -37,7 +39,7 @@ class Materials:
 
     def of(self, solid: Solid) -> dict[str, Any]:
         """Return the bsdf of a solid, by its finish and colour."""
-        finish = solid.finish or "paint"
+        finish = solid.finish or ("paint" if solid.terrain is None else GROUND)
         color = tuple(float(c) for c in solid.color or STEEL)
         key = finish, color
         if key not in self._textures:
@@ -47,6 +49,8 @@ class Materials:
 
 def _coat(finish: str, color: Array) -> dict[str, Any]:
     wear = tile(SIDE, 4, 8, 0.66, 131)
+    if finish == GROUND:  # without a relief, whose pixels a camera that is near would see as facets
+        return {"type": "diffuse", "reflectance": _tinted(color, 1.0 + 0.18 * wear)}
     if finish == "stone":
         grit = tile(SIDE, 48, 4, 0.8, 177)
         tone = 1.0 + 0.22 * wear + 0.20 * grit
