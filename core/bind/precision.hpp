@@ -3,7 +3,6 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 
 #include "bind/arrays.hpp"
 #include "bind/device/tables.hpp"
@@ -75,8 +74,7 @@ void bind_model(nb::module_& m) {
           nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"), "Add a row to the material table.")
       .def_ro("dx", &M::dx);
   bind_solids<T>(c);
-  bind_device<T>(c);
-  m.attr("device_step_bytes") = sizeof(cuda::Step<T>);
+  bind_device<T>(m, c);
 }
 
 template <class T>
