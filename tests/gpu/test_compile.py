@@ -2,11 +2,14 @@
 
 import ctypes
 
+import numpy as np
 import pytest
 
 from neve import _core
 from neve.cuda.layout import step_of
 from neve.cuda.program import Choice, Compiler, compiler, libraries, usage
+from neve.cuda.state import FIELDS as DEVICE_FIELDS
+from neve.mpm.state import FIELDS
 
 DEFAULT = Choice("float32", 0, 0, 8, 1, False, False)
 """The step of a scene that chooses nothing and has no solids."""
@@ -51,6 +54,13 @@ def test_both_sides_know_the_same_struct(precision):
     """The struct of the kernels has the size that the core gives it."""
     core = {"float32": _core.f32, "float64": _core.f64}[precision]
     assert ctypes.sizeof(step_of(precision)) == core.device_step_bytes
+
+
+def test_every_field_has_a_column():
+    """A field that the state gains has its columns on the GPU, too: sorting must not leave it behind."""
+    state = _core.f32.State(3)
+    arrays = {name for name in dir(state) if isinstance(getattr(state, name), np.ndarray)}
+    assert set(DEVICE_FIELDS) == arrays == {field.name for field in FIELDS} | {"tau"}
 
 
 def test_usage_is_read():
