@@ -141,6 +141,7 @@ def test_choices_take_the_place_of_the_quality():
 
 def test_terrain_without_a_finish_is_no_coat_of_paint():
     """It is diffuse, without a relief: one that a camera close to the ground would see pixel by pixel."""
+    pytest.importorskip("mitsuba", reason="pip install 'neve[film]'")
     from types import SimpleNamespace
 
     from neve.render.path_tracing.solids import Materials
