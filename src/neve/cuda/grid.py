@@ -71,7 +71,7 @@ class DeviceGrid:
         self._results = Buffer(driver, RESULTS.itemsize)
         self._parts: dict[str, Buffer] = {}
         self._exchanged = Buffer(driver)
-        self._solids = 0
+        self._taken = np.zeros((0, 7))
 
     def _part(self, name: str, size: int) -> int:
         """Return the address of a part that has room for `size` bytes."""
@@ -132,20 +132,28 @@ class DeviceGrid:
     # Exchange with solids
 
     def exchanged(self, solids: int) -> int:
-        """Return where is summed what snow and solids exchange."""
-        if solids != self._solids:
+        """Return where is summed what snow and solids exchange in an attempt at a step."""
+        if solids != len(self._taken):
             self._exchanged.require(EXCHANGE_BYTES * solids)
-            self._driver.fill(self._exchanged.address, 0, EXCHANGE_BYTES * solids)
-            self._solids = solids
+            self._taken = np.zeros((solids, 7))
         return self._exchanged.address
+
+    def begin_attempt(self) -> None:
+        """Forget what the last attempt at a step has exchanged: it may have been rejected."""
+        self._driver.fill(self._exchanged.address, 0, self._taken.nbytes)
+
+    def accept_attempt(self) -> None:
+        """Count what this attempt has exchanged."""
+        if len(self._taken):
+            attempt = np.zeros_like(self._taken)
+            self._driver.download(attempt.ctypes.data, self._exchanged.address, attempt.nbytes)
+            self._taken += attempt
 
     def take_exchanged(self, solids: int) -> NDArray[np.float64]:
         """Return what snow and each solid exchanged since the last call, (solids, 7)."""
-        out = np.zeros((solids, 7))
-        if solids and solids == self._solids:
-            self._driver.download(out.ctypes.data, self._exchanged.address, out.nbytes)
-            self._driver.fill(self._exchanged.address, 0, out.nbytes)
-        return out
+        taken = self._taken if len(self._taken) == solids else np.zeros((solids, 7))
+        self._taken = np.zeros_like(self._taken)
+        return taken
 
     def nodes(self) -> tuple[NDArray[np.int32], NDArray[Any], NDArray[Any]]:
         """Return the nodes that carry mass: indices (n, 3), mass (n,), the three other numbers (n, 3)."""

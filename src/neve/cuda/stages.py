@@ -130,6 +130,7 @@ class CudaStages:
         step = self._step
         self._constants(model, grid, dt)
         solids_of(model, grid, step)
+        grid.begin_attempt()
         self._launch(model, "grid_update", grid.blocks, NODE_THREADS)
         self._each(model, "report_nodes", grid.homes)
         results = self._results(grid, "grid")
@@ -155,6 +156,7 @@ class CudaStages:
         if commit:
             state.moved(("x", "v", "C", "F_E", "tau", "J_P", "modes"))
             grid.current = grid.current and not report.drifted
+            grid.accept_attempt()
         return report
 
     # Passes over the state
