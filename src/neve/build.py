@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,10 +15,12 @@ from neve.colliders.solid import Solid, solid_of
 from neve.geometry.pose import Pose
 from neve.sampling import Samples, filled
 from neve.sampling.carving import carved
+from neve.sampling.draping import draped, height_over
 from neve.sampling.overlaps import Filled, without_overlaps
 from neve.sampling.room import expected, require_room_for_all
 from neve.scene.checks.joined import joined_warnings
 from neve.scene.schema.scene import Collider, Scene, Snow, Source
+from neve.scene.schema.shapes import Layer
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
@@ -138,7 +141,7 @@ def samples_of(scene: Scene, placed: PlacedSolids, indices: Sequence[int]) -> li
     if len(sources) > 1:
         require_room_for_all(sum(expected(s, scene.numerics) for s in sources), scene.numerics)
     with joined_warnings():
-        parts = [_filled(scene, s, i) for i, s in zip(indices, sources, strict=True)]
+        parts = [_filled(scene, s, placed, i) for i, s in zip(indices, sources, strict=True)]
         samples = [
             placed.free(s, f"sources.{i}") for i, s in zip(indices, without_overlaps(parts), strict=True)
         ]
@@ -146,10 +149,17 @@ def samples_of(scene: Scene, placed: PlacedSolids, indices: Sequence[int]) -> li
     return samples
 
 
-def _filled(scene: Scene, source: Source, index: int) -> Filled:
+def _filled(scene: Scene, source: Source, placed: PlacedSolids, index: int) -> Filled:
+    """Fill a source, on the ground if it lies there."""
+    name = f"sources.{index}"
     samples, space = filled(scene.completed(source), scene.numerics, index)
-    is_cut = source.overlap == "cut"
-    return Filled(f"sources.{index}", space, samples, scene.snow_of(source).rho0, is_cut)
+    lift = None
+    if isinstance(source, Layer) and source.on == "terrain":
+        native = placed.native
+        grounds = [partial(native.surface, i) for i, solid in enumerate(placed.solids) if solid.endless]
+        lift = height_over(grounds, name)
+        samples = draped(samples, lift)
+    return Filled(name, space, samples, scene.snow_of(source).rho0, source.overlap == "cut", lift)
 
 
 def _fastest(solid: Solid, now: Pose) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from neve.reproducible import product
 from neve.sampling import Samples
+from neve.sampling.draping import Lift
 from neve.sampling.regions import Region
 from neve.scene.errors import SceneError, SceneWarning
 
@@ -32,6 +33,7 @@ class Filled:
         samples: its particles
         rho0: density of its snow before factors [kg/m3]
         is_cut: whether it leaves out what sources before it fill
+        lift: height of the ground that it lies on, by which its particles are lifted; None: it is level
     """
 
     name: str
@@ -39,6 +41,18 @@ class Filled:
     samples: Samples
     rho0: float
     is_cut: bool
+    lift: Lift | None = None
+
+    def holds(self, x: NDArray[np.float64]) -> Mask:
+        """Return whether points `x` in the world [m] (n, 3) lie in it, (n,)."""
+        if self.lift is None:
+            return inside(self.space, x)
+        found = np.all(np.abs(x - self.space.center)[:, :2] <= 0.5 * self.space.size[:2], axis=1)
+        if found.any():
+            level = x[found]
+            level[:, 2] -= self.lift(level)
+            found[found] = inside(self.space, level)
+        return np.asarray(found)
 
 
 def inside(space: Region, x: NDArray[np.float64]) -> Mask:
@@ -59,7 +73,7 @@ def without_overlaps(sources: Sequence[Filled]) -> list[Samples]:
 
     Errors: SceneError for a source of which nothing is left.
     """
-    low, high = (np.array(edges) for edges in zip(*(_bounds(s.space) for s in sources), strict=True))
+    low, high = (np.array(edges) for edges in zip(*(_bounds(s) for s in sources), strict=True))
     kept: list[Samples] = []
     for j, source in enumerate(sources):
         near = np.flatnonzero(np.all((low[:j] < high[j]) & (low[j] < high[:j]), axis=1))
@@ -71,8 +85,11 @@ def without_overlaps(sources: Sequence[Filled]) -> list[Samples]:
     return kept
 
 
-def _bounds(space: Region) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the least and largest coordinates in the world of the box around `space` [m], (3,) each."""
+def _bounds(source: Filled) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the least and largest coordinates in the world of the box around a source [m], (3,) each."""
+    if source.lift is not None:
+        return source.samples.x.min(axis=0), source.samples.x.max(axis=0)
+    space = source.space
     middle = space.center + product(space.middle, space.rotation.T)
     reach = 0.5 * product(space.size, np.abs(space.rotation).T)
     return middle - reach, middle + reach
@@ -81,7 +98,7 @@ def _bounds(space: Region) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 def _cut(source: Filled, before: Sequence[Filled]) -> Samples:
     free = np.ones(len(source.samples.x), dtype=bool)
     for other in before:
-        free &= ~inside(other.space, source.samples.x)
+        free &= ~other.holds(source.samples.x)
     if not free.any():
         names = ", ".join(other.name for other in before)
         raise SceneError(
@@ -109,7 +126,7 @@ def _shared(source: Filled, other: Filled) -> tuple[float, float, int]:
     """Return the volume [m3], mass [kg] and count of the particles of `source` that lie in `other`."""
     step = -(-len(source.samples.x) // MOST_POINTS)
     s = source.samples
-    within = inside(other.space, s.x[::step])
+    within = other.holds(s.x[::step])
     volume = s.volume[::step][within]
     mass = source.rho0 * float((volume * s.density[::step][within]).sum())
     return step * float(volume.sum()), step * mass, int(np.count_nonzero(within))

@@ -63,8 +63,8 @@ def region(source: Source, numerics: Numerics, name: str) -> Region:
         center=center,
         rotation=axes,
         size=2.0 * half,
-        volume=source.volume_of(half),
-        inside=lambda x: source.covers(half, x),
+        volume=source.volume(),
+        inside=source.within,
         depth=lambda x: source.depth_of(half, x),
         lowest=source.lowest_of(half, float(center[2]), axes[2]),
     )

@@ -46,8 +46,7 @@ def require_room(size: NDArray[np.float64], volume: float, numerics: Numerics, n
 
 def expected(source: Source, numerics: Numerics) -> float:
     """Return about how many particles `source` takes; 0 where only a file or a font tells."""
-    volume = source.volume_of(np.array(source.half_extents()))
-    return float(volume / numerics.spacing**3)
+    return float(source.volume() / numerics.spacing**3)
 
 
 def require_room_for_all(particles: float, numerics: Numerics, held: bool = False) -> None:

@@ -13,6 +13,7 @@ from neve.scene.schema.camera import Camera, CameraKeyframe, unknown
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.material import Overrides, Snow, most_strength, problem, strength_rule
 from neve.scene.schema.outputs import OutputEntry, conflict
+from neve.scene.schema.shapes import Layer
 from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.schema.sources import AnySource, Profile, Source, Variation
 from neve.scene.values.choices import (
@@ -251,6 +252,9 @@ class Scene(Part):
                 "sources", 'needs at least one entry: [[sources]] with shape = "box" or another shape'
             )
         for i, source in enumerate(self.sources):
+            lies = isinstance(source, Layer) and source.on == "terrain"
+            if lies and not any(collider.endless for collider in self.colliders):
+                raise wrong(f"sources.{i}.on", "needs ground: a collider that is a terrain or a plane")
             found = problem(self.snow_of(source), source.snow.given())
             if found:
                 raise wrong(f"sources.{i}.snow.{found[0]}", found[1])

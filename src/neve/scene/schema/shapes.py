@@ -26,6 +26,7 @@ from neve.scene.values.fields import (
     norm,
     wrong,
 )
+from neve.scene.values.outline import area_of, crossing, holds
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -89,6 +90,14 @@ class Shape(Part):
     def reach_of(half: Array) -> float:
         """Return the distance of its farthest point from its origin [m]."""
         return math.hypot(*half)
+
+    def volume(self) -> float:
+        """Return its volume [m3]."""
+        return self.volume_of(np.array(self.half_extents()))
+
+    def within(self, x: Array) -> NDArray[np.bool_]:
+        """Return which points `x` [m] (n, 3) of the box around it, from its middle, are inside, (n,)."""
+        return self.covers(np.array(self.half_extents()), x)
 
     @staticmethod
     def volume_of(half: Array) -> float:
@@ -308,29 +317,78 @@ class Cylinder(Shape):
         return [float(size[0]), float(size[0]), float(size[1])]
 
 
+MOST_CORNERS = 1000
+"""Of the outline of a layer."""
+
+
 class Layer(Shape):
-    """Spread a flat layer, whose surface is its top."""
+    """Spread a layer of even depth, whose surface is its top, flat or on the ground."""
 
     roles = ("source",)
 
-    shape: Literal["layer"] = entry("layer", "A flat layer with upright sides.")
+    shape: Literal["layer"] = entry("layer", "A layer with upright sides.")
     center: Point2 = entry((0.0, 0.0), "Centre of the layer seen from above.", "m")
-    size: Size2 = entry((2.0, 2.0), "Extent along x and y.", "m")
-    depth: Length = entry(0.2, "Thickness of the layer.", "m")
-    base: Coordinate = entry(0.0, "Height of the layer's underside.", "m")
+    size: Size2 = entry((2.0, 2.0), "Extent along x and y; not used with an outline.", "m")
+    depth: Length = entry(0.2, "Thickness of the layer, measured upright, on a slope as well.", "m")
+    base: Coordinate = entry(
+        0.0, "Height of the layer's underside: over z = 0, or on terrain over the ground.", "m"
+    )
+    on: Literal["level", "terrain"] = entry(
+        "level",
+        '"level": flat at the height `base`; "terrain": it follows the ground below it, the highest of all '
+        "terrains and planes among the colliders. The volume is that of the flat layer.",
+        "",
+    )
+    outline: tuple[Point2, ...] = entry(
+        (), "Corners of the layer seen from above, measured from its center, in order; left out, `size`.", "m"
+    )
+
+    @model_validator(mode="after")
+    def _check_outline(self) -> Layer:
+        if not self.outline:
+            return self
+        if not 3 <= len(self.outline) <= MOST_CORNERS:
+            raise wrong("outline", f"must have 3 to {MOST_CORNERS} corners; it has {len(self.outline)}")
+        if found := crossing(np.array(self.outline)):
+            raise wrong("outline", f"crosses itself: its sides from the corners {found[0]} and {found[1]} do")
+        if not area_of(np.array(self.outline)) > 0:
+            raise wrong("outline", "must have an area: its corners lie on a line")
+        return self
+
+    @property
+    def _bounds(self) -> tuple[Array, Array]:
+        """Its lowest and highest x and y, from its center [m], (2,) each."""
+        if not self.outline:
+            half = 0.5 * np.array(self.size)
+            return -half, half
+        corners = np.array(self.outline)
+        return corners.min(axis=0), corners.max(axis=0)
 
     @property
     def place(self) -> Vector:
         """Its middle, half of its depth above its base."""
-        return *self.center, self.base + 0.5 * self.depth
+        x, y = (float(v) for v in np.array(self.center) + 0.5 * np.add(*self._bounds))
+        return x, y, self.base + 0.5 * self.depth
 
     def half_extents(self) -> Vector:
         """Return half of its extent along x and y and half of its depth [m]."""
-        a, b = self.size
-        return 0.5 * a, 0.5 * b, 0.5 * self.depth
+        a, b = (float(v) for v in 0.5 * np.subtract(*self._bounds[::-1]))
+        return a, b, 0.5 * self.depth
+
+    def volume(self) -> float:
+        """Return its area seen from above times its depth [m3]."""
+        return area_of(np.array(self.outline)) * self.depth if self.outline else super().volume()
+
+    def within(self, x: Array) -> NDArray[np.bool_]:
+        """Return which points `x` [m] (n, 3) of its box, from the middle of it, its outline holds, (n,)."""
+        if not self.outline:
+            return super().within(x)
+        return holds(np.array(self.outline), x[:, :2] + 0.5 * np.add(*self._bounds))
 
     def thinnest(self) -> tuple[str, float] | None:
         """Return its depth or its shorter side [m]."""
+        if self.outline:
+            return "depth", self.depth
         return min(("depth", self.depth), ("size", min(self.size)), key=lambda pair: pair[1])
 
     @staticmethod
