@@ -358,11 +358,8 @@ class Layer(Shape):
     @property
     def _bounds(self) -> tuple[Array, Array]:
         """Its lowest and highest x and y, from its center [m], (2,) each."""
-        if not self.outline:
-            half = 0.5 * np.array(self.size)
-            return -half, half
-        corners = np.array(self.outline)
-        return corners.min(axis=0), corners.max(axis=0)
+        corners, half = np.array(self.outline), 0.5 * np.array(self.size)
+        return (corners.min(axis=0), corners.max(axis=0)) if self.outline else (-half, half)
 
     @property
     def place(self) -> Vector:
