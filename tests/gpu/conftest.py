@@ -1,5 +1,7 @@
 """A GPU where there is none."""
 
+import gc
+
 import pytest
 from gpu.runs import REAL
 from gpu.stand_in import StandIn, build, plugged_in
@@ -14,6 +16,7 @@ def library(tmp_path_factory):
 @pytest.fixture
 def gpu(library):
     """The stand-in, which `numerics.device = "cuda"` finds."""
+    gc.collect()  # what simulations of other tests hold of its memory
     stand_in = StandIn(library)
     with plugged_in(stand_in):
         yield stand_in

@@ -10,11 +10,11 @@ from scripts import script
 @pytest.fixture
 def check(gpu, monkeypatch):
     """The script, with a block of snow that is done in a moment."""
-    with script("tools/gpu", "figures") as figures, script("tools/gpu", "check") as module:
-        monkeypatch.setattr(figures, "TINY", {"1k": (3, 3, 3)})
+    with script("tools/gpu", "speeds") as speeds, script("tools/gpu", "check") as module:
+        monkeypatch.setattr(speeds, "TINY", {"1k": (3, 3, 3)})
         for name in ("WARM", "STEPS", "BATCHES"):
-            monkeypatch.setattr(figures, name, 2)
-        monkeypatch.setitem(sys.modules, "figures", figures)
+            monkeypatch.setattr(speeds, name, 2)
+        monkeypatch.setitem(sys.modules, "speeds", speeds)
         yield module
 
 

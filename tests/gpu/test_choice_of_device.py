@@ -159,8 +159,10 @@ def test_checkpoints_move_between_devices(gpu, tmp_path, caplog):
         out = str(tmp_path / first)
         assert code_of("run", str(path), "--device", first, "--out", out, "--frames", "1", "--quiet") == 0
         assert code_of("run", out, "--resume", "--device", then, "--quiet") == 0
-    ends = [np.load(tmp_path / name / "frames" / "000002.npz") for name in ("cpu", "cuda")]
-    x = [end["x"][np.argsort(end["id"])] if "id" in end else end["x"] for end in ends]
+    x = []
+    for name in ("cpu", "cuda"):
+        with np.load(tmp_path / name / "frames" / "000002.npz") as end:
+            x.append(end["x"][np.argsort(end["id"])] if "id" in end else end["x"])
     np.testing.assert_allclose(x[0], x[1], rtol=0, atol=1e-6)
 
 

@@ -196,7 +196,7 @@ def device(stand_in: bool) -> Iterator[None]:
 
 def check(report: Report, stand_in: bool) -> None:
     """Do all parts, in the order of what is learned from them."""
-    from figures import SIZES, TINY, measured
+    from speeds import SIZES, TINY, measured
 
     report.part("machine", 0, machine)
     if not stand_in:
