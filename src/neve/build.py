@@ -19,6 +19,7 @@ from neve.sampling.draping import draped, height_over
 from neve.sampling.overlaps import Filled, without_overlaps
 from neve.sampling.room import expected, require_room_for_all
 from neve.scene.checks.joined import joined_warnings
+from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Collider, Scene, Snow, Source
 from neve.scene.schema.shapes import Layer
 
@@ -53,6 +54,18 @@ def solids(scene: Scene) -> tuple[Solid, ...]:
 def material_table(scene: Scene) -> list[Snow]:
     """Return the different snows of the scene, in the order of their first source."""
     return list(dict.fromkeys(scene.snow_of(source) for source in scene.sources))
+
+
+def with_one_more(scene: Scene, source: Source) -> Scene:
+    """Return `scene` with `source` after its other sources. Errors: pydantic.ValidationError."""
+    values = {name: getattr(scene, name) for name in Scene.model_fields}
+    return Scene.model_validate({**values, "sources": (*scene.sources, source)})
+
+
+def require_same_sources(scene: Scene, new_scene: Scene) -> None:
+    """Refuse a new scene for a run of `scene` with more or fewer sources. Errors: SceneError."""
+    if len(new_scene.sources) != len(scene.sources):
+        raise SceneError("sources cannot come or go while a run goes on; start it anew, or add snow")
 
 
 class PlacedSolids:

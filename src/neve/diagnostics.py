@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,21 @@ class Diagnostics:
 def number(cell: str) -> float:
     """Read a cell of the log; an empty one is NaN."""
     return math.nan if not cell else float(cell)
+
+
+def row_of(totals: Any, columns: Sequence[str]) -> dict[str, float]:
+    """Return the values of columns of the log: attributes of `totals`, NAME_x of the vector NAME.
+
+    But for "excess", which compares two rows.
+    """
+    values = {}
+    for column in columns:
+        vector, _, axis = column.rpartition("_")
+        if axis in ("x", "y", "z"):
+            values[column] = getattr(totals, vector)["xyz".index(axis)]
+        elif column != "excess":
+            values[column] = getattr(totals, column)
+    return values
 
 
 class Balance(NamedTuple):

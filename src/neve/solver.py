@@ -175,6 +175,32 @@ class Solver(ABC):
         return SceneError(f'numerics.method = "{self.scene.numerics.method}" cannot {what} in a run')
 
 
+def fill_columns(state: Any, fields: Sequence[Field], arrays: Arrays) -> None:
+    """Copy `arrays` into the columns of `state`.
+
+    Errors: ValueError for an array of another shape, or of numbers of another kind.
+    """
+    for field in fields:
+        column, given = getattr(state, field.name), np.asarray(arrays[field.name])
+        if given.shape != column.shape or given.dtype != column.dtype:
+            raise ValueError(
+                f"{field.name} is an array {given.shape} of {given.dtype}: "
+                f"these particles need {column.shape} of {column.dtype}"
+            )
+        column[...] = given
+
+
+def joined(there: Arrays, fresh: Arrays) -> tuple[dict[str, NDArray[Any]], int]:
+    """Return the columns of the particles that are there, and of fresh ones after them.
+
+    The fresh ones are named (id) on from the others; the second value is the id of the first.
+    """
+    first = int(there["id"].max()) + 1 if len(there["id"]) else 0
+    ids = np.arange(first, first + len(fresh["id"]), dtype=there["id"].dtype)
+    named = {**fresh, "id": ids}
+    return {name: np.concatenate([there[name], named[name]]) for name in named}, first
+
+
 def _getter(state: Any, name: str) -> Callable[[], Any]:
     return lambda: getattr(state, name)
 

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import material_table
+from neve.build import material_table, require_same_sources, with_one_more
 from neve.geometry.pose import rotation_vector
 from neve.mpm.initial import Births, make_model, snow_of
 from neve.mpm.model import Model
 from neve.mpm.state import fit_modes, from_arrays, to_arrays
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
+from neve.solver import joined
 
 if TYPE_CHECKING:
     from neve._core import State
@@ -35,8 +36,7 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
     Errors: SceneError if a run cannot change so: the number of sources, or
     the snow of one of several sources that shared theirs.
     """
-    if len(new_scene.sources) != len(scene.sources):
-        raise SceneError("sources cannot come or go while a run goes on; start it anew, or add snow")
+    require_same_sources(scene, new_scene)
     rows = _rows(scene, new_scene)
     fresh = _model(scene, new_scene, model)
     old, new = ((m.native.more_modes, m.native.has_play) for m in (model, fresh))
@@ -61,16 +61,11 @@ def with_source(
     Errors: SceneError if the source is too small or too large, or wholly inside a solid;
     pydantic.ValidationError if its snow is not allowed.
     """
-    new_scene = Scene.model_validate(
-        {**{name: getattr(scene, name) for name in Scene.model_fields}, "sources": (*scene.sources, source)}
-    )
+    new_scene = with_one_more(scene, source)
     more = _model(scene, new_scene, model)
     more.place_solids(time)
     fresh = to_arrays(snow_of(new_scene, more, [len(scene.sources)])[0])
-    there = to_arrays(state)
-    first = int(there["id"].max()) + 1 if len(there["id"]) else 0
-    fresh["id"] = np.arange(first, first + len(fresh["m"]), dtype=there["id"].dtype)
-    both = {name: np.concatenate([there[name], fresh[name]]) for name in there}
+    both, first = joined(to_arrays(state), fresh)
     return new_scene, more, from_arrays(more.core, both), np.append(births, np.int64(first))
 
 

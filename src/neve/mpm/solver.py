@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.colliders.solid import Solid
-from neve.diagnostics import Diagnostics
+from neve.diagnostics import Diagnostics, row_of
 from neve.geometry.pose import Pose
 from neve.mpm.failures import require_finite, require_progress
 from neve.mpm.initial import build, make_model
@@ -171,13 +171,7 @@ class MpmSolver(Solver):
 
     def log_values(self, totals: Diagnostics) -> Mapping[str, float]:
         """Return the values of the columns of the log, but the excess of energy."""
-        values = {}
-        for name in self.log_columns:
-            if name.startswith(("momentum_", "bodies_momentum_")):
-                values[name] = getattr(totals, name[:-2])["xyz".index(name[-1])]
-            elif name != "excess":
-                values[name] = getattr(totals, name)
-        return values
+        return row_of(totals, self.log_columns)
 
     def save(self) -> dict[str, NDArray[Any]]:
         """Return the state, and that of the rigid bodies."""

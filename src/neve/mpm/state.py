@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.reproducible import determinant
-from neve.solver import Field
+from neve.solver import Field, fill_columns
 
 if TYPE_CHECKING:
     from neve._core import Model, Precision, State
@@ -57,15 +57,7 @@ def from_arrays(
     """
     modes = arrays["modes"] if modes is None else modes
     state = core.State(len(arrays["m"]), modes.shape[1])
-    for field in FIELDS:
-        column = getattr(state, field.name)
-        given = np.asarray(modes if field.name == "modes" else arrays[field.name])
-        if given.shape != column.shape or given.dtype != column.dtype:
-            raise ValueError(
-                f"{field.name} is an array {given.shape} of {given.dtype}: "
-                f"these particles need {column.shape} of {column.dtype}"
-            )
-        column[...] = given
+    fill_columns(state, FIELDS, {**arrays, "modes": modes})
     return state
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from neve.particles.constants import (
     HARDENING,
     ICE,
     NEVER,
-    PACKING,
     TANGENTIAL,
     contact_constants,
     radius_at_birth,
@@ -24,7 +24,7 @@ from neve.particles.constants import (
 from neve.sampling import Samples
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene
-from neve.solver import Field
+from neve.solver import Field, fill_columns
 
 if TYPE_CHECKING:
     from neve._core import Particles, Precision
@@ -81,13 +81,15 @@ def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[
     parts = []
     for i, samples in zip(indices, samples_of(scene, solids, indices), strict=True):
         snow = scene.snow_of(scene.sources[i])
-        parts.append(_columns(scene, packed(scene, samples, solids), rows_of[snow], i, snow.rho0))
+        radius = np.array([radius_at_birth(volume) for volume in samples.volume])
+        samples = packed(scene, samples, radius, solids)
+        parts.append(_columns(scene, samples, radius, rows_of[snow], i, snow.rho0))
     columns = {field.name: np.concatenate([part[field.name] for part in parts]) for field in FIELDS[:-1]}
     return columns | {"id": np.arange(len(columns["x"]), dtype=np.uint32)}
 
 
-def packed(scene: Scene, samples: Samples, solids: PlacedSolids) -> Samples:
-    """Return `samples` with their positions moved apart, so that spheres of their volumes hardly overlap.
+def packed(scene: Scene, samples: Samples, radius: NDArray[np.float64], solids: PlacedSolids) -> Samples:
+    """Return `samples` with their positions moved apart, so that spheres of `radius` [m] (n,) hardly overlap.
 
     They are moved out of the solids too: what touches one at birth touches it without a force.
     """
@@ -96,7 +98,7 @@ def packed(scene: Scene, samples: Samples, solids: PlacedSolids) -> Samples:
     fresh = core.Particles(count)
     middle = samples.x.mean(axis=0)
     fresh.x[...] = samples.x - middle
-    fresh.radius[...] = [radius_at_birth(volume) for volume in samples.volume]
+    fresh.radius[...] = radius
     near = 2.0 * float(np.max(fresh.radius))
     around = solids.near(samples.x.min(axis=0) - near, samples.x.max(axis=0) + near)
     for done in range(ROUNDS):
@@ -108,24 +110,27 @@ def packed(scene: Scene, samples: Samples, solids: PlacedSolids) -> Samples:
             fresh.x[...] += np.maximum(np.asarray(fresh.radius) - phi, 0.0)[:, None] * normal
     x = np.empty((count, 3))
     x[np.asarray(fresh.id)] = fresh.x
-    values = {name: getattr(samples, name) for name in ("v", "volume", "stiffness", "strength", "density")}
-    return Samples(x=x + middle, **values)
+    return replace(samples, x=x + middle)
 
 
-def _columns(scene: Scene, s: Samples, row: int, source: int, rho0: float) -> dict[str, NDArray[Any]]:
+def _columns(
+    scene: Scene, s: Samples, radius: NDArray[np.float64], row: int, source: int, rho0: float
+) -> dict[str, NDArray[Any]]:
     real = np.dtype(scene.numerics.precision)
     count = len(s.x)
-    columns: dict[str, NDArray[Any]] = {
+    reals = {
         "x": s.x,
         "v": s.v,
         "m": rho0 * s.density * s.volume,
         "V0": s.volume,
-        "radius": np.array([radius_at_birth(volume) for volume in s.volume]),
+        "radius": radius,
         "J_P": np.ones(count),
         "stiffness": s.stiffness,
         "strength": s.strength,
     }
-    columns = {name: np.asarray(values, dtype=real) for name, values in columns.items()}
+    columns: dict[str, NDArray[Any]] = {
+        name: np.asarray(values, dtype=real) for name, values in reals.items()
+    }
     return columns | {
         "material": np.full(count, row, dtype=np.uint16),
         "source": np.full(count, source, dtype=np.uint16),
@@ -135,14 +140,7 @@ def _columns(scene: Scene, s: Samples, row: int, source: int, rho0: float) -> di
 def from_arrays(scene: Scene, arrays: Mapping[str, NDArray[Any]]) -> Particles:
     """Make particles from the arrays of FIELDS. Errors: ValueError for an array of another shape or kind."""
     particles = kernels(scene).Particles(len(arrays["m"]))
-    for field in FIELDS:
-        column, given = getattr(particles, field.name), np.asarray(arrays[field.name])
-        if given.shape != column.shape or given.dtype != column.dtype:
-            raise ValueError(
-                f"{field.name} is an array {given.shape} of {given.dtype}: "
-                f"these particles need {column.shape} of {column.dtype}"
-            )
-        column[...] = given
+    fill_columns(particles, FIELDS, arrays)
     return particles
 
 
@@ -168,6 +166,3 @@ def reach(particles: Particles) -> float:
     bond = np.asarray(particles.bond, dtype=np.float64)
     stretch = float(np.max(bond[bond < NEVER / 2], initial=0.0))
     return 2.0 * float(np.max(born, initial=0.0)) * (1.0 + BOND_GAP + min(stretch, 0.5))
-
-
-__all__ = ["FIELDS", "PACKING", "from_arrays", "packed", "place_solids", "reach", "set_constants", "snow_of"]

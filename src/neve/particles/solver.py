@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import material_table
+from neve.build import material_table, require_same_sources, with_one_more
 from neve.colliders.solid import Solid
+from neve.diagnostics import row_of
 from neve.geometry.pose import Pose
 from neve.particles.constants import BOND_GAP
 from neve.particles.initial import (
@@ -22,9 +23,8 @@ from neve.particles.initial import (
     set_constants,
     snow_of,
 )
-from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
-from neve.solver import Arrays, Blowup, Solver, StepSummary
+from neve.solver import Arrays, Blowup, Solver, StepSummary, joined
 
 if TYPE_CHECKING:
     from neve._core import ParticleReport, Particles
@@ -196,13 +196,7 @@ class ParticleSolver(Solver):
 
     def log_values(self, totals: ParticleDiagnostics) -> Mapping[str, float]:
         """Return the values of the columns of the log, but the excess of energy."""
-        values = {}
-        for name in self.log_columns:
-            if name.startswith("momentum_"):
-                values[name] = totals.momentum["xyz".index(name[-1])]
-            elif name != "excess":
-                values[name] = getattr(totals, name)
-        return values
+        return row_of(totals, self.log_columns)
 
     def save(self) -> dict[str, NDArray[Any]]:
         """Return the state, what is remembered of its contacts, and the last dt, by which these are old."""
@@ -247,8 +241,7 @@ class ParticleSolver(Solver):
 
         Errors: SceneError for sources that come or go, or snows that part.
         """
-        if len(scene.sources) != len(self.scene.sources):
-            raise SceneError("sources cannot come or go while a run goes on; start it anew, or add snow")
+        require_same_sources(self.scene, scene)
         placed = place_solids(scene)
         table = material_table(scene)
         rows = np.array([table.index(scene.snow_of(source)) for source in scene.sources], dtype=np.uint16)
@@ -258,17 +251,13 @@ class ParticleSolver(Solver):
 
     def add(self, source: Source, time: float) -> None:
         """Add the snow of `source` at `time` [s], and the source to the scene. Errors: SceneError."""
-        old = self.scene
-        values = {name: getattr(old, name) for name in Scene.model_fields}
-        scene = Scene.model_validate({**values, "sources": (*old.sources, source)})
+        scene = with_one_more(self.scene, source)
         placed = place_solids(scene)
         placed.place_solids(time)
-        fresh = snow_of(scene, placed, [len(old.sources)])
+        fresh = snow_of(scene, placed, [len(self.scene.sources)])
         there = self.save()
-        first = int(there["id"].max()) + 1 if len(there["id"]) else 0
-        fresh["id"] = np.arange(first, first + len(fresh["m"]), dtype=there["id"].dtype)
+        both, first = joined(there, fresh)
         begin = np.concatenate([there["contact_begin"], np.full(len(fresh["m"]), there["contact_begin"][-1])])
-        both = {field.name: np.concatenate([there[field.name], fresh[field.name]]) for field in FIELDS}
         state = from_arrays(scene, both)
         self.scene, self.placed, self.state = scene, placed, state
         self._derive()
