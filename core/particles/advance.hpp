@@ -1,7 +1,9 @@
 // Velocities, contact with solids, compaction and positions of the particles, from the sums over their pairs.
 #pragma once
 
+#include "coupling/exchange.hpp"
 #include "cpu/fields.hpp"
+#include "mpm/model.hpp"
 #include "particles/step.hpp"
 
 namespace neve {
@@ -15,21 +17,21 @@ template <class T>
 class Advance {
  public:
   using R = Lanes<T>;
-  Advance(const ParticleModel<T>& model, const std::vector<Solid<T>>& solids, const PairSums<T>& sums,
-          double dt)
-      : model_(model), solids_(solids), sums_(sums), dt_(T(dt)) {}
+  using Sums = PairSums<T>;
+  Advance(const ParticleModel<T>& model, const Model<T>& world, const PairSums<T>& sums, double dt)
+      : model_(model), world_(world), sums_(sums), dt_(T(dt)) {}
 
   // Advance particles [p, p + count).
   void batch(ParticleState<T>& s, std::size_t p, int count, ExchangeSum& exchange) const {
     const auto here = first_lanes<R>(count);
     const R one = splat<R>(1), zero = splat<R>(0);
-    R sum[PairSums<T>::count];
-    for (int k = 0; k < PairSums<T>::count; ++k) sum[k] = load<R>(sums_.values.column(k) + p, count);
+    R sum[Sums::count];
+    for (int k = 0; k < Sums::count; ++k) sum[k] = load<R>(sums_.values.column(k) + p, count);
     const R m = select(here, load<R>(s.m.column(0) + p, count), one);
     R r = select(here, load<R>(s.radius.column(0) + p, count), one);
     Vec3<R> x = load_vector<R>(s.x, p, count), v = load_vector<R>(s.v, p, count);
     const R rate = dt_ / m;
-    for (int k = 0; k < 3; ++k) v[k] += sum[k] * rate + model_.gravity[k] * dt_;
+    for (int k = 0; k < 3; ++k) v[k] += sum[Sums::force + k] * rate + world_.gravity[k] * dt_;
     Vec3<R> out{zero, zero, zero};
     for (const Solid<T>& solid : near(x, r, here)) meet(solid, x, r, m, here, v, out, sum, exchange);
     compact(s, p, count, here, sum, r);
@@ -38,10 +40,11 @@ class Advance {
     store_vector(s.v, p, v, count);
   }
 
+ private:
   // The solids that lanes of `here` may meet: what is within reach of the ball around them.
   std::vector<Solid<T>> near(const Vec3<R>& x, const R& r, const auto& here) const {
     std::vector<Solid<T>> out;
-    if (solids_.empty()) return out;
+    if (world_.solids.empty()) return out;
     Vec3<T> low{}, high{};
     T radius = 0;
     bool first = true;
@@ -56,13 +59,12 @@ class Advance {
     }
     const Vec3<T> half = (high - low) * T(0.5), middle = low + half;
     const T reach = std::sqrt(dot(half, half)) + T(4) * radius;
-    for (const Solid<T>& solid : solids_) {
+    for (const Solid<T>& solid : world_.solids) {
       if (is_near(solid, middle, reach)) out.push_back(solid);
     }
     return out;
   }
 
- private:
   // Contact with one solid (docs/particles.md): a particle that would sink in moves to its surface in this step, with
   // the laws of contact of the material point method; one that lies inside is set out, without a velocity.
   void meet(const Solid<T>& solid, const Vec3<R>& x, const R& r, const R& m, const auto& here, Vec3<R>& v,
@@ -74,23 +76,22 @@ class Advance {
     const Vec3<R> sped = v + n * room;  // of zero along n: it just arrives
     const auto held = gap <= T(0), met = here & ((dot(sped - v_co, n) < T(0)) | held);
     if (!any(met)) return;
-    const ContactMode free = ContactMode::separate;
+    constexpr ContactMode leaves = ContactMode::separate;
+    const R dt = splat<R>(dt_);
     const Vec3<R> arrives =
-        after_contact(sped, facing(solid, x, n, R3(sped - v_co), splat<R>(dt_)), v_co, free, solid.mu_c);
-    const Vec3<R> holds = after_contact(v, facing(solid, x, n, R3(v - v_co), splat<R>(dt_)), v_co,
-                                        has_play(solid.mode, solid.mu_c) ? free : solid.mode, solid.mu_c);
-    Vec3<R> after = select(held, holds, arrives - n * room);
-    after = select(met, after, v);
-    if (any(met)) record(exchange.of(solid.index), met, m, x - spread<R>(solid.centre), v_co, v, after);
+        after_contact(sped, facing(solid, x, n, Vec3<R>(sped - v_co), dt), v_co, leaves, solid.mu_c);
+    const Vec3<R> holds = after_contact(v, facing(solid, x, n, Vec3<R>(v - v_co), dt), v_co,
+                                        has_play(solid.mode, solid.mu_c) ? leaves : solid.mode, solid.mu_c);
+    const Vec3<R> after = select(met, select(held, holds, arrives - n * room), v);
+    record(exchange.of(solid.index), met, m, x - spread<R>(solid.centre), v_co, v, after);
     for (int k = 0; k < 3; ++k) {
       const R force = (after[k] - v[k]) * m * (T(1) / dt_);
-      sum[3 + k] += max(force, zero);
-      sum[6 + k] += max(R(-force), zero);
+      sum[Sums::along + k] += max(force, zero);
+      sum[Sums::against + k] += max(R(-force), zero);
     }
     v = after;
     out = out + n * select(here, max(R(-gap), zero) * T(set_out), zero);
   }
-  using R3 = Vec3<R>;
 
   // Compact particles that opposing forces press by more than the snow bears: in each axis as much as acts both ways
   // (Goswami, Markowicz and Hassan 2019). A particle shrinks by half of what would take the excess away, since its
@@ -99,7 +100,7 @@ class Advance {
     const R zero = splat<R>(0), one = splat<R>(1);
     R opposed = zero;
     for (int k = 0; k < 3; ++k) {
-      const R both = min(sum[3 + k], sum[6 + k]);
+      const R both = min(sum[Sums::along + k], sum[Sums::against + k]);
       opposed += both * both;
     }
     const R m = load<R>(s.m.column(0) + p, count), V0 = select(here, load<R>(s.V0.column(0) + p, count), one);
@@ -108,11 +109,11 @@ class Advance {
     const R yield = load<R>(s.yield.column(0) + p, count);
     const R risen = (born / J - born) * T(1 / model_.hardening);
     const R bearable = yield * exp(min(risen, splat<R>(80))) * r * r * T(3.14159265358979);
-    const R force = sqrt(opposed);
-    const auto yields = here & (force > bearable) & (sum[9] > T(0)) & (sum[10] > T(0));
+    const R force = sqrt(opposed), across = sum[Sums::across], stiffness = sum[Sums::stiffness];
+    const auto yields = here & (force > bearable) & (across > T(0)) & (stiffness > T(0));
     if (!any(yields)) return;
     const R pressed =
-        sum[9] / select(sum[10] > T(0), sum[10], one);  // overlap, in the mean over the contacts
+        across / select(stiffness > T(0), stiffness, one);  // overlap, in the mean over the contacts
     const R shrink = pressed * T(0.5) * (one - bearable / select(force > T(0), force, one));
     const R smallest = r * cube_root(R(min(born * T(1 / model_.ice) / J, one)));
     const R smaller = select(yields, max(r - shrink, smallest), r);
@@ -128,7 +129,7 @@ class Advance {
   }
 
   const ParticleModel<T>& model_;
-  const std::vector<Solid<T>>& solids_;
+  const Model<T>& world_;
   const PairSums<T>& sums_;
   const T dt_;
 };
@@ -144,21 +145,22 @@ ParticleReport look(const ParticleState<T>& s, const PairSums<T>& sums, const Ne
     v2 += v * v, way2 += way * way;
   }
   out.speed = std::sqrt(v2), out.moved = std::sqrt(way2);
-  out.stiffest = double(sums.values.column(10)[p]) / double(s.m.column(0)[p]);
+  out.stiffest = double(sums.values.column(PairSums<T>::stiffness)[p]) / double(s.m.column(0)[p]);
   out.finite = std::isfinite(v2 + way2 + out.stiffest);
   return out;
 }
 
 }  // namespace detail
 
-// Move the particles by dt [s] with the forces in `sums`; `exchanged` gets, by solid, what snow and solids gave each other.
+// Move the particles by dt [s] with the forces in `sums`, and the gravity and the solids of `world`; `exchanged` gets, by
+// solid, what snow and solids gave each other.
 template <class T>
-ParticleReport advance(const ParticleModel<T>& model, const std::vector<Solid<T>>& solids,
-                       ParticleState<T>& s, Neighbours<T>& lists, const PairSums<T>& sums, double dt,
+ParticleReport advance(const ParticleModel<T>& model, const Model<T>& world, ParticleState<T>& s,
+                       Neighbours<T>& lists, const PairSums<T>& sums, double dt,
                        std::vector<Exchange>& exchanged) {
   using R = Lanes<T>;
   constexpr std::size_t chunk = 16 * std::size_t(width<R>);
-  const detail::Advance<T> move(model, solids, sums, dt);
+  const detail::Advance<T> move(model, world, sums, dt);
   const std::size_t chunks = (s.count + chunk - 1) / chunk;
   std::vector<ExchangeSum> parts(chunks);
   lists.elapsed += dt;
@@ -171,7 +173,7 @@ ParticleReport advance(const ParticleModel<T>& model, const std::vector<Solid<T>
     }
     return out;
   });
-  exchanged.resize(solids.size());
+  exchanged.resize(world.solids.size());
   for (const ExchangeSum& part : parts) part.add_to(exchanged);
   return report;
 }

@@ -64,7 +64,6 @@ inline R contact_force(const Pair<R>& pair, const ContactLaw<scalar_t<R>>& law) 
 template <class R>
 inline Vec3<R> rub(Vec3<R>& spring, const Pair<R>& pair, const R& pressed, const R& mu,
                    const ContactLaw<scalar_t<R>>& law) {
-  using T = scalar_t<R>;
   const R zero = splat<R>(0), one = splat<R>(1);
   const R stiff = pair.k * law.tangential, most = mu * max(pressed, zero);
   spring = spring + pair.v_t * law.dt;
@@ -72,7 +71,7 @@ inline Vec3<R> rub(Vec3<R>& spring, const Pair<R>& pair, const R& pressed, const
   const R pull = stiff * sqrt(R(dot(spring, spring)));
   spring = spring * select(pull > most, R(most / select(pull > zero, pull, one)), one);
   const Vec3<R> elastic = spring * R(-stiff), both = elastic - pair.v_t * R(pair.k * law.damping);
-  return select(dot(both, both) <= most * most * T(1), both, elastic);
+  return select(dot(both, both) <= most * most, both, elastic);
 }
 
 }  // namespace neve

@@ -1,4 +1,4 @@
-// Sums over all particles and their contacts, and a packing for them to begin with.
+// Sums over all particles and their contacts.
 #pragma once
 
 #include "particles/step.hpp"
@@ -40,7 +40,8 @@ double stored(const ParticleState<T>& s, const Neighbours<T>& lists, const Conta
 
 // Sum in double, in chunks merged in order: the same bits for any number of threads.
 template <class T>
-ParticleTotals totals(const ParticleModel<T>& model, const ParticleState<T>& s, const Neighbours<T>& lists) {
+ParticleTotals totals(const ContactLaw<T>& law, const Vec3<T>& gravity, const ParticleState<T>& s,
+                      const Neighbours<T>& lists) {
   constexpr std::size_t chunk = 1024;
   std::vector<ParticleTotals> parts((s.count + chunk - 1) / chunk);
   each_index(parts.size(), [&](std::size_t part) {
@@ -52,10 +53,10 @@ ParticleTotals totals(const ParticleModel<T>& model, const ParticleState<T>& s, 
         const double v = s.v.column(k)[p];
         sum.momentum[k] += m * v;
         sum.kinetic += 0.5 * m * v * v;
-        sum.potential -= m * double(model.gravity[k]) * double(s.x.column(k)[p]);
+        sum.potential -= m * double(gravity[k]) * double(s.x.column(k)[p]);
       }
       for (std::uint32_t e = lists.begin[p]; e < lists.begin[p + 1]; ++e) {
-        sum.elastic += detail::stored(s, lists, model.law, p, e);
+        sum.elastic += detail::stored(s, lists, law, p, e);
         sum.bonds += 0.5 * (lists.hold[e] > T(0));
         sum.contacts += 0.5 * (lists.hold[e] < T(0));
       }
@@ -64,38 +65,6 @@ ParticleTotals totals(const ParticleModel<T>& model, const ParticleState<T>& s, 
   ParticleTotals total;
   for (const ParticleTotals& part : parts) total.add(part);
   return total;
-}
-
-// Move particles that overlap apart: each by half of the mean of its overlaps, as often as asked. Returns the largest
-// overlap that is left, over the sum of the radii.
-template <class T>
-double relax(ParticleState<T>& s, Neighbours<T>& lists) {
-  Field<T, 3> moved;
-  moved.resize(s.count);
-  std::vector<double> worst(std::size_t(thread_count()), 0.0);
-  each_chunk(s.count, [&](int chunk, std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      T push[3] = {0, 0, 0};
-      int pairs = 0;
-      for (std::uint32_t e = lists.begin[p]; e < lists.begin[p + 1]; ++e) {
-        const auto q = std::size_t(lists.row[e]);
-        T d[3], d2 = 0;
-        for (int k = 0; k < 3; ++k) d[k] = s.x.column(k)[p] - s.x.column(k)[q], d2 += d[k] * d[k];
-        const T radii = s.radius.column(0)[p] + s.radius.column(0)[q], far = std::sqrt(d2);
-        if (far >= radii || far == T(0)) continue;
-        worst[std::size_t(chunk)] = std::max(worst[std::size_t(chunk)], double((radii - far) / radii));
-        for (int k = 0; k < 3; ++k) push[k] += d[k] / far * (radii - far) * T(0.5);
-        ++pairs;
-      }
-      for (int k = 0; k < 3; ++k) moved.column(k)[p] = pairs ? push[k] / std::sqrt(T(pairs)) : T(0);
-    }
-  });
-  each_chunk(s.count, [&](int, std::size_t begin, std::size_t end) {
-    for (int k = 0; k < 3; ++k) {
-      for (std::size_t p = begin; p < end; ++p) s.x.column(k)[p] += moved.column(k)[p];
-    }
-  });
-  return *std::max_element(worst.begin(), worst.end());
 }
 
 }  // namespace neve

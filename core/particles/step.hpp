@@ -1,8 +1,6 @@
 // The step of the discrete element method: forces of pairs, then velocities, solids, compaction, positions.
 #pragma once
 
-#include "coupling/exchange.hpp"
-#include "coupling/solid.hpp"
 #include "particles/gather.hpp"
 #include "particles/neighbours.hpp"
 
@@ -12,18 +10,17 @@ namespace neve {
 template <class T>
 struct ParticleModel {
   ContactLaw<T> law;
-  Vec3<T> gravity;         // [m/s2]
   double ice = 917;        // density at which snow is compacted no more [kg/m3]
   double hardening = 100;  // rise of density by which the yield pressure grows e-fold [kg/m3]
-  std::vector<ContactMaterial> materials;
 };
 
 // Sums over the pairs of each particle.
 template <class T>
 struct PairSums {
-  static constexpr int count = 11;
-  Columns<T> values{
-      count};  // force (3), parts of forces along +x +y +z (3) and along -x -y -z (3) [N], pressed [N], stiffness [N/m]
+  // First columns of: the force (3), the parts of forces across along +x +y +z (3) and along -x -y -z (3), forces across
+  // [N], stiffness [N/m].
+  static constexpr int force = 0, along = 3, against = 6, across = 9, stiffness = 10, count = 11;
+  Columns<T> values{count};
 };
 
 // What a pass over the particles found.
@@ -93,12 +90,12 @@ class ParticleForces {
     }
     for (int i = 0; i < 3; ++i) {
       const R normal = pair.n[i] * across;
-      sums[i] += force[i];
-      sums[3 + i] += max(normal, zero);
-      sums[6 + i] += max(R(-normal), zero);
+      sums[PairSums<T>::force + i] += force[i];
+      sums[PairSums<T>::along + i] += max(normal, zero);
+      sums[PairSums<T>::against + i] += max(R(-normal), zero);
     }
-    sums[9] += across;
-    sums[10] += select(active, k, zero);
+    sums[PairSums<T>::across] += across;
+    sums[PairSums<T>::stiffness] += select(active, k, zero);
   }
 
   // The contacts among the lanes `touching`: their forces join `across` and `force`. Returns which of them hold on.

@@ -510,8 +510,8 @@ class Particles(Protocol):
         """
     def make_bonds(self, first: int, gap: float) -> None:
         """Bond the listed pairs of one source and of ids from `first` on whose gap is at most `gap` radii."""
-    def relax(self) -> float:
-        """Move overlapping particles apart once; return the largest overlap before, over both radii [1]."""
+    def relax(self) -> None:
+        """Move overlapping particles apart once."""
     def stiffness_now(self) -> ParticleReport:
         """Report on the particles as they are."""
     def step(self, solids: _Model, dt: float) -> ParticleReport:

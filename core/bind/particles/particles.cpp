@@ -5,6 +5,7 @@
 #include "bind/solids.hpp"
 #include "particles/advance.hpp"
 #include "particles/measure.hpp"
+#include "particles/relax.hpp"
 
 namespace neve::bind {
 
@@ -28,9 +29,8 @@ struct Particles {
 template <class T>
 ParticleReport step(Particles<T>& p, const Model<T>& solids, double dt) {
   p.require_lists();
-  p.model.gravity = solids.gravity;
   pair_forces(p.state, p.lists, p.model.law, p.sums);
-  const ParticleReport report = advance(p.model, solids.solids, p.state, p.lists, p.sums, dt, p.exchanged);
+  const ParticleReport report = advance(p.model, solids, p.state, p.lists, p.sums, dt, p.exchanged);
   p.model.law.dt = T(dt);
   p.current = report.moved <= 0.5 * p.lists.skin;
   return report;
@@ -111,14 +111,14 @@ void bind_constants(nb::class_<Particles<T>>& c) {
       .def(
           "set_materials",
           [](P& p, const In<double, nb::shape<-1, 4>>& rows) {
-            p.model.materials.clear();
+            std::vector<ContactMaterial> table;
             for (std::size_t i = 0; i < rows.shape(0); ++i)
-              p.model.materials.push_back({rows(i, 0), rows(i, 1), rows(i, 2), rows(i, 3)});
+              table.push_back({rows(i, 0), rows(i, 1), rows(i, 2), rows(i, 3)});
             for (std::size_t i = 0; i < p.state.count; ++i) {
-              if (p.state.material[i] >= p.model.materials.size())
+              if (p.state.material[i] >= table.size())
                 throw nb::value_error("a particle names a material that is not there");
             }
-            derive(p.state, p.model.materials);
+            derive(p.state, table);
           },
           nb::arg("rows"), "(n, 4): modulus [Pa], friction [1], bond_strain [1], yield [Pa].");
 }
@@ -152,7 +152,7 @@ void bind_of(nb::module_& m) {
           },
           nb::arg("first"), nb::arg("gap"))
       .def(
-          "relax", [](P& p) { return p.require_lists(), relax(p.state, p.lists); }, free_gil)
+          "relax", [](P& p) { p.require_lists(), relax(p.state, p.lists); }, free_gil)
       .def(
           "stiffness_now", [](const P& p) { return p.require_lists(), stiffness_of(p.state, p.lists); },
           free_gil)
@@ -160,9 +160,7 @@ void bind_of(nb::module_& m) {
       .def(
           "totals",
           [](const P& p, const Model<T>& solids) {
-            ParticleModel<T> model = p.model;
-            model.gravity = solids.gravity;
-            return p.require_lists(), totals(model, p.state, p.lists);
+            return p.require_lists(), totals(p.model.law, solids.gravity, p.state, p.lists);
           },
           nb::arg("solids"))
       .def("contacts", &contacts<T>)
