@@ -46,7 +46,7 @@ class Registry:
 METHODS = Registry(
     "numerics.method",
     {"mpm": "neve.mpm.solver:MpmSolver", "particles": "neve.particles.solver:ParticleSolver"},
-    {"mpm": "the material point method", "particles": "particles in contact, for real time"},
+    {"mpm": "the material point method", "particles": "particles in contact"},
 )
 """The solvers: subclasses of `neve.solver.Solver`."""
 
