@@ -55,9 +55,11 @@ def from_arrays(
 
     Errors: ValueError for an array of another shape, or of numbers of another kind.
     """
-    modes = arrays["modes"] if modes is None else modes
-    state = core.State(len(arrays["m"]), modes.shape[1])
-    fill_columns(state, FIELDS, {**arrays, "modes": modes})
+    columns = {field.name: arrays[field.name] for field in FIELDS}  # one by one: `arrays` may say what it lacks
+    if modes is not None:
+        columns["modes"] = modes
+    state = core.State(len(columns["m"]), columns["modes"].shape[1])
+    fill_columns(state, FIELDS, columns)
     return state
 
 
