@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "coupling/contacts.hpp"
+#include "coupling/body_response.hpp"
 #include "math/real.hpp"
 
 namespace neve {
@@ -37,10 +37,7 @@ struct BlockContacts {
            const Vec3<R>& v, const Lift<R>& lift, R m, int first, T skin) {
     const std::size_t begin = contacts.size();
     each_holding(near, x, m, skin, [&](const Solid<T>& solid, const Vec3<R>& normal, const Mask& inside) {
-      // how a body will move is not known yet
-      const Facing<R> there = solid.body >= 0
-                                  ? flat(normal)
-                                  : facing(solid, x, normal, v - solid.velocity_at(x), splat<R>(lift.dt));
+      const Facing<R> there = facing_before(solid, x, normal, v, splat<R>(lift.dt));
       contacts.push_back({&all[std::size_t(solid.index)], inside, there, x - spread<R>(solid.centre)});
     });
     if (contacts.size() > begin) nodes.push_back({v, lift, m, first, begin, contacts.size()});

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "coupling/block_contacts.hpp"
+#include "coupling/body_response.hpp"
 #include "coupling/coupled_bodies.hpp"
 #include "math/dense.hpp"
 #include "threads.hpp"
@@ -24,42 +25,6 @@
 namespace neve {
 
 namespace detail {
-
-// What the snow does to one body: impulse and moment about its centre, and how fast they fall as the body moves.
-struct BodyResponse {
-  Twist impulse{};
-  std::array<double, 36> slope{};
-
-  void add(const BodyResponse& o) {
-    for (std::size_t k = 0; k < 6; ++k) impulse[k] += o.impulse[k];
-    for (std::size_t k = 0; k < 36; ++k) slope[k] += o.slope[k];
-  }
-
-  // Add lane l: mass m gets dv, and v' changes by D when the surface's velocity does, at `arm` from the centre.
-  void add(double m, const double (&arm)[3], const double (&dv)[3], const double (&D)[3][3]) {
-    // B maps the body's velocities to that of the surface: v_co = V + omega x arm
-    const double B[3][6] = {
-        {1, 0, 0, 0, arm[2], -arm[1]}, {0, 1, 0, -arm[2], 0, arm[0]}, {0, 0, 1, arm[1], -arm[0], 0}};
-    double DB[3][6];
-    for (int i = 0; i < 3; ++i) {
-      for (int c = 0; c < 6; ++c) DB[i][c] = D[i][0] * B[0][c] + D[i][1] * B[1][c] + D[i][2] * B[2][c];
-    }
-    for (std::size_t r = 0; r < 6; ++r) {
-      impulse[r] -= m * (B[0][r] * dv[0] + B[1][r] * dv[1] + B[2][r] * dv[2]);
-      for (std::size_t c = 0; c < 6; ++c)
-        slope[6 * r + c] += m * (B[0][r] * DB[0][c] + B[1][r] * DB[1][c] + B[2][r] * DB[2][c]);
-    }
-  }
-};
-
-template <class T>
-Vec3<T> linear(const Twist& u) {
-  return {T(u[0]), T(u[1]), T(u[2])};
-}
-template <class T>
-Vec3<T> angular(const Twist& u) {
-  return {T(u[3]), T(u[4]), T(u[5])};
-}
 
 // What contact makes of a pack of nodes: velocities, and how far they have left surfaces with play [m].
 template <class R>
@@ -76,11 +41,7 @@ Moved<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename Block
   Lift<R> lift = nodes.lift;
   for (std::size_t e = nodes.begin; e < nodes.end; ++e) {
     const auto& contact = all.contacts[e];
-    const int body = contact.solid->body;
-    const Twist* u = body < 0 ? nullptr : &U[std::size_t(body)];
-    const Vec3<T> V = u ? linear<T>(*u) : contact.solid->velocity;
-    const Vec3<T> w = u ? angular<T>(*u) : contact.solid->omega;
-    const Vec3<R> v_co = spread<R>(V) + cross(spread<R>(w), contact.arm), before = v;
+    const Vec3<R> v_co = surface_velocity(*contact.solid, U.front().data(), contact.arm), before = v;
     const Play<R> play = lift.play(contact.facing.n);
     v = meet(*contact.solid, contact.inside, contact.facing, v_co, v, lift);
     visit(contact, before, play, v_co, v);
@@ -126,19 +87,8 @@ class Responses {
                    [&](const auto& contact, const Vec3<R>& before, const Play<R>& play, const Vec3<R>& v_co,
                        const Vec3<R>& after) {
                      if (contact.solid->body < 0) return;
-                     const Mat3<R> D = contact_slope(before, contact.facing.n, v_co, contact.solid->mode,
-                                                     contact.solid->mu_c, play);
-                     BodyResponse& sum = of(std::size_t(contact.solid->body), part);
-                     for (int l = 0; l < width<R>; ++l) {
-                       if (!contact.inside[l]) continue;
-                       double arm[3], dv[3], slope[3][3];
-                       for (int i = 0; i < 3; ++i) {
-                         arm[i] = double(contact.arm[i][l]);
-                         dv[i] = double(after[i][l]) - double(before[i][l]);
-                         for (int j = 0; j < 3; ++j) slope[i][j] = double(D(i, j)[l]);
-                       }
-                       sum.add(double(nodes.m[l]), arm, dv, slope);
-                     }
+                     add_response(of(std::size_t(contact.solid->body), part), *contact.solid, contact.inside,
+                                  nodes.m, contact.facing.n, contact.arm, play, v_co, before, after);
                    });
   }
 
@@ -148,6 +98,16 @@ class Responses {
 };
 
 }  // namespace detail
+
+// Let the bodies among the solids move with U.
+template <class T>
+void set_velocities(const CoupledBodies& bodies, const std::vector<Twist>& U, std::vector<Solid<T>>& solids) {
+  for (std::size_t i = 0; i < U.size(); ++i) {
+    Solid<T>& solid = solids[std::size_t(bodies.solids[i])];
+    solid.velocity = linear<T>(U[i].data());
+    solid.omega = angular<T>(U[i].data());
+  }
+}
 
 // Newton's method for U = U_0 + A P(U).
 class BodyVelocitySolver {
@@ -164,9 +124,9 @@ class BodyVelocitySolver {
     }
   }
 
-  template <class T>
-  std::vector<Twist> solve(const std::vector<BlockContacts<T>>& blocks, std::size_t count) const {
-    detail::Responses<T> responses(blocks, count, U_0_.size());
+  // responses(U): those of the snow to each body, if the bodies move with U.
+  template <class F>
+  std::vector<Twist> solve(F&& responses) const {
     Guess best = evaluate(U_0_, responses);
     const double enough = accuracy * best.residual_norm;
     for (int k = 0; k < most_steps && best.residual_norm > enough; ++k) {
@@ -190,21 +150,20 @@ class BodyVelocitySolver {
 
   struct Guess {
     std::vector<Twist> U;
-    std::vector<detail::BodyResponse> response;
+    std::vector<BodyResponse> response;
     std::vector<double> residual;
     double residual_norm;
   };
-  template <class T>
-  Guess evaluate(std::vector<Twist> U, detail::Responses<T>& responses) const {
-    auto response = responses.to(U);
+  template <class F>
+  Guess evaluate(std::vector<Twist> U, F& responses) const {
+    auto response = responses(U);
     auto left = residual(U, response);
     const double left_norm = norm(left);
     return {std::move(U), std::move(response), std::move(left), left_norm};
   }
 
   // U_0 + A P(U) - U
-  std::vector<double> residual(const std::vector<Twist>& U,
-                               const std::vector<detail::BodyResponse>& response) const {
+  std::vector<double> residual(const std::vector<Twist>& U, const std::vector<BodyResponse>& response) const {
     std::vector<double> out(n_);
     for (std::size_t r = 0; r < n_; ++r) {
       double sum = U_0_[r / 6][r % 6] - U[r / 6][r % 6];
@@ -217,7 +176,7 @@ class BodyVelocitySolver {
 
   // (1 + A K)^-1 residual, with K the slopes, one block of six by six for each body
   std::vector<double> newton_step(std::vector<double> right,
-                                  const std::vector<detail::BodyResponse>& response) const {
+                                  const std::vector<BodyResponse>& response) const {
     std::vector<double> matrix(n_ * n_);
     for (std::size_t r = 0; r < n_; ++r) {
       for (std::size_t c = 0; c < n_; ++c) {

@@ -20,13 +20,11 @@ void solve_bodies(Model<T>& model, Grid<T>& grid, const BlockUpdate<T>& update,
     grid.contacts[count++].clear(static_cast<std::int32_t>(b));
   }
   each_index(count, [&](std::size_t k) { update.find_contacts(grid, grid.contacts[k]); });
-  const std::vector<Twist> U = BodyVelocitySolver(model.bodies, dt).solve(grid.contacts, count);
+  Responses<T> responses(grid.contacts, count, model.bodies.solids.size());
+  const std::vector<Twist> U =
+      BodyVelocitySolver(model.bodies, dt).solve([&](const auto& U_now) { return responses.to(U_now); });
   each_index(count, [&](std::size_t k) { update.apply(grid, grid.contacts[k], U); });
-  for (std::size_t i = 0; i < U.size(); ++i) {
-    Solid<T>& solid = model.solids[static_cast<std::size_t>(model.bodies.solids[i])];
-    solid.velocity = linear<T>(U[i]);
-    solid.omega = angular<T>(U[i]);
-  }
+  set_velocities(model.bodies, U, model.solids);
 }
 
 // The differences of velocity that a home's particles can see.

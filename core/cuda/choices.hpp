@@ -3,6 +3,7 @@
 #pragma once
 
 #include "constitutive/laws.hpp"
+#include "cuda/grid/sum.hpp"
 #include "math/bspline.hpp"
 #include "transfer/transfers.hpp"
 
@@ -20,14 +21,16 @@ struct OfModes<X, modes> {
 };
 
 // spline, transfer: places in Splines and Transfers; laws: a bit for each place in Laws; solids: whether there are any;
-// play: whether one of them has play.
-template <class Real, int spline, int transfer, int modes, unsigned laws_, bool solids, bool play>
+// play: whether one of them has play; deterministic: whether sums have the same bits in every run.
+template <class Real, int spline, int transfer, int modes, unsigned laws_, bool solids, bool play,
+          bool deterministic>
 struct Choice {
   using T = Real;
   using Spline = item_at<spline, Splines>;
   using Transfer = typename OfModes<item_at<transfer, Transfers>, modes>::type;
   static constexpr unsigned laws = laws_;
-  static constexpr bool has_solids = solids, has_play = play;
+  static constexpr bool has_solids = solids, has_play = play, is_deterministic = deterministic;
+  using Number = Sum<deterministic>;
   static constexpr bool has_change = Transfer::has_change;
 };
 

@@ -42,8 +42,8 @@ struct HomeGather {
   const Quad<T>*tile, *change;
 
   template <class Solids>
-  NEVE_INLINE void advance_one(std::size_t p, const Solids& solids, BlockExchange& exchange,
-                               Seen<T>& seen) const {
+  NEVE_INLINE void advance_one(std::size_t p, const Solids& solids,
+                               BlockExchange<typename C::Number>& exchange, Seen<T>& seen) const {
     const auto& step = s.constants.step;
     const Particle<T> particle{s.particles, p};
     const Vec3<T> x = particle.x();
@@ -55,8 +55,9 @@ struct HomeGather {
     Gathered<T> grid{sum[0], {sum[1], sum[2], sum[3]}};
     gather_change(at, grid);
     const Material<T, C::laws> material{s, p};
-    Advanced<T> now = advance<X>(particle, grid, step, solids, material,
-                                 Recorder<T>{exchange, s.exchanged, m, s.commit != 0});
+    Advanced<T> now =
+        advance<X>(particle, grid, step, solids, material,
+                   Recorder<T, typename C::Number>{exchange, exchanged_of<C>(s), m, s.commit != 0});
     const T J = determinant(now.material.F_E) * now.material.J_P, room = material.ice_room(J);
     if (near_ice(room)) material.add_ice(J, step.cells.dx / step.dt, now.material.stress);
     seen.extremes.ice_room = min(room, seen.extremes.ice_room);
@@ -114,12 +115,12 @@ inline void g2p(const Step<typename C::T>& s) {
   using T = typename C::T;
   __shared__ Quad<T> tile[tile_nodes], change[C::has_change ? tile_nodes : 1];
   __shared__ Marks marks;
-  __shared__ BlockExchange exchange;
+  __shared__ BlockExchange<typename C::Number> exchange;
   const Home& home = s.nodes.homes[blockIdx.x];
   load_tile(tile, s.nodes.node, home);
   if constexpr (C::has_change) load_tile(change, s.nodes.change, home);
   if constexpr (C::has_solids) {
-    clear_exchange(exchange);
+    exchange.clear();
     mark_near(s, home.at, T(3.5), T(7.1), marks);
   }
   __syncthreads();
@@ -137,7 +138,7 @@ inline void g2p(const Step<typename C::T>& s) {
   seen.template publish_from<gather_threads>(*s.results);
   if constexpr (C::has_solids) {
     __syncthreads();
-    if (s.commit != 0) publish_exchange(exchange, s.exchanged, s.solid_count);
+    if (s.commit != 0) exchange.publish(exchanged_of<C>(s), s.solid_count);
   }
 }
 

@@ -2,109 +2,77 @@
 // threads per block of nodes, a thread per node.
 #pragma once
 
-#include "cuda/choices.hpp"
-#include "cuda/grid/reduce.hpp"
-#include "cuda/solids.hpp"
-#include "mpm/node_update.hpp"
+#include "cuda/bodies.hpp"
 
 namespace neve::cuda {
 
-template <class C>
-struct NodeUpdate {
-  using T = typename C::T;
-  const Step<T>& s;
-  std::size_t i;
-
-  // Momentum becomes velocity at the end of the step, force its change. Nodes without a velocity stay zero.
-  NEVE_INLINE void accelerate(Vec3<T>& v, Vec3<T>& change, T& m) const {
-    const Quad<T> q = s.nodes.node[i];
-    const T dt = s.constants.step.dt, inverse_m = inverse_mass(q.w);
-    m = q.w;
-    if (!has_velocity(m)) {
-      v = change = Vec3<T>{}, m = T(0);
-      return;
-    }
-    change = s.constants.gravity * dt;
-    if constexpr (C::has_change) {
-      const Quad<T> f = s.nodes.change[i];
-      change = {velocity_change(change.x, f.x, inverse_m, dt), velocity_change(change.y, f.y, inverse_m, dt),
-                velocity_change(change.z, f.z, inverse_m, dt)};
-    }
-    v = {node_velocity(q.x, inverse_m, change.x), node_velocity(q.y, inverse_m, change.y),
-         node_velocity(q.z, inverse_m, change.z)};
-  }
-
-  // The solids near the block act on the node; the change keeps what they did.
-  NEVE_INLINE void collide_with(const NearSolids<T>& solids, const Vec3<T>& x, T m, Vec3<T>& v,
-                                Vec3<T>& change, const Recorder<T>& recorder) const {
-    const auto& step = s.constants.step;
-    const Vec3<T> before = v;
-    if constexpr (C::has_play) {
-      const Quad<T> ms = s.nodes.lift[i];
-      const T inverse_m = has_velocity(m) ? inverse_mass(m) : T(0);
-      Lift<T> lift{Vec3<T>{ms.x, ms.y, ms.z} * inverse_m, step.dt, T(play_cells * double(step.cells.dx))};
-      const Vec3<T> lift_before = lift.s;
-      v = collide(solids, x, v, lift, step.skin, step.dt, m, recorder);
-      const Vec3<T> gained = lift.s - lift_before;
-      s.nodes.lift[i] = {gained.x, gained.y, gained.z, T(0)};
-    } else {
-      NoLift none;
-      v = collide(solids, x, v, none, step.skin, step.dt, m, recorder);
-    }
-    change = change + (v - before);
-  }
-
-  NEVE_INLINE void store(const Vec3<T>& v, const Vec3<T>& change, T m) const {
-    s.nodes.node[i] = {v.x, v.y, v.z, m};
-    if constexpr (C::has_change) s.nodes.change[i] = {change.x, change.y, change.z, T(0)};
-  }
-};
-
-// The bounds of a block of nodes; nodes lighter than a thousandth of the lightest particle are left out.
+// Momentum becomes velocity at the end of the step, force its change. Nodes without a velocity stay zero.
 template <class C, class T>
-NEVE_INLINE void bound(const Step<T>& s, const Vec3<T>& v, const Vec3<T>& change, T m) {
-  constexpr T far = std::numeric_limits<T>::max();
-  T most[8] = {-far, -far, -far, -far, -far, -far, T(0), T(0)};
-  if (m >= s.lightest * T(1e-3)) {
-    for (int k = 0; k < 3; ++k) most[k] = v[k], most[3 + k] = -v[k];
-    if constexpr (C::has_change) most[6] = max(abs(change.x), max(abs(change.y), abs(change.z)));
+NEVE_INLINE void accelerate(const Node<C>& node, Vec3<T>& v, Vec3<T>& change, T& m) {
+  const Step<T>& s = node.s;
+  const Quad<T> q = s.nodes.node[node.i];
+  const T dt = s.constants.step.dt, inverse_m = inverse_mass(q.w);
+  m = q.w;
+  if (!has_velocity(m)) {
+    v = change = Vec3<T>{}, m = T(0);
+    return;
   }
-  const T odd = (v.x - v.x) + (v.y - v.y) + (v.z - v.z) + (m - m);
-  most[7] = odd == T(0) ? T(0) : T(1);
-  block_max<block_nodes>(most);
-  if (threadIdx.x == 0) {
-    s.nodes.bounds[blockIdx.x] = {
-        {-most[3], -most[4], -most[5]}, {most[0], most[1], most[2]}, most[6], most[7] == T(0)};
+  change = s.constants.gravity * dt;
+  if constexpr (C::has_change) {
+    const Quad<T> f = s.nodes.change[node.i];
+    change = {velocity_change(change.x, f.x, inverse_m, dt), velocity_change(change.y, f.y, inverse_m, dt),
+              velocity_change(change.z, f.z, inverse_m, dt)};
   }
+  v = {node_velocity(q.x, inverse_m, change.x), node_velocity(q.y, inverse_m, change.y),
+       node_velocity(q.z, inverse_m, change.z)};
+}
+
+// The solids near the block act on the node; the change keeps what they did.
+template <class C, class T>
+NEVE_INLINE void collide_with(const Node<C>& node, const NearSolids<T>& solids, T m, Vec3<T>& v,
+                              Vec3<T>& change, const Recorder<T, typename C::Number>& recorder) {
+  const auto& step = node.s.constants.step;
+  const Vec3<T> before = v, x = node.x();
+  if constexpr (C::has_play) {
+    Lift<T> lift = node.lift(m);
+    const Vec3<T> lift_before = lift.s;
+    v = collide(solids, x, v, lift, step.skin, step.dt, m, recorder);
+    node.store_lift(lift.s - lift_before);
+  } else {
+    NoLift none;
+    v = collide(solids, x, v, none, step.skin, step.dt, m, recorder);
+  }
+  change = change + (v - before);
 }
 
 template <class C>
 inline void grid_update(const Step<typename C::T>& s) {
   using T = typename C::T;
-  const int n = int(threadIdx.x);
-  const NodeUpdate<C> node{s, std::size_t(blockIdx.x) * block_nodes + threadIdx.x};
+  using N = typename C::Number;
+  const Node<C> node{s, blockIdx.x};
   Vec3<T> v, change;
   T m;
-  node.accelerate(v, change, m);
+  accelerate(node, v, change, m);
   if constexpr (C::has_solids) {
     __shared__ Marks marks;
-    __shared__ BlockExchange exchange;
-    const BlockCoord at = s.nodes.at[blockIdx.x];
-    clear_exchange(exchange);
-    mark_near(s, at, T(1.5), T(3.2), marks);
-    const NearSolids<T> solids{s.solids, s.solid_count, marks};
+    __shared__ BlockExchange<N> exchange;
+    exchange.clear();
+    const NearSolids<T> solids = node.near(marks);
+    if (s.bodies.count != 0 && has_body(solids)) {
+      node.store(v, change, m);
+      if (threadIdx.x == 0) wait_for_bodies(s);
+      return;
+    }
     if (!solids.empty()) {
-      const T dx = s.constants.step.cells.dx;
-      const Vec3<T> x{T(4 * at.x + n / 16) * dx, T(4 * at.y + n / 4 % 4) * dx, T(4 * at.z + n % 4) * dx};
-      node.collide_with(solids, x, m, v, change, Recorder<T>{exchange, s.exchanged, m, true});
+      collide_with(node, solids, m, v, change, Recorder<T, N>{exchange, exchanged_of<C>(s), m, true});
       __syncthreads();
-      publish_exchange(exchange, s.exchanged, s.solid_count);
-    } else if constexpr (C::has_play) {
-      s.nodes.lift[node.i] = Quad<T>{};
+      exchange.publish(exchanged_of<C>(s), s.solid_count);
+    } else {
+      node.store_lift({});
     }
   }
   node.store(v, change, m);
-  bound<C>(s, v, change, m);
+  node.bound(v, change, m);
 }
 
 // The differences of velocity that a home's particles can see: a thread per home.

@@ -23,6 +23,8 @@
   each(refresh, particle_threads, refresh<C>)               \
   each(p2g, home_threads, p2g<C>)                           \
   each(grid_update, block_nodes, grid_update<C>)            \
+  each(body_response, block_nodes, body_response<C>)        \
+  each(meet_bodies, block_nodes, meet_bodies<C>)            \
   each(report_nodes, report_threads, report_nodes<C>)       \
   each(g2p, gather_threads, g2p<C>)                         \
   each(measure_volumes, gather_threads, measure_volumes<C>) \

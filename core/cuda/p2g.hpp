@@ -20,6 +20,14 @@ NEVE_INLINE void each_warp(const Home& home, F&& f) {
   }
 }
 
+// Whether a home may add to its nodes now. Of one colour, the parities of the block's coordinates, no two homes share
+// nodes: if one colour follows another and a home has one warp, sums are made in an order that is always the same.
+template <class T>
+inline bool is_turn_of(const Step<T>& s, const Home& home) {
+  const unsigned colour = unsigned(home.at.x & 1) * 4 + unsigned(home.at.y & 1) * 2 + unsigned(home.at.z & 1);
+  return s.colour == all_colours || s.colour == colour;
+}
+
 template <class C>
 inline void p2g(const Step<typename C::T>& s) {
   using T = typename C::T;
@@ -32,10 +40,11 @@ inline void p2g(const Step<typename C::T>& s) {
   __shared__ Quad<T> tile[tile_nodes], force_tile[C::has_change ? tile_nodes : 1];
   __shared__ Given given[slots * home_threads / warp];
   __shared__ Force forces[C::has_change ? slots * home_threads / warp : 1];
+  const Home& home = s.nodes.homes[blockIdx.x];
+  if (!is_turn_of(s, home)) return;
   clear_tile(tile);
   if constexpr (C::has_change) clear_tile(force_tile);
   __syncthreads();
-  const Home& home = s.nodes.homes[blockIdx.x];
   const auto& step = s.constants.step;
   const auto frame = TileFrame<T>::template of<S>(step, home.at);
   const unsigned first_slot = threadIdx.x / warp * slots;
@@ -72,9 +81,10 @@ inline void scatter_lift(const Step<typename C::T>& s) {
   constexpr int first = 3 * (C::Transfer::modes - 4), slots = slots_of<Given, T>;
   __shared__ Quad<T> tile[tile_nodes];
   __shared__ Given given[slots * home_threads / warp];
+  const Home& home = s.nodes.homes[blockIdx.x];
+  if (!is_turn_of(s, home)) return;
   clear_tile(tile);
   __syncthreads();
-  const Home& home = s.nodes.homes[blockIdx.x];
   const auto frame = TileFrame<T>::template of<S>(s.constants.step, home.at);
   each_warp(home, [&](std::size_t p, int count) {
     const Particle<T> particle{s.particles, p};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "coupling/contacts.hpp"
+#include "cuda/choices.hpp"
 #include "cuda/grid/views.hpp"
 
 namespace neve::cuda {
@@ -57,39 +58,38 @@ inline void mark_near(const Step<T>& s, const BlockCoord& at, T half, T reach, M
 }
 
 // What a block has exchanged with the first few solids is summed in shared memory, so that the sums of a floor, which
-// many touch, meet once a block in memory.
+// many touch, meet once a block in memory. N: a Sum.
 inline constexpr int summed_solids = 4, exchange_numbers = 7;
-struct BlockExchange {
-  double sum[summed_solids][exchange_numbers];
-};
-inline void clear_exchange(BlockExchange& of) {
-  for (unsigned k = threadIdx.x; k < summed_solids * exchange_numbers; k += blockDim.x)
-    of.sum[k / exchange_numbers][k % exchange_numbers] = 0;
-}
-inline void add_number(double* to, double a) {
-  if (a != 0) atomicAdd(to, a);
-}
-inline void add_exchange(double* to, const Exchange& e) {
-  for (int k = 0; k < 3; ++k) add_number(to + k, e.impulse[k]), add_number(to + 3 + k, e.moment[k]);
-  add_number(to + 6, e.work);
-}
 static_assert(sizeof(Exchange) == exchange_numbers * sizeof(double));
 
-// Hand the sums over; a barrier must come before.
-inline void publish_exchange(const BlockExchange& of, Exchange* to, unsigned solids) {
-  for (unsigned k = threadIdx.x; k < summed_solids * exchange_numbers; k += blockDim.x) {
-    const unsigned solid = k / exchange_numbers;
-    if (solid < solids)
-      add_number(reinterpret_cast<double*>(to + solid) + k % exchange_numbers,
-                 of.sum[solid][k % exchange_numbers]);
+template <class N>
+struct BlockExchange {
+  N sum[summed_solids][exchange_numbers];
+
+  // Each thread of a block does its share; a barrier must follow.
+  void clear() {
+    for (unsigned k = threadIdx.x; k < summed_solids * exchange_numbers; k += blockDim.x)
+      sum[k / exchange_numbers][k % exchange_numbers].clear();
   }
+  // Hand the sums over; a barrier must come before.
+  void publish(N* to, unsigned solids) const {
+    for (unsigned k = threadIdx.x; k < min(solids, unsigned(summed_solids)) * exchange_numbers;
+         k += blockDim.x)
+      to[k].add(sum[k / exchange_numbers][k % exchange_numbers]);
+  }
+};
+
+template <class N>
+inline void add_exchange(N* to, const Exchange& e) {
+  for (int k = 0; k < 3; ++k) to[k].add(e.impulse[k]), to[3 + k].add(e.moment[k]);
+  to[6].add(e.work);
 }
 
 // Called with what a solid did to a mass m.
-template <class T>
+template <class T, class N>
 struct Recorder {
-  BlockExchange& sums;
-  Exchange* exchanged;
+  BlockExchange<N>& sums;
+  N* exchanged;
   T m;
   bool counts;  // else it is a trial
 
@@ -98,10 +98,14 @@ struct Recorder {
     if (!met || !counts) return;
     Exchange e;
     record(e, met, m, arm, v_co, before, after);
-    const bool shared = solid.index < summed_solids;
-    add_exchange(shared ? sums.sum[solid.index] : reinterpret_cast<double*>(exchanged + solid.index), e);
+    const int i = solid.index;
+    add_exchange(i < summed_solids ? sums.sum[i] : exchanged + i * exchange_numbers, e);
   }
 };
+template <class C>
+inline typename C::Number* exchanged_of(const Step<typename C::T>& s) {
+  return static_cast<typename C::Number*>(s.exchanged);
+}
 
 // No solids at all.
 template <class T>

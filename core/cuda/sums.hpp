@@ -97,7 +97,8 @@ inline void add_up(const Step<typename C::T>& s) {
   }
   block_sum<sum_threads>(sum);
   if (threadIdx.x == 0) {
-    for (int k = 0; k < 8; ++k) atomicAdd(&s.sums->number[k], sum[k]);
+    auto* to = reinterpret_cast<typename C::Number*>(s.sums->number);
+    for (int k = 0; k < 8; ++k) to[k].add(sum[k]);
   }
 }
 

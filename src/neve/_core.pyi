@@ -10,6 +10,7 @@ for the arrays of State, which are views. A shape other than the one named here 
 else is said.
 """
 
+from collections.abc import Callable
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -288,6 +289,15 @@ class Model(Protocol):
         """Return what a solid's shape is to a device that has its samples at these addresses."""
     def device_solids(self, views: list[int]) -> bytes:
         """Return the solids where they are now, with what `device_view` returned at these addresses."""
+    @property
+    def body_count(self) -> int:
+        """Number of bodies, which the snow moves."""
+    def solve_bodies(self, dt: float, response: Callable[[Array64], Array64]) -> Array64:
+        """Find the velocities of the b bodies after a step of dt [s], (b, 6), and let them move so.
+
+        response(U): impulse and moment of the snow on bodies that move with U (b, 6), and row by row how
+        fast they fall with it, (b, 42). Errors: ValueError for another number of responses.
+        """
     def max_compression(self, strongest: float) -> float:
         """Return how far one step may compress any of the snows, -dt tr grad v [1]; see `Law`."""
     def add_snow(self, law: str, plasticity: str, constants: dict[str, float]) -> None:

@@ -16,9 +16,6 @@ _default_threads = _core.threads()
 class Backend(Protocol):
     """Give the compiled stages of a device (see `numerics.device`)."""
 
-    moves_bodies: bool
-    """Whether the stages find the velocities of bodies that the snow moves."""
-
     def kernels(self, precision: str) -> Precision:
         """Return the compiled stages for numbers of `precision`, "float32" or "float64"."""
         ...
@@ -30,8 +27,6 @@ class Backend(Protocol):
 
 class Cpu:
     """Run on the processor, with vectors and threads."""
-
-    moves_bodies = True
 
     def kernels(self, precision: str) -> Precision:
         """Return the compiled stages for numbers of `precision`, "float32" or "float64"."""

@@ -1,20 +1,20 @@
 """Compile CUDA sources with NVRTC, of the wheel `nvidia-cuda-nvrtc`: no GPU, no driver."""
 
 import ctypes
-import site
 from pathlib import Path
 
 import pytest
 
+from neve.cuda.program import WHEEL, libraries
+
 ROOT = Path(__file__).parents[2]
-WHEEL = "nvidia/**/libnvrtc.so.*"
 
 
 def compiler():
     """Return the library of the wheel; skip where it is not installed."""
-    found = [path for folder in site.getsitepackages() for path in sorted(Path(folder).glob(WHEEL))]
+    found = libraries()
     if not found:
-        pytest.skip("needs NVRTC: pip install nvidia-cuda-nvrtc")
+        pytest.skip(f"needs NVRTC: pip install {WHEEL}")
     return ctypes.CDLL(str(found[0]))
 
 

@@ -13,7 +13,6 @@ from neve.cli import main
 from neve.cuda import driver, program
 from neve.cuda.errors import DeviceError, NoDevice
 from neve.mpm.model import Model
-from neve.scene.errors import SceneError
 from neve.scene.reading.load import scene_from
 from neve.solver import Blowup
 
@@ -57,11 +56,9 @@ def test_auto_without_a_gpu_is_the_processor(no_gpu):
 
 
 def test_auto_with_a_gpu_is_the_gpu(gpu):
-    """But for bodies, which it does not move yet."""
+    """Bodies and all."""
     assert core_of("auto") is not _core.f64
-    assert core_of("auto", bodies=[BODY]) is _core.f64
-    with pytest.raises(SceneError, match='device = "cuda" moves no bodies and robots yet: use "cpu"'):
-        core_of("cuda", bodies=[BODY])
+    assert core_of("auto", bodies=[BODY]) is not _core.f64
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 from neve import _core
 from neve.cuda.layout import step_of
-from neve.cuda.program import Choice, Compiler, compiler, libraries, usage
+from neve.cuda.program import WHEEL, Choice, Compiler, compiler, libraries, usage
 from neve.cuda.state import FIELDS as DEVICE_FIELDS
 from neve.mpm.state import FIELDS
 
@@ -21,7 +21,7 @@ RESIDENT = {"g2p": 128, "p2g": 64, "grid_update": 32}
 def nvrtc():
     """The compiler of the wheel; skip where it is not installed."""
     if not libraries():
-        pytest.skip("needs NVRTC: pip install nvidia-cuda-nvrtc")
+        pytest.skip(f"needs NVRTC: pip install {WHEEL}")
     return compiler((1000, 0))
 
 
@@ -44,7 +44,7 @@ def test_kernels_compile(nvrtc, architecture):
         [sys.executable, "-c", ALONE, str(architecture)], capture_output=True, text=True, check=True
     )
     needs = usage(alone.stdout)
-    assert len(needs) == 20
+    assert len(needs) == 22
     assert {name: need.spilled for name, need in needs.items() if need.spilled} == {}
     assert {
         name: needs[name].registers for name, most in RESIDENT.items() if needs[name].registers > most
@@ -57,7 +57,7 @@ def test_all_that_can_be_chosen_compiles(nvrtc, monkeypatch):
     usual = Compiler.options
     hasty = staticmethod(lambda *arguments: [*usual(*arguments), "--Ofast-compile=max"])
     monkeypatch.setattr(Compiler, "options", hasty)
-    choice = Choice("float64", 1, 3, 27, 31, True, True)
+    choice = Choice("float64", 1, 3, 27, 31, True, True, True)
     _, log = nvrtc.compiled(choice, 90, ctypes.sizeof(step_of("float64")))
     assert all(need.shared <= 48 * 1024 for need in usage(log).values())
 

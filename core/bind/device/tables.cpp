@@ -1,10 +1,12 @@
 // A model as a GPU needs it: its tables as bytes, with the addresses of arrays that lie there.
 #include "bind/device/tables.hpp"
 
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/vector.h>
 
 #include <vector>
 
+#include "coupling/body_solver.hpp"
 #include "cuda/grid/views.hpp"
 #include "mpm/dispatch.hpp"
 
@@ -93,6 +95,41 @@ void bind_device_solids(nb::class_<Model<T>>& c) {
           nb::arg("views"), "The solids where they are now, with their views at these addresses.");
 }
 
+// (n, 6): velocities and angular velocities of bodies.
+inline nb::ndarray<nb::numpy, double> array_of(const std::vector<Twist>& U) {
+  auto* kept = new std::vector<Twist>(U);
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<Twist>*>(p); });
+  return nb::ndarray<nb::numpy, double>(reinterpret_cast<double*>(kept->data()), {U.size(), 6}, owner);
+}
+
+// The responses of n bodies, as somebody else has summed them.
+using ResponseArray = nb::ndarray<const double, nb::shape<-1, 42>, nb::c_contig, nb::device::cpu>;
+inline std::vector<BodyResponse> responses_of(const ResponseArray& a, std::size_t n) {
+  if (a.shape(0) != n) throw nb::value_error("a response of 42 numbers is needed for each body");
+  std::vector<BodyResponse> out(n);
+  static_assert(sizeof(BodyResponse) == 42 * sizeof(double));
+  std::memcpy(out.data(), a.data(), n * sizeof(BodyResponse));
+  return out;
+}
+
+template <class T>
+void bind_device_bodies(nb::class_<Model<T>>& c) {
+  using M = Model<T>;
+  c.def_prop_ro("body_count", [](const M& self) { return self.bodies.solids.size(); })
+      .def(
+          "solve_bodies",
+          [](M& self, double dt, const nb::callable& response) {
+            const auto U = BodyVelocitySolver(self.bodies, dt).solve([&](const std::vector<Twist>& now) {
+              return responses_of(nb::cast<ResponseArray>(response(array_of(now))), now.size());
+            });
+            set_velocities(self.bodies, U, self.solids);
+            return array_of(U);
+          },
+          nb::arg("dt"), nb::arg("response"),
+          "Find the velocities of the bodies after dt, (b, 6), and let them move so. response(U): what the "
+          "snow does to bodies that move with U, (b, 42).");
+}
+
 template <class T>
 void bind_device(nb::module_& m, nb::class_<Model<T>>& c) {
   using M = Model<T>;
@@ -125,6 +162,7 @@ void bind_device(nb::module_& m, nb::class_<Model<T>>& c) {
           "device_snows", [](const M& self) { return bytes_of(self.snows.data(), self.snows.size()); },
           "The material table, as bytes.");
   bind_device_solids<T>(c);
+  bind_device_bodies<T>(c);
 }
 
 template void bind_device(nb::module_&, nb::class_<Model<float>>&);

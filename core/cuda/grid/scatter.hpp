@@ -67,6 +67,7 @@ struct NodeSums {
   NEVE_INLINE void flush(Quad<T>* tile) {
     each_node([&](int e, int i, int j, int k)
                   NEVE_INLINE_LAMBDA { add_to(tile[cell + node_after(i, j, k)], sum[e]); });
+    __syncwarp();  // cells share nodes, which other lanes sum for
   }
 };
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "constitutive/law.hpp"
-#include "coupling/exchange.hpp"
+#include "coupling/body_response.hpp"
 #include "coupling/solid.hpp"
 #include "mpm/block_key.hpp"
 #include "mpm/step_constants.hpp"
@@ -101,20 +101,33 @@ struct Results {
   unsigned offender,
       lost;  // ~ the lowest birth number of a particle that may not move so, or has left; 0: none
   unsigned homes, blocks;
-  unsigned unused;
+  unsigned waiting;  // blocks of nodes that wait for the velocities of bodies
 };
+
+inline constexpr int sum_parts = 4;  // of a sum in a fixed order (grid/sum.hpp)
 
 // Sums over all particles, and what inspect() has seen.
 struct Sums {
-  double number[8];  // mass, momentum, kinetic, affine, elastic, potential energy
-  BlockKey densest;  // density over that of ice as a float, ~ row; 0: none
+  BlockKey number[8 * sum_parts];  // 8 of Sum: mass, momentum, kinetic, affine, elastic, potential energy
+  BlockKey densest;                // density over that of ice as a float, ~ row; 0: none
   unsigned doubtful, unused;
 };
+
+inline constexpr unsigned all_colours = 8;
 
 template <class T>
 struct Constants {
   StepConstants<T> step;
   Vec3<T> gravity;
+};
+
+// What the snow and the bodies that it moves do to each other.
+struct Bodies {
+  int* waiting;            // blocks of nodes that may touch one
+  const double* velocity;  // six numbers of each, as if they moved so
+  void* response;          // a BodyResponse of each, in numbers of Sum
+  unsigned count;
+  unsigned unused;
 };
 
 template <class T>
@@ -124,12 +137,14 @@ struct Step {
   Sorting sorting;
   const Snow* snows;
   const Solid<T>* solids;
-  Exchange* exchanged;  // with each solid
+  void* exchanged;  // with each solid: an Exchange, in numbers of Sum
   Results* results;
   Sums* sums;
+  Bodies bodies;
   unsigned particle_count, home_count, block_count, solid_count, snow_count;
-  int commit;  // g2p: move the particles, not only report
-  T lightest;  // mass of the lightest particle [kg]
+  int commit;       // g2p: move the particles, not only report
+  unsigned colour;  // p2g: of the homes whose turn it is; all_colours: of all
+  T lightest;       // mass of the lightest particle [kg]
   Constants<T> constants;
 };
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 class Cuda(Cpu):
     """Run on the first GPU of NVIDIA; what is not of the step runs on the processor."""
 
-    moves_bodies = False
-
     def kernels(self, precision: str) -> Precision:
         """Return the stages on the GPU. Errors: NoDevice."""
         try:

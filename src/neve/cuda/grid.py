@@ -12,13 +12,15 @@ from neve.cuda.driver import Driver
 from neve.cuda.layout import (
     BLOCK_NODES,
     COORD_BYTES,
-    EXCHANGE_BYTES,
+    EXCHANGE_NUMBERS,
     HOME_BYTES,
     RESULTS,
     Nodes,
     Sorting,
     Table,
     bounds_bytes,
+    sum_bytes,
+    summed,
 )
 from neve.cuda.memory import Buffer
 
@@ -62,8 +64,8 @@ class DeviceGrid:
         count: particles sorted; lightest: mass of the lightest [kg]
     """
 
-    def __init__(self, driver: Driver, precision: str) -> None:
-        self._driver = driver
+    def __init__(self, driver: Driver, precision: str, deterministic: bool = False) -> None:
+        self._driver, self._deterministic = driver, deterministic
         self._bytes = 4 if precision == "float32" else 8
         self._bounds_bytes = bounds_bytes(precision)
         self.current, self.homes, self.blocks, self.count, self.lightest = False, 0, 0, 0, 0.0
@@ -71,7 +73,7 @@ class DeviceGrid:
         self._results = Buffer(driver, RESULTS.itemsize)
         self._parts: dict[str, Buffer] = {}
         self._exchanged = Buffer(driver)
-        self._taken = np.zeros((0, 7))
+        self._taken = np.zeros((0, EXCHANGE_NUMBERS))
 
     def _part(self, name: str, size: int) -> int:
         """Return the address of a part that has room for `size` bytes."""
@@ -134,24 +136,28 @@ class DeviceGrid:
     def exchanged(self, solids: int) -> int:
         """Return where is summed what snow and solids exchange in an attempt at a step."""
         if solids != len(self._taken):
-            self._exchanged.require(EXCHANGE_BYTES * solids)
-            self._taken = np.zeros((solids, 7))
+            self._taken = np.zeros((solids, EXCHANGE_NUMBERS))
+            self._exchanged.require(self._exchanged_bytes)
         return self._exchanged.address
+
+    @property
+    def _exchanged_bytes(self) -> int:
+        return sum_bytes(self._deterministic) * self._taken.size
 
     def begin_attempt(self) -> None:
         """Forget what the last attempt at a step has exchanged: it may have been rejected."""
-        self._driver.fill(self._exchanged.address, 0, self._taken.nbytes)
+        self._driver.fill(self._exchanged.address, 0, self._exchanged_bytes)
 
     def accept_attempt(self) -> None:
         """Count what this attempt has exchanged."""
         if len(self._taken):
-            attempt = np.zeros_like(self._taken)
-            self._driver.download(attempt.ctypes.data, self._exchanged.address, attempt.nbytes)
-            self._taken += attempt
+            raw = np.zeros(self._exchanged_bytes // 8, np.uint64)
+            self._driver.download(raw.ctypes.data, self._exchanged.address, raw.nbytes)
+            self._taken += summed(raw, self._deterministic).reshape(self._taken.shape)
 
     def take_exchanged(self, solids: int) -> NDArray[np.float64]:
         """Return what snow and each solid exchanged since the last call, (solids, 7)."""
-        taken = self._taken if len(self._taken) == solids else np.zeros((solids, 7))
+        taken = self._taken if len(self._taken) == solids else np.zeros((solids, EXCHANGE_NUMBERS))
         self._taken = np.zeros_like(self._taken)
         return taken
 

@@ -44,18 +44,29 @@ RESULTS = np.dtype(
     [("most", np.uint64, len(EXTREMES))]
     + [
         (name, np.uint32)
-        for name in ("not_finite", "drifted", "full", "offender", "lost", "homes", "blocks", "unused")
+        for name in ("not_finite", "drifted", "full", "offender", "lost", "homes", "blocks", "waiting")
     ]
 )
 """`Results`: what stages have found."""
 
+SUM_PARTS = 4
+"""Parts of a sum whose bits depend on no order: whole numbers of units of 2^0, 2^-32, 2^-64, 2^-96."""
 SUMS = np.dtype(
-    [("number", np.float64, 8), ("densest", np.uint64), ("doubtful", np.uint32), ("unused", np.uint32)]
+    [
+        ("number", np.uint64, 8 * SUM_PARTS),
+        ("densest", np.uint64),
+        ("doubtful", np.uint32),
+        ("unused", np.uint32),
+    ]
 )
 """`Sums`: over all particles."""
 
-HOME_BYTES, COORD_BYTES, EXCHANGE_BYTES = 52, 12, 56
-"""Sizes of `Home`, `BlockCoord` and `Exchange`."""
+HOME_BYTES, COORD_BYTES = 52, 12
+"""Sizes of `Home` and `BlockCoord`."""
+EXCHANGE_NUMBERS, RESPONSE_NUMBERS = 7, 42
+"""Numbers of an `Exchange` and of a `BodyResponse`."""
+ALL_COLOURS = 8
+"""All homes may add to their nodes at once."""
 
 
 class Particles(ctypes.Structure):
@@ -98,6 +109,16 @@ class Sorting(ctypes.Structure):
     )
 
 
+class Bodies(ctypes.Structure):
+    """What the snow and the bodies that it moves do to each other."""
+
+    _fields_ = (
+        *((name, _pointer) for name in ("waiting", "velocity", "response")),
+        ("count", _word),
+        ("unused", _word),
+    )
+
+
 @functools.cache
 def step_of(precision: str) -> type[Any]:
     """Return the struct `Step` of "float32" or "float64"."""
@@ -111,8 +132,10 @@ def step_of(precision: str) -> type[Any]:
             ("nodes", Nodes),
             ("sorting", Sorting),
             *((name, _pointer) for name in ("snows", "solids", "exchanged", "results", "sums")),
+            ("bodies", Bodies),
             *((f"{name}_count", _word) for name in ("particle", "home", "block", "solid", "snow")),
             ("commit", _whole),
+            ("colour", _word),
             ("lightest", real),
             ("constants", real * 10),
         )
@@ -123,6 +146,23 @@ def step_of(precision: str) -> type[Any]:
 def bounds_bytes(precision: str) -> int:
     """Return the size of `Bounds`."""
     return 32 if precision == "float32" else 64
+
+
+def sum_bytes(deterministic: bool) -> int:
+    """Return the size of a `Sum`."""
+    return 8 * (SUM_PARTS if deterministic else 1)
+
+
+def summed(raw: NDArray[np.uint64], deterministic: bool) -> NDArray[np.float64]:
+    """Return the numbers of n `Sum`s, given as words, (n,)."""
+    if not deterministic:
+        return raw.view(np.float64)
+    whole = [0] * (len(raw) // SUM_PARTS)
+    for k in range(SUM_PARTS):
+        units = raw[k::SUM_PARTS].view(np.int64).tolist()
+        whole = [(a << 32) + unit for a, unit in zip(whole, units, strict=True)]
+    scale = 1 << 32 * (SUM_PARTS - 1)
+    return np.array([a / scale for a in whole])  # of two whole numbers: rounded once
 
 
 def decoded(ordered: NDArray[np.uint64]) -> NDArray[np.float64]:

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 class DeviceModel:
     """The core's own model, which all is asked of, and its tables on the GPU."""
 
-    def __init__(self, driver: Driver, native: Model, precision: str) -> None:
+    def __init__(self, driver: Driver, native: Model, precision: str, deterministic: bool = False) -> None:
         self.native = native
-        self._driver, self._precision = driver, precision
+        self._driver, self._precision, self._deterministic = driver, precision, deterministic
         self._snows, self._solids = (b"", Buffer(driver)), (b"", Buffer(driver))
         self._samples: dict[int, list[Buffer]] = {}
         self._views: dict[int, Buffer] = {}
@@ -30,7 +30,7 @@ class DeviceModel:
     @property
     def choice(self) -> Choice:
         """What the kernels of this model are compiled for."""
-        return Choice(self._precision, *self.native.device_choice)
+        return Choice(self._precision, *self.native.device_choice, self._deterministic)
 
     def kernels(self) -> Module:
         """Return the kernels, compiled at their first use. Errors: NoDevice, DeviceError."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 import ctypes
 import functools
 import hashlib
+import importlib.util
 import re
-import site
 import sys
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,11 +36,14 @@ class Choice(NamedTuple):
     laws: int
     solids: bool
     play: bool
+    deterministic: bool = False
 
     def words(self) -> str:
         """Return the arguments of the template."""
         real = "float" if self.precision == "float32" else "double"
-        flags = ", ".join("true" if flag else "false" for flag in (self.solids, self.play))
+        flags = ", ".join(
+            "true" if flag else "false" for flag in (self.solids, self.play, self.deterministic)
+        )
         return f"{real}, {self.spline}, {self.transfer}, {self.modes}, {self.laws}u, {flags}"
 
 
@@ -141,8 +144,9 @@ def usage(log: str) -> dict[str, Usage]:
 def libraries() -> list[Path]:
     """Return the NVRTC libraries of the wheels that are installed."""
     pattern = "nvrtc64_*.dll" if sys.platform == "win32" else "libnvrtc.so.*"
-    folders = [*site.getsitepackages(), site.getusersitepackages()]
-    found = [path for folder in folders for path in sorted(Path(folder).glob(f"nvidia/**/{pattern}"))]
+    spec = importlib.util.find_spec("nvidia")  # wherever Python finds packages, PYTHONPATH included
+    folders = spec.submodule_search_locations if spec else None
+    found = [path for folder in folders or () for path in sorted(Path(folder).glob(f"**/{pattern}"))]
     return [path for path in found if "alt" not in path.name]
 
 

@@ -6,11 +6,13 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from neve.cuda.bodies import DeviceBodies
 from neve.cuda.driver import Driver
 from neve.cuda.errors import DriverError
 from neve.cuda.grid import DeviceGrid, solids_of
-from neve.cuda.layout import EXTREMES, decoded, step_of
+from neve.cuda.layout import ALL_COLOURS, EXTREMES, decoded, step_of
 from neve.cuda.model import DeviceModel
 from neve.cuda.state import DeviceState
 from neve.cuda.sums import DeviceTotals, Sums
@@ -19,7 +21,7 @@ from neve.solver import Blowup
 if TYPE_CHECKING:
     from neve._core import Precision
 
-PARTICLE_THREADS, HOME_THREADS, NODE_THREADS, SCAN_THREADS = 128, 128, 64, 256
+PARTICLE_THREADS, HOME_THREADS, NODE_THREADS, SCAN_THREADS, WARP = 128, 128, 64, 256, 32
 """Threads of a block, as in `core/cuda/kernels.hpp`."""
 _NOBODY = 0xFFFFFFFF
 
@@ -52,13 +54,16 @@ class DeviceGridReport(NamedTuple):
 class CudaStages:
     """The objects and stages of one precision on a GPU. What is not of the step is the core's own."""
 
-    def __init__(self, driver: Driver, core: Precision, precision: str) -> None:
+    def __init__(self, driver: Driver, core: Precision, precision: str, deterministic: bool = False) -> None:
         self._driver, self._core, self._precision = driver, core, precision
+        self._deterministic = deterministic
         self._step = step_of(precision)()
-        self._scratch = DeviceGrid(driver, precision)
+        self._step.colour = ALL_COLOURS
+        self._scratch = self.Grid()
+        self._bodies = DeviceBodies(driver, deterministic)
         self._real = np.float32 if precision == "float32" else np.float64
         self._filled: dict[str, Any] = {}
-        self._sums = Sums(driver)
+        self._sums = Sums(driver, deterministic)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._core, name)
@@ -67,7 +72,9 @@ class CudaStages:
 
     def Model(self, *arguments: Any, **named: Any) -> DeviceModel:
         """Make a model without snows and solids."""
-        return DeviceModel(self._driver, self._core.Model(*arguments, **named), self._precision)
+        return DeviceModel(
+            self._driver, self._core.Model(*arguments, **named), self._precision, self._deterministic
+        )
 
     def State(self, count: int, more_modes: int = 0) -> DeviceState:
         """Make `count` particles at rest. Errors: DeviceError."""
@@ -75,7 +82,7 @@ class CudaStages:
 
     def Grid(self) -> DeviceGrid:
         """Make an empty grid."""
-        return DeviceGrid(self._driver, self._precision)
+        return DeviceGrid(self._driver, self._precision, self._deterministic)
 
     # Stages
 
@@ -115,9 +122,21 @@ class CudaStages:
         for address in (step.nodes.node, step.nodes.change, step.nodes.lift):
             if address:
                 self._driver.fill(address, 0, grid.node_bytes)
-        self._launch(model, "p2g", grid.homes, HOME_THREADS)
+        self._scatter(model, "p2g", grid)
         if step.nodes.lift:
-            self._launch(model, "scatter_lift", grid.homes, HOME_THREADS)
+            self._scatter(model, "scatter_lift", grid)
+
+    def _scatter(self, model: DeviceModel, name: str, grid: DeviceGrid) -> None:
+        """Let all homes add to their nodes; in an order that is always the same if that is asked for.
+
+        Homes of one colour share no nodes, and one warp makes the sums of a home one after another.
+        """
+        if not self._deterministic:
+            self._launch(model, name, grid.homes, HOME_THREADS)
+            return
+        for self._step.colour in range(ALL_COLOURS):
+            self._launch(model, name, grid.homes, WARP)
+        self._step.colour = ALL_COLOURS
 
     def volumes_from_grid(self, model: DeviceModel, state: DeviceState, grid: DeviceGrid) -> None:
         """Take each particle's rest volume from the density on the grid. Errors: ValueError."""
@@ -131,7 +150,12 @@ class CudaStages:
         self._constants(model, grid, dt)
         solids_of(model, grid, step)
         grid.begin_attempt()
+        step.bodies.count = model.native.body_count
+        if step.bodies.count:
+            self._bodies.fill(step.bodies, grid.blocks)
         self._launch(model, "grid_update", grid.blocks, NODE_THREADS)
+        if step.bodies.count:
+            self._move_bodies(model, grid, dt)
         self._each(model, "report_nodes", grid.homes)
         results = self._results(grid, "grid")
         most = self._extremes(results)
@@ -141,6 +165,18 @@ class CudaStages:
             math.sqrt(3.0) * most["node_change"],
             not results["not_finite"],
         )
+
+    def _move_bodies(self, model: DeviceModel, grid: DeviceGrid, dt: float) -> None:
+        """Let the snow of the blocks that wait and the bodies find their common velocities."""
+        bodies, waiting = self._bodies, int(self._results(grid, "grid")["waiting"])
+
+        def response(U: NDArray[np.float64]) -> NDArray[np.float64]:
+            bodies.move(U)
+            self._launch(model, "body_response", waiting, NODE_THREADS)
+            return bodies.response()
+
+        bodies.move(model.native.solve_bodies(dt, response))
+        self._launch(model, "meet_bodies", waiting, NODE_THREADS)
 
     def g2p(
         self, model: DeviceModel, state: DeviceState, grid: DeviceGrid, dt: float, commit: bool = True

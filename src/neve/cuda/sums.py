@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from neve.cuda.driver import Driver
-from neve.cuda.layout import SUMS
+from neve.cuda.layout import SUMS, summed
 from neve.cuda.memory import Buffer
 
 
@@ -25,8 +25,8 @@ class DeviceTotals(NamedTuple):
 class Sums:
     """Where kernels sum up."""
 
-    def __init__(self, driver: Driver) -> None:
-        self._driver = driver
+    def __init__(self, driver: Driver, deterministic: bool) -> None:
+        self._driver, self._deterministic = driver, deterministic
         self._buffer = Buffer(driver, SUMS.itemsize)
 
     def clear(self) -> int:
@@ -42,7 +42,8 @@ class Sums:
 
     def totals(self) -> DeviceTotals:
         """Return the sums of `add_up`."""
-        mass, px, py, pz, kinetic, affine, elastic, potential = self.read()["number"].tolist()
+        numbers = summed(self.read()["number"], self._deterministic)[:8]
+        mass, px, py, pz, kinetic, affine, elastic, potential = numbers.tolist()
         return DeviceTotals(mass, [px, py, pz], kinetic, affine, elastic, potential)
 
     def densest(self) -> tuple[int, float] | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from neve.backend import Cpu, backend
+from neve.backend import backend
 from neve.build import PlacedSolids
 from neve.colliders.solid import Solid
 from neve.cuda.errors import DeviceError
@@ -38,7 +38,7 @@ class Model(PlacedSolids):
         solids: Sequence[Solid],
         rigid: CoupledBodies | None = None,
     ) -> None:
-        self.core = _stages(numerics, any(solid.motion == "dynamic" for solid in solids))
+        self.core = _stages(numerics)
         self.numerics = numerics
         self.snows = tuple(snows)
         native = self.core.Model(
@@ -64,20 +64,10 @@ class Model(PlacedSolids):
         self.max_compression = self.native.max_compression(strongest)
 
 
-def _stages(numerics: Numerics, bodies: bool) -> Precision:
-    """Return the compiled stages of the scene's device.
-
-    bodies: whether the snow moves some of the solids. Errors: SceneError if the device cannot do it.
-    """
-    on = backend(numerics.device)
-    if bodies and not on.moves_bodies:
-        if numerics.device != "auto":
-            raise SceneError(
-                f'numerics.device = "{numerics.device}" moves no bodies and robots yet: use "cpu"'
-            )
-        on = Cpu()
+def _stages(numerics: Numerics) -> Precision:
+    """Return the compiled stages of the scene's device. Errors: SceneError if it cannot be used."""
     try:
-        return on.kernels(numerics.precision)
+        return backend(numerics.device).kernels(numerics.precision)
     except DeviceError as error:
         raise SceneError(str(error)) from None
 
