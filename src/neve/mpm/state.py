@@ -55,7 +55,7 @@ def from_arrays(
 
     Errors: ValueError for an array of another shape, or of numbers of another kind.
     """
-    columns = {field.name: arrays[field.name] for field in FIELDS}  # one by one: `arrays` may say what it lacks
+    columns = {field.name: arrays[field.name] for field in FIELDS}  # one by one: it may say what it lacks
     if modes is not None:
         columns["modes"] = modes
     state = core.State(len(columns["m"]), columns["modes"].shape[1])
