@@ -16,8 +16,11 @@ _default_threads = _core.threads()
 class Backend(Protocol):
     """Give the compiled stages of a device (see `numerics.device`)."""
 
-    def kernels(self, precision: str) -> Precision:
-        """Return the compiled stages for numbers of `precision`, "float32" or "float64"."""
+    def kernels(self, precision: str, deterministic: bool = False) -> Precision:
+        """Return the compiled stages for numbers of `precision`, "float32" or "float64".
+
+        deterministic: whether runs must repeat bit for bit (see `numerics.deterministic`)
+        """
         ...
 
     def use_threads(self, count: int | None) -> None:
@@ -28,8 +31,8 @@ class Backend(Protocol):
 class Cpu:
     """Run on the processor, with vectors and threads."""
 
-    def kernels(self, precision: str) -> Precision:
-        """Return the compiled stages for numbers of `precision`, "float32" or "float64"."""
+    def kernels(self, precision: str, deterministic: bool = False) -> Precision:
+        """Return the compiled stages for numbers of `precision`; they always repeat."""
         return {"float32": _core.f32, "float64": _core.f64}[precision]
 
     def use_threads(self, count: int | None) -> None:

@@ -18,23 +18,23 @@ if TYPE_CHECKING:
 class Cuda(Cpu):
     """Run on the first GPU of NVIDIA; what is not of the step runs on the processor."""
 
-    def kernels(self, precision: str) -> Precision:
+    def kernels(self, precision: str, deterministic: bool = False) -> Precision:
         """Return the stages on the GPU. Errors: NoDevice."""
         try:
             gpu = driver()
             compiler(gpu.version)
         except NoDevice as error:
             raise NoDevice(f'numerics.device = "cuda" needs a GPU: {error}; use "cpu" or "auto"') from None
-        return cast("Precision", CudaStages(gpu, super().kernels(precision), precision))
+        return cast("Precision", CudaStages(gpu, super().kernels(precision), precision, deterministic))
 
 
 class Auto(Cuda):
     """Run on the GPU if there is one that can be used, else on the processor."""
 
-    def kernels(self, precision: str) -> Precision:
+    def kernels(self, precision: str, deterministic: bool = False) -> Precision:
         """Return the stages on the GPU, or those of the processor."""
         try:
-            return super().kernels(precision)
+            return super().kernels(precision, deterministic)
         except NoDevice as error:
             logging.getLogger("neve").debug("the step runs on the processor: %s", error)
             return Cpu().kernels(precision)

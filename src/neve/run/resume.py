@@ -9,7 +9,16 @@ from pathlib import Path
 from neve.io.assets import same_content
 from neve.io.errors import RunError
 
-FREE = ("about", "camera", "light", "numerics.device", "run.duration", "run.film", "run.fragments")
+FREE = (
+    "about",
+    "camera",
+    "light",
+    "numerics.deterministic",
+    "numerics.device",
+    "run.duration",
+    "run.film",
+    "run.fragments",
+)
 """Keys whose values may differ between the scene of a run and the scene that it is resumed with."""
 
 

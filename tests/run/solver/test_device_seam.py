@@ -14,10 +14,10 @@ class Counting(Cpu):
 
     asked = None
 
-    def kernels(self, precision):
+    def kernels(self, precision, deterministic=False):
         """Return the stages of the processor."""
         self.asked.append(precision)
-        return super().kernels(precision)
+        return super().kernels(precision, deterministic)
 
     def use_threads(self, count):
         """Set the threads of the processor."""

@@ -65,6 +65,12 @@ class Numerics(Part):
 
     method: Method = entry(METHODS.names()[0], f"How snow is simulated. {METHODS.meaning()}.", "")
     device: Device = entry(DEVICES.names()[0], f"Where the step is computed. {DEVICES.meaning()}.", "")
+    deterministic: Switch = entry(
+        False,
+        "Whether runs on one GPU repeat bit for bit: all sums are made in a fixed order, which takes time. "
+        "On the processor runs always repeat.",
+        "",
+    )
     dx: Real = entry(
         0.05, "Grid spacing; half of it means eight times as many particles.", "m", ge=SHORTEST, le=1000
     )
