@@ -150,14 +150,16 @@ def geo(
     step: tuple[float, ...] = (10.0, 10.0),
     keys: dict[int, int] | None = None,
     matrix: tuple[float, float, float, float] | None = None,
+    corner: tuple[float, float] = (5e5, 5.2e6),
 ) -> dict[int, tuple[int, Any]]:
-    """Tags of a place: pixels of `step`, or X = a i + b j, Y = d i + e j with `matrix` (a, b, d, e); keys."""
+    """Tags of a place: pixels of `step`, or X = a i + b j, Y = d i + e j with `matrix` (a, b, d, e), from the
+    north-western `corner`; keys."""
     known = {1024: 1, 1025: 1, 3072: 32632, 3076: 9001} if keys is None else keys
     flat = [1, 1, 0, len(known), *(word for key in sorted(known) for word in (key, 0, 1, known[key]))]
     tags: dict[int, tuple[int, Any]] = {34735: (SHORT, flat)}
     if matrix is not None:
         a, b, d, e = matrix
-        full = [a, b, 0.0, 5e5, d, e, 0.0, 5.2e6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+        full = [a, b, 0.0, corner[0], d, e, 0.0, corner[1], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
         return tags | {34264: (DOUBLE, full)}
-    ties = [0.0, 0.0, 0.0, 5e5, 5.2e6, 0.0]
+    ties = [0.0, 0.0, 0.0, *corner, 0.0]
     return tags | {33550: (DOUBLE, [*step, 0.0]), 33922: (DOUBLE, ties)}

@@ -109,6 +109,14 @@ void bind_motion(nb::class_<Model<T>>& c) {
        },
        nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
       .def(
+          "set_belt",
+          [](M& self, std::size_t i, const In<double, nb::shape<3>>& velocity) {
+            self.solids.at(i).belt = vec<T>(velocity);
+          },
+          nb::arg("index"), nb::arg("velocity"),
+          "Let the flat faces of a solid move along themselves like a belt: its velocity past the solid, in "
+          "the axes of the world.")
+      .def(
           "make_dynamic",
           [](M& self, std::size_t i) {
             self.solids.at(i).body = int(self.bodies.solids.size());

@@ -50,13 +50,14 @@ inline Vec3<T> angular(const double* u) {
   return {T(u[3]), T(u[4]), T(u[5])};
 }
 
-// The velocity of a solid's surface at `arm` from its centre, if bodies move with U.
+// The velocity of a solid's surface at `arm` from its centre, where its unit normal is n, if bodies move with U.
 template <class R>
-inline Vec3<R> surface_velocity(const Solid<scalar_t<R>>& solid, const double* U, const Vec3<R>& arm) {
+inline Vec3<R> surface_velocity(const Solid<scalar_t<R>>& solid, const double* U, const Vec3<R>& arm,
+                                const Vec3<R>& n) {
   using T = scalar_t<R>;
   const double* u = solid.body < 0 ? nullptr : U + 6 * solid.body;
   const Vec3<T> V = u ? linear<T>(u) : solid.velocity, w = u ? angular<T>(u) : solid.omega;
-  return spread<R>(V) + cross(spread<R>(w), arm);
+  return spread<R>(V) + cross(spread<R>(w), arm) + solid.belt_along(n);
 }
 
 // Add what masses m do to a body that has changed their velocity from `before` to `after`; `play`: before.

@@ -41,7 +41,8 @@ Moved<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename Block
   Lift<R> lift = nodes.lift;
   for (std::size_t e = nodes.begin; e < nodes.end; ++e) {
     const auto& contact = all.contacts[e];
-    const Vec3<R> v_co = surface_velocity(*contact.solid, U.front().data(), contact.arm), before = v;
+    const Vec3<R> before = v;
+    const Vec3<R> v_co = surface_velocity(*contact.solid, U.front().data(), contact.arm, contact.facing.n);
     const Play<R> play = lift.play(contact.facing.n);
     v = meet(*contact.solid, contact.inside, contact.facing, v_co, v, lift);
     visit(contact, before, play, v_co, v);

@@ -115,7 +115,7 @@ template <class Solids, class R, class L, class F>
 inline Vec3<R> collide(const Solids& solids, const Vec3<R>& x, Vec3<R> v, L& lift, scalar_t<R> skin,
                        scalar_t<R> dt, R m, F&& exchanged) {
   each_holding(solids, x, m, skin, [&](const auto& solid, const Vec3<R>& normal, const auto& inside) {
-    const Vec3<R> before = v, v_co = solid.velocity_at(x);
+    const Vec3<R> before = v, v_co = solid.surface_velocity_at(x, normal);
     v = meet(solid, inside, facing(solid, x, normal, before - v_co, splat<R>(dt)), v_co, v, lift);
     exchanged(solid, inside, x - spread<R>(solid.centre), v_co, before, v);
   });

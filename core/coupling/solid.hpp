@@ -14,12 +14,25 @@ struct Solid : PlacedShape<T> {
   T mu_c;
   Vec3<T> velocity;
   Vec3<T> omega;  // [rad/s]
+  Vec3<T>
+      belt{};  // velocity of the surface past the solid, as of a conveyor belt; zero unless its faces are flat [m/s]
   T margin{};  // how far outside nodes count as held: a solid thinner than a cell would slip between them [m]
   int body = -1;  // row among the bodies; below zero: a collider
 
   template <class R>
   Vec3<R> velocity_at(const Vec3<R>& x) const {
     return spread<R>(velocity) + cross(spread<R>(omega), x - spread<R>(this->centre));
+  }
+  // What the belt adds to that where the unit normal is n: its part along the face.
+  template <class R>
+  Vec3<R> belt_along(const Vec3<R>& n) const {
+    const Vec3<R> u = spread<R>(belt);
+    return u - n * dot(u, n);
+  }
+  // The velocity of the surface, which snow rubs on, where the unit normal is n.
+  template <class R>
+  Vec3<R> surface_velocity_at(const Vec3<R>& x, const Vec3<R>& n) const {
+    return velocity_at(x) + belt_along(n);
   }
 };
 

@@ -70,7 +70,8 @@ inline void move_past(const Solids& solids, const Vec3<R>& x, Vec3<R>& v, Vec3<R
     const auto met = inside | (impact.at <= splat<R>(1));
     if (!any(met)) continue;
     impact.at = select(inside, R{}, impact.at);
-    const Vec3<R> place = x + way * select(met, impact.at, R{}), v_co = solid.velocity_at(place), before = v;
+    const Vec3<R> place = x + way * select(met, impact.at, R{}), before = v;
+    const Vec3<R> v_co = solid.surface_velocity_at(place, impact.normal);
     // with play it is the nodes that hold snow back
     const ContactMode mode = has_play(solid.mode, solid.mu_c) ? ContactMode::separate : solid.mode;
     const Facing<R> there =

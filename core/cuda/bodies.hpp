@@ -66,7 +66,7 @@ inline void meet_all(const Node<C>& node, const NearSolids<T>& solids, T m, Vec3
   each_holding(solids, x, m, skin, [&](const Solid<T>& solid, const Vec3<T>& normal, bool inside) {
     const Facing<T> there = facing_before(solid, x, normal, v_free, lift.dt);
     const Vec3<T> arm = x - solid.centre, before = v;
-    const Vec3<T> v_co = surface_velocity(solid, s.bodies.velocity, arm);
+    const Vec3<T> v_co = surface_velocity(solid, s.bodies.velocity, arm, normal);
     const Play<T> play = lift.play(normal);
     v = meet(solid, inside, there, v_co, v, lift);
     visit(solid, normal, arm, play, v_co, before, v);

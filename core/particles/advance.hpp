@@ -72,7 +72,7 @@ class Advance {
     const R zero = splat<R>(0);
     const Surface<R> surface = neve::surface(solid, x);
     const R gap = surface.phi - r, room = max(gap, zero) * (T(1) / dt_);
-    const Vec3<R> v_co = solid.velocity_at(x), n = surface.normal;
+    const Vec3<R> n = surface.normal, v_co = solid.surface_velocity_at(x, n);
     const Vec3<R> sped = v + n * room;  // of zero along n: it just arrives
     const auto held = gap <= T(0), met = here & ((dot(sped - v_co, n) < T(0)) | held);
     if (!any(met)) return;

@@ -332,6 +332,12 @@ class Model(Protocol):
         [m/s]; omega (3,) [1/s]
         Errors: IndexError for a solid that is not there.
         """
+    def set_belt(self, index: int, velocity: Array64) -> None:
+        """Let the flat faces of solid `index` move along themselves like a belt; at first they do not.
+
+        velocity: of the surface past the solid, in the axes of the world (3,) [m/s]; its part along a face's
+        normal does not count. Meant for planes and boxes. Errors: IndexError for a solid that is not there.
+        """
     def make_dynamic(self, index: int) -> None:
         """Let snow move solid `index`; the order of the calls is the order of the bodies.
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from neve.colliders.motion import pose
 from neve.colliders.solid import Solid, solid_of
 from neve.geometry.pose import Pose
+from neve.reproducible import product
 from neve.sampling import Samples, filled
 from neve.sampling.carving import carved
 from neve.sampling.draping import draped, height_over
@@ -20,8 +21,8 @@ from neve.sampling.overlaps import Filled, without_overlaps
 from neve.sampling.room import expected, require_room_for_all
 from neve.scene.checks.joined import joined_warnings
 from neve.scene.errors import SceneError
+from neve.scene.schema.file_shapes import Layer
 from neve.scene.schema.scene import Collider, Scene, Snow, Source
-from neve.scene.schema.shapes import Layer
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
@@ -97,8 +98,9 @@ class PlacedSolids:
                 native.make_dynamic(i)
         self._reach = np.array([solid.reach for solid in self.solids])
         self._centres = np.zeros((len(self.solids), 3))
+        self._belts = [math.hypot(*collider.surface_velocity) for collider in self.colliders]
         for i, collider in enumerate(self.colliders):
-            self._place(i, pose(collider, 0.0))
+            self._place_collider(i, collider, 0.0)
         self.place_solids(0.0)
 
     def distance(self, i: int, x: NDArray[np.float64]) -> NDArray[Any]:
@@ -124,19 +126,25 @@ class PlacedSolids:
 
     def place_solids(self, time: float) -> None:
         """Put what moves where its script has it at `time` [s], and every rigid body where it is."""
-        self.solid_speed = 0.0
+        self.solid_speed = max(self._belts, default=0.0)
         for i, collider in enumerate(self.colliders):
             if self.solids[i].motion != "static":
-                self._place(i, pose(collider, time))
+                self._place_collider(i, collider, time)
         if self.rigid:
             for i, p in enumerate(self.rigid.poses(), len(self.colliders)):
                 self._place(i, p)
             self.native.set_body_dynamics(self.rigid.mobility(), self.rigid.free_acceleration())
 
-    def _place(self, i: int, p: Pose) -> None:
+    def _place_collider(self, i: int, collider: Collider, time: float) -> None:
+        p = pose(collider, time)
+        if self._belts[i]:
+            self.native.set_belt(i, product(p.rotation, np.array(collider.surface_velocity)))
+        self._place(i, p, self._belts[i])
+
+    def _place(self, i: int, p: Pose, belt: float = 0.0) -> None:
         self._centres[i] = p.position
         self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
-        self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p))
+        self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p) + belt)
 
     @property
     def solids_move(self) -> bool:
@@ -165,7 +173,7 @@ def samples_of(scene: Scene, placed: PlacedSolids, indices: Sequence[int]) -> li
 def _filled(scene: Scene, source: Source, placed: PlacedSolids, index: int) -> Filled:
     """Fill a source, on the ground if it lies there."""
     name = f"sources.{index}"
-    samples, space = filled(scene.completed(source), scene.numerics, index)
+    samples, space = filled(scene.completed(source), scene.numerics, index, scene.colliders)
     lift = None
     if isinstance(source, Layer) and source.on == "terrain":
         native = placed.native

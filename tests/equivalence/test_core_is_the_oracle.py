@@ -5,6 +5,8 @@ own, strain inside and beyond the yield limits, spin, and eight solids (every sh
 turning) around a cloud that crosses the origin, so that negative coordinates are half of it.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from reference import contact, modes, snow, splines, step
@@ -26,7 +28,18 @@ def rotation(seed):
     return snow.rotation(np.random.default_rng(seed).standard_normal((1, 3, 3)))[0]
 
 
+BELTS = {1: (0.3, -0.9, 0.4), 2: (0.8, 0.5, -1.1), 3: (-0.6, 0.0, 0.7)}
+"""Velocities of the surfaces of some of the bodies past them [m/s]: a plane and two boxes."""
+
+
 def bodies():
+    """All shapes and modes, at rest and moving, some with belts."""
+    return tuple(
+        replace(body, belt=np.array(BELTS.get(i, (0, 0, 0)), float)) for i, body in enumerate(solids())
+    )
+
+
+def solids():
     at = np.array
     return (
         contact.Body(

@@ -13,10 +13,11 @@ from neve.export.solids import FAR, MOST_HEIGHTS, surfaces
 from neve.geometry.heights import thinned, triangulated
 from neve.render.path_tracing.solids import _field
 from neve.scene.reading.load import load
+from neve.scene.schema.file_shapes import Layer
 from neve.scene.schema.shapes import FORMULAS
 from neve.scene.schema.surfaces import COLUMNS, ROWS
 
-CLOSED = [shape for shape in FORMULAS if not shape.endless]
+CLOSED = [shape for shape in (*FORMULAS, Layer) if not shape.endless]
 
 VOLUMES = {
     "box": 8.0,

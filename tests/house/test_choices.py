@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from neve.run.outputs.registry import BUILT_IN
+from neve.scene.schema.file_shapes import Layer
 from neve.scene.schema.shapes import FORMULAS
 from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
 
@@ -49,7 +50,7 @@ def test_a_law_a_transfer_and_a_spline_stand_in_two_files(word):
     assert 1 <= len(found) <= 2, found
 
 
-@pytest.mark.parametrize("word", [shape.model_fields["shape"].default for shape in FORMULAS])
+@pytest.mark.parametrize("word", [shape.model_fields["shape"].default for shape in (*FORMULAS, Layer)])
 def test_a_shape_stands_in_four_files(word):
     """Four: its class, its distance in the core, and two for what only this shape can do."""
     texts = {path: text for path, text in sources("core", "src/neve").items() if path.suffix != ".js"}

@@ -25,6 +25,7 @@ class Body:
     rotation: np.ndarray = field(default_factory=lambda: np.eye(3))
     velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     omega: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    belt: np.ndarray = field(default_factory=lambda: np.zeros(3))  # of plane and box: of the surface past it
 
     def distance(self, x):
         """Return phi [m] (n,), negative inside, and the normal n = grad phi (n, 3)."""
@@ -33,6 +34,9 @@ class Body:
 
     def velocity_at(self, x):
         return self.velocity + np.cross(self.omega, x - self.position)
+
+    def surface_velocity_at(self, x, n):
+        return self.velocity_at(x) + self.belt - (n @ self.belt)[:, None] * n
 
     @property
     def has_play(self):
@@ -117,7 +121,8 @@ def respond(v, lift, x, bodies, dt, dx):
     for body in bodies:
         phi, n = body.distance(x)
         on = phi <= SKIN * dx + body.margin(dx)
-        n, v_co = n[on], body.velocity_at(x[on])
+        n = n[on]
+        v_co = body.surface_velocity_at(x[on], n)
         ahead = half_a_step_on(body, x[on], n, v[on] - v_co, np.full((on.sum(), 1), dt))
         if not body.has_play:
             v[on] = v_co + relative(v[on] - v_co, n, ahead, body.mode, body.mu_c)
@@ -137,7 +142,7 @@ def turned(v, x, n, ahead, body):
 
     What leaves a surface with play is held by the nodes.
     """
-    v_co = body.velocity_at(x)
+    v_co = body.surface_velocity_at(x, n)
     return v_co + relative(v - v_co, n, ahead, "separate" if body.has_play else body.mode, body.mu_c)
 
 

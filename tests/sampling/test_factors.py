@@ -11,9 +11,8 @@ from neve.mpm.initial import build
 from neve.sampling import fill
 from neve.sampling.regions import region
 from neve.scene.reading.load import scene_from
-from neve.scene.schema.file_shapes import Text
+from neve.scene.schema.file_shapes import Layer, Text
 from neve.scene.schema.scene import Numerics, Profile, Source, Variation
-from neve.scene.schema.shapes import Layer
 
 NAMES = ("stiffness", "strength", "density")
 SPACING = 0.02

@@ -113,7 +113,9 @@ def materials(sim):
 def bodies(sim):
     """Copy the colliders at the simulation's time into the oracle."""
     out = []
-    for solid, pose in sim.solids():
+    colliders = sim.scene.colliders
+    for i, (solid, pose) in enumerate(sim.solids()):
+        belt = np.array(colliders[i].surface_velocity if i < len(colliders) else (0.0, 0.0, 0.0))
         size = {
             "plane": lambda half: (),
             "box": lambda half: tuple(2 * half),
@@ -121,7 +123,7 @@ def bodies(sim):
             "cylinder": lambda half: (half[0], 2 * half[2]),
         }[solid.shape](solid.half)
         parts = (np.asarray(a, float) for a in (pose.position, pose.rotation, pose.velocity, pose.omega))
-        out.append(contact.Body(solid.shape, solid.mode, solid.mu_c, size, *parts))
+        out.append(contact.Body(solid.shape, solid.mode, solid.mu_c, size, *parts, pose.rotation @ belt))
     return tuple(out)
 
 

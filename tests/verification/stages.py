@@ -50,6 +50,7 @@ class Lab:
         place = (body.position, body.rotation, body.velocity, body.omega)
         index = self.solids = getattr(self, "solids", -1) + 1
         self.model.place_solid(index, *(np.ascontiguousarray(a, dtype=float) for a in place))
+        self.model.set_belt(index, np.ascontiguousarray(body.belt, dtype=float))
 
     def make_room(self):
         """Give the particles the columns that a surface with play needs."""

@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve import _core
-from neve.geometry.maps.arrays import read_array
-from neve.geometry.maps.ascii_grid import read_ascii_grid
 from neve.geometry.maps.found import Map
-from neve.geometry.maps.hgt import read_hgt
-from neve.geometry.maps.pictures import read_picture
-from neve.geometry.maps.tiff import read_tiff
+from neve.geometry.maps.reading import read_map
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.files import where
-from neve.scene.schema.file_shapes import MAPS, Terrain
+from neve.scene.schema.file_shapes import Terrain
 
 if TYPE_CHECKING:
     from neve._core import HeightField
@@ -40,18 +35,6 @@ LONELY = 500.0
 """Units between such a number and the next larger one."""
 TURNED = 0.01
 """Degrees to which a rotation that the scene states is that of the file."""
-READERS: dict[str, Callable[[Path, str], Map]] = {
-    ".png": read_picture,
-    ".tif": read_tiff,
-    ".tiff": read_tiff,
-    ".asc": read_ascii_grid,
-    ".hgt": read_hgt,
-    ".npy": read_array,
-}
-assert set(READERS) == set(MAPS)
-PICTURES = (".png", ".tif", ".tiff")
-PNG, TIFF = b"\x89PNG\r\n\x1a\n", (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-"""How such files begin (PNG; TIFF 6.0 and BigTIFF in both orders of bytes)."""
 
 
 def height_field(terrain: Terrain, name: str) -> HeightField:
@@ -64,7 +47,7 @@ def height_field(terrain: Terrain, name: str) -> HeightField:
     """
     key = f"{name}.file = {json.dumps(terrain.file, ensure_ascii=False)}"
     path = where(terrain.file, "terrains")
-    found = _reader(path)(path, key)
+    found = read_map(path, key)
     shape = found.values.shape
     if len(shape) != 2 or min(shape) < 2:
         axes = f"{len(shape)} axes" if len(shape) != 2 else f"{shape[0]} x {shape[1]} numbers"
@@ -72,27 +55,13 @@ def height_field(terrain: Terrain, name: str) -> HeightField:
     if max(shape) > MAX_SIDE:
         raise SceneError(f"{key} has a side of {max(shape):,} heights, more than {MAX_SIDE:,}: cut the map")
     _require_whole(found, key)
-    size = _size(terrain, found, name, key)
+    size = extent(terrain, found, name, key)
     heights = found.values * (found.unit * terrain.height / (found.full or 1.0))
     if max(np.abs(heights).max(), size.max()) > FARTHEST:
         raise SceneError(f"{key} reaches beyond 1e6 m: set {name}.size, or a smaller {name}.height")
     for doubt in (*found.doubts, *_doubts(terrain, found, heights, size, name)):
         warnings.warn(f"{key} {doubt}", SceneWarning, stacklevel=2)
     return _core.geometry.HeightField(np.ascontiguousarray(heights, dtype=np.float32), size)
-
-
-def _reader(path: Path) -> Callable[[Path, str], Map]:
-    """Return the reader of a file, by its ending; of pictures, by what they are whatever they are called."""
-    suffix = path.suffix.lower()
-    if suffix in PICTURES:
-        try:
-            with path.open("rb") as file:
-                begin = file.read(8)
-        except OSError:  # told by the reader
-            begin = b""
-        if begin == PNG or begin[:4] in TIFF:
-            return read_picture if begin == PNG else read_tiff
-    return READERS[suffix]
 
 
 def _require_whole(found: Map, key: str) -> None:
@@ -112,7 +81,7 @@ def _require_whole(found: Map, key: str) -> None:
         )
 
 
-def _size(terrain: Terrain, found: Map, name: str, key: str) -> Array:
+def extent(terrain: Terrain, found: Map, name: str, key: str) -> Array:
     """Return the extent along x and y [m]: that of the scene, or of the file.
 
     Errors: SceneError if there is none, or if the file is turned and the scene does not say so.

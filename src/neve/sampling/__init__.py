@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -14,7 +15,7 @@ from neve.sampling.regions import Region, region
 from neve.sampling.room import require_room
 from neve.sampling.structure import chunks
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Numerics, Source
+from neve.scene.schema.scene import Collider, Numerics, Source
 
 __all__ = ["Samples", "fill", "filled"]
 
@@ -47,26 +48,28 @@ class Samples:
         return Samples(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
 
-def fill(source: Source, numerics: Numerics, index: int) -> Samples:
+def fill(source: Source, numerics: Numerics, index: int, colliders: Sequence[Collider] = ()) -> Samples:
     """Return the particles in `source`, the scene's source number `index`; see `filled`."""
-    return filled(source, numerics, index)[0]
+    return filled(source, numerics, index, colliders)[0]
 
 
-def filled(source: Source, numerics: Numerics, index: int) -> tuple[Samples, Region]:
+def filled(
+    source: Source, numerics: Numerics, index: int, colliders: Sequence[Collider] = ()
+) -> tuple[Samples, Region]:
     """Place particles in `source`, the scene's source number `index`, and return the space that it fills.
 
     On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and
     moves with v = velocity + spin x (x - center). Its factors are described in `neve.sampling.factors`. With
     `structure = "chunks"` some are left out, see `neve.sampling.structure`: those that the outline does
     not hold, and so many of the others that the rest have the same mass each. Equal arguments give equal
-    bits.
+    bits. `colliders`: of the scene, on whose terrain a mask may lie.
 
-    Errors: SceneError if the source is too small or too large for dx, its font lacks a letter, or its
-    mesh has no inside.
+    Errors: SceneError if the source is too small or too large for dx, its font lacks a letter, its mesh has
+    no inside, or its mask no snow.
     """
     name = f"sources.{index}"
     spacing = numerics.spacing
-    space = region(source, numerics, name)
+    space = region(source, numerics, name, colliders)
     require_room(space.size, space.volume, numerics, name)
     rng = np.random.default_rng([numerics.seed, index])
     if numerics.sampling == "poisson":

@@ -22,7 +22,8 @@ def particles_of(scene: Scene) -> float:
     """
     spacing = scene.numerics.spacing
     return sum(
-        region(source, scene.numerics, f"sources.{i}").volume for i, source in enumerate(scene.sources)
+        region(source, scene.numerics, f"sources.{i}", scene.colliders).volume
+        for i, source in enumerate(scene.sources)
     ) / (spacing**3)
 
 
@@ -34,7 +35,7 @@ def placed_in(scene: Scene) -> float:
     """
     numerics, total = scene.numerics, 0.0
     for i, source in enumerate(scene.sources):
-        space = region(source, numerics, f"sources.{i}")
+        space = region(source, numerics, f"sources.{i}", scene.colliders)
         edges = space.size / numerics.spacing
         fitted = edges if numerics.sampling == "poisson" else np.maximum(np.rint(edges), 1.0)
         total += space.volume / float(np.prod(space.size)) * float(np.prod(fitted))

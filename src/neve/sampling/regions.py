@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.colliders.motion import pose
+from neve.geometry.masks.parts import MaskedPart, Under, masked
 from neve.geometry.pose import rotation_matrix
 from neve.reproducible import product
 from neve.sampling.filling import MeshSpace, mesh_space
 from neve.sampling.lettering import Letters, letters
-from neve.scene.schema.file_shapes import Mesh, Text
-from neve.scene.schema.scene import Numerics, Source
+from neve.scene.schema.file_shapes import Layer, Mesh, Terrain, Text
+from neve.scene.schema.scene import Collider, Numerics, Source
 from neve.scene.schema.shapes import Shape
 
 Array = NDArray[np.float64]
@@ -46,13 +48,15 @@ class Region:
     middle: Array = field(default_factory=lambda: np.zeros(3))
 
 
-def region(source: Source, numerics: Numerics, name: str) -> Region:
+def region(source: Source, numerics: Numerics, name: str, colliders: Sequence[Collider] = ()) -> Region:
     """Return the space that `source` fills, with details finer than the particles' distance.
 
-    `name`: used in messages.
+    `name`: used in messages; `colliders`: of the scene, on whose terrain a mask may lie.
 
-    Errors: SceneError for letters that the font does not have, or a mesh that cannot be filled.
+    Errors: SceneError for letters that the font does not have, or a mesh or a mask that cannot be filled.
     """
+    if isinstance(source, Layer) and source.mask:
+        return _masked(source, masked(source, _under(source, colliders), name))
     if isinstance(source, Mesh):
         return _mesh(source, mesh_space(source, numerics, name))
     if isinstance(source, Text):
@@ -67,6 +71,32 @@ def region(source: Source, numerics: Numerics, name: str) -> Region:
         inside=source.within,
         depth=lambda x: source.depth_of(half, x),
         lowest=source.lowest_of(half, float(center[2]), axes[2]),
+    )
+
+
+def _under(layer: Layer, colliders: Sequence[Collider]) -> Under | None:
+    """Return the first terrain if the layer lies on one."""
+    for i, collider in enumerate(colliders if layer.on == "terrain" else ()):
+        if isinstance(collider, Terrain):
+            return Under(collider, f"colliders.{i}", pose(collider, 0.0))
+    return None
+
+
+def _masked(layer: Layer, part: MaskedPart) -> Region:
+    """Return the space of a layer with a mask, in the axes of the world, from the middle of its box."""
+    middle, half = 0.5 * (part.low + part.high), 0.5 * part.deepest
+
+    def above(x: Array) -> Array:
+        return np.asarray(part.depths(x[:, :2] + middle) - (x[:, 2] + half))
+
+    return Region(
+        center=np.array([*middle, layer.base + half]),
+        rotation=np.eye(3),
+        size=np.array([*(part.high - part.low), part.deepest]),
+        volume=part.volume,
+        inside=lambda x: above(x) > 0.0,
+        depth=lambda x: np.maximum(above(x), 0.0),
+        lowest=layer.base,
     )
 
 

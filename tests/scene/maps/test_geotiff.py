@@ -183,7 +183,7 @@ def test_a_size_of_the_scene_counts(tmp_path: Path) -> None:
 )
 def test_degrees_are_refused_with_their_size(keys: dict[int, int], tmp_path: Path) -> None:
     """At 46.5 degrees a degree is 76,763 m by 111,161 m (WGS 84): 29 x 19 pixels of 0.001 degrees."""
-    tags = geo((0.001, 0.001), keys) | {33922: (DOUBLE, [0.0, 0.0, 0.0, 7.0, 46.5095, 0.0])}
+    tags = geo((0.001, 0.001), keys) | {33922: (DOUBLE, [0.0, 0.0, 0.0, 7.0, 46.51, 0.0])}
     path = tiffs.write(tmp_path / "map.tif", heights().astype(np.float32), tags=tags)
     with pytest.raises(
         SceneError, match=r"measures its pixels in degrees: .* set size = \[2226\.12, 2112\.06\]"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.geometry.maps.found import Map, in_degrees, require_size, unreadable
+from neve.geometry.maps.found import Map, Place, in_degrees, require_size, unreadable
 from neve.geometry.maps.well_known import Units, units_of
 from neve.scene.errors import SceneError
 
@@ -35,8 +35,21 @@ class _Header:
     rows: int
     step: tuple[float, float]
     missing: float
-    latitude: float | None
-    """Of the middle of the map, if its numbers are degrees."""
+    corner: tuple[float, float]
+    """Middle of the south-western cell; NaN where the header does not say."""
+
+    @property
+    def latitude(self) -> float | None:
+        """Of the middle of the map, if its numbers are degrees."""
+        found = self.corner[1] + 0.5 * (self.rows - 1) * self.step[1]
+        return None if math.isnan(found) else found
+
+    def place(self, unit: float) -> Place | None:
+        """Return where the map lies in its system, whose lengths are `unit` [m]; of degrees, 1."""
+        if not all(map(math.isfinite, self.corner)):
+            return None
+        (dx, dy), (x, y) = self.step, self.corner
+        return Place(unit * np.array([[dx, 0.0, x], [0.0, dy, y]]))
 
 
 def read_ascii_grid(path: Path, key: str) -> Map:
@@ -64,9 +77,10 @@ def read_ascii_grid(path: Path, key: str) -> Map:
     heights = values.reshape(head.rows, head.columns)[::-1].T
     if units.horizontal is None:
         told = in_degrees(head.latitude, head.step, heights.shape)
-        return Map(heights, None, unit=units.vertical, no_size=told)
+        return Map(heights, None, unit=units.vertical, no_size=told, place=head.place(1.0))
     pixel = (head.step[0] * units.horizontal, head.step[1] * units.horizontal)
-    return Map(heights, None, pixel, units.vertical, doubts=units.doubts)
+    place = head.place(units.horizontal)
+    return Map(heights, None, pixel, units.vertical, doubts=units.doubts, place=place)
 
 
 def _head(text: bytes, key: str) -> tuple[_Header, int]:
@@ -121,17 +135,12 @@ def _checked(found: dict[str, str], key: str) -> _Header:
         raise SceneError(
             f"{key} is no Esri ASCII grid: its header has no length as cellsize, or as dx and dy"
         )
-    rows = int(number["nrows"])
-    south = number.get("yllcenter", number.get("yllcorner", math.nan) + 0.5 * step[1])
-    latitude = south + 0.5 * (rows - 1) * step[1]
-    missing = number.get("nodata_value", float(NO_DATA))
-    return _Header(
-        int(number["ncols"]),
-        rows,
-        (step[0], step[1]),
-        missing,
-        None if math.isnan(latitude) else latitude,
+    west, south = (
+        number.get(f"{axis}llcenter", number.get(f"{axis}llcorner", math.nan) + 0.5 * length)
+        for axis, length in zip("xy", step, strict=True)
     )
+    missing = number.get("nodata_value", float(NO_DATA))
+    return _Header(int(number["ncols"]), int(number["nrows"]), (step[0], step[1]), missing, (west, south))
 
 
 def _number(word: str, name: str, key: str) -> float:

@@ -24,6 +24,20 @@ EARTH, FLATTENING = 6378137.0, 1.0 / 298.257223563
 
 
 @dataclass(frozen=True)
+class Place:
+    """Say where the samples of a map lie in its coordinate system.
+
+    Attributes:
+        matrix: the middle of sample (i, j) of `Map.values` is at matrix @ (i, j, 1), (2, 3), x to the east
+            and y to the north [m], or longitude and latitude [degrees]
+        system: EPSG code of the system; 0 if the file states none
+    """
+
+    matrix: Array
+    system: int = 0
+
+
+@dataclass(frozen=True)
 class Map:
     """Hold what a file says of the ground.
 
@@ -35,6 +49,7 @@ class Map:
         turn: from the east to the x axis of the map, anticlockwise [degrees]
         no_size: end of the sentence that says why there is no `pixel`
         doubts: ends of sentences about the file to warn of
+        place: in a coordinate system; None if the file does not say
     """
 
     values: Array
@@ -44,6 +59,7 @@ class Map:
     turn: float = 0.0
     no_size: str = NO_METRES
     doubts: tuple[str, ...] = ()
+    place: Place | None = None
 
 
 def full_range(bits: int) -> float | None:

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from neve.geometry.maps.epsg import units_by_code
-from neve.geometry.maps.found import NO_METRES, Array, Map, in_degrees
+from neve.geometry.maps.found import NO_METRES, Array, Map, Place, in_degrees
 from neve.geometry.maps.well_known import Units, silent_heights
 from neve.scene.errors import SceneError
 
@@ -17,6 +17,7 @@ PIXEL_SCALE, TIE_POINTS, TRANSFORMATION = 33550, 33922, 34264
 GEO_KEYS, GEO_DOUBLES, GDAL_METADATA = 34735, 34736, 42112
 """Numbers of tags (OGC 19-008r4, section 7; GDAL's own)."""
 MODEL_TYPE, PROJECTED, GEOGRAPHIC, GEOCENTRIC = 1024, 1, 2, 3
+RASTER_TYPE, IS_POINT = 1025, 2
 GEOGRAPHIC_SYSTEM, PROJECTED_SYSTEM, VERTICAL_SYSTEM = 2048, 3072, 4096
 ANGULAR_UNITS, LINEAR_UNITS, LINEAR_SIZE, VERTICAL_UNITS = 2054, 3076, 3077, 4099
 DEGREE, USER_DEFINED = 9102, 32767
@@ -57,8 +58,8 @@ def placed(
 ) -> Map:
     """Return the map of `rows` of numbers (from the top of the file) with its axes to east and north.
 
-    X = a i + b j + c, Y = d i + e j + f for column i and row j. Whether a pixel is an area or a point shifts
-    the whole map by half a pixel and does not count here.
+    X = a i + b j + c, Y = d i + e j + f for column i and row j: of the middle of a pixel that is a point, of
+    the corner of one that is an area, whose middle is half a pixel further (OGC 19-008r4, section 7.1.1).
 
     Errors: SceneError for a unit that is not known.
     """
@@ -72,22 +73,36 @@ def placed(
         doubts = (*doubts, "has pixels of a negative height: its first row is taken for the northernmost")
     units = _units(page, key)
     unit, doubts = stated or units.vertical, doubts if stated else doubts + units.doubts
-    turned, (a, b, d, e) = _to_the_north(values, transform)
+    turned, transform = _to_the_north(values, _of_middles(page, transform))
+    a, b, _, d, e, _ = transform
     step = (math.hypot(a, d), math.hypot(b, e))
     if abs(a * b + d * e) > STRAIGHT * step[0] * step[1]:
         return Map(turned.T, full, unit=unit, no_size="has pixels that are no rectangles", doubts=doubts)
     angle = math.degrees(math.atan2(d, a))
     angle = 0.0 if abs(angle) < math.degrees(STRAIGHT) else angle
     heights = np.ascontiguousarray(turned.T)
+    place = _place(page, transform, units.horizontal or 1.0)
     if units.horizontal is None:
         shape = (heights.shape[0], heights.shape[1])
-        middle = transform[5] + 0.5 * (
-            transform[3] * (rows.shape[1] - 1) + transform[4] * (rows.shape[0] - 1)
-        )
+        middle = transform[5] + 0.5 * (transform[3] * (shape[0] - 1) + transform[4] * (shape[1] - 1))
         told = in_degrees(middle if _are_degrees(page) else None, step, shape)
-        return Map(heights, full, unit=unit, turn=angle, no_size=told, doubts=doubts)
+        return Map(heights, full, unit=unit, turn=angle, no_size=told, doubts=doubts, place=place)
     pixel = (step[0] * units.horizontal, step[1] * units.horizontal)
-    return Map(heights, full, pixel, unit, angle, doubts=doubts)
+    return Map(heights, full, pixel, unit, angle, doubts=doubts, place=place)
+
+
+def _of_middles(page: Any, transform: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the transform that leads to the middles of the pixels."""
+    a, b, c, d, e, f = transform
+    half = 0.0 if _keys(page).get(RASTER_TYPE) == IS_POINT else 0.5
+    return a, b, c + half * (a + b), d, e, f + half * (d + e)
+
+
+def _place(page: Any, transform: tuple[float, ...], unit: float) -> Place:
+    """Return where the middles of the pixels are; unit: of the system's lengths [m], 1 for degrees."""
+    keys = _keys(page)
+    code = int(keys.get(PROJECTED_SYSTEM, keys.get(GEOGRAPHIC_SYSTEM, 0)))
+    return Place(unit * np.reshape(transform, (2, 3)), code if code != USER_DEFINED else 0)
 
 
 def _numbers(page: Any, number: int) -> tuple[float, ...]:
@@ -115,18 +130,18 @@ def _transform(page: Any) -> tuple[tuple[float, ...] | None, str]:
     return None, NO_METRES
 
 
-def _to_the_north(
-    rows: Array, transform: tuple[float, ...]
-) -> tuple[Array, tuple[float, float, float, float]]:
-    """Return rows from south to north of numbers from west to east, and the steps a, b, d, e of those."""
-    a, b, _, d, e, _ = transform
+def _to_the_north(rows: Array, transform: tuple[float, ...]) -> tuple[Array, tuple[float, ...]]:
+    """Return rows from south to north of numbers from west to east, and the transform of those."""
+    a, b, c, d, e, f = transform
     if abs(a) + abs(e) < abs(b) + abs(d):
         rows, a, b, d, e = rows.T, b, a, e, d
     if a < 0.0:
-        rows, a, d = rows[:, ::-1], -a, -d
+        across = rows.shape[1] - 1
+        rows, a, d, c, f = rows[:, ::-1], -a, -d, c + across * a, f + across * d
     if e < 0.0:
-        rows, b, e = rows[::-1], -b, -e
-    return rows, (a, b, d, e)
+        up = rows.shape[0] - 1
+        rows, b, e, c, f = rows[::-1], -b, -e, c + up * b, f + up * e
+    return rows, (a, b, c, d, e, f)
 
 
 def _oriented(rows: Array, orientation: int) -> Array:

@@ -8,13 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
-from neve.geometry.maps.found import Map, degree, require_size, unreadable
+from neve.geometry.maps.found import Map, Place, degree, require_size, unreadable
 from neve.scene.errors import SceneError
 
 VOID = -32768
 """Stands for a missing height (SRTM Topography, document of the data, section 2.1.2 [M])."""
 SIDES = {1201: "3 arc seconds", 3601: "1 arc second"}
 """Samples along a side of a tile of one degree."""
+WGS84 = 4326
+"""EPSG code of longitude and latitude on that ellipsoid."""
 PLACE = re.compile(r"([NS])(\d{2})([EW])(\d{3})(?![0-9])", re.IGNORECASE)
 """Latitude and longitude of the south-west corner, with which a file's name begins."""
 
@@ -50,5 +52,8 @@ def read_hgt(path: Path, key: str) -> Map:
     if place is None or int(place[2]) > 89:
         return Map(values, None, no_size="has a name that says no place, as N46E007.hgt does")
     south = int(place[2]) * (1 if place[1].upper() == "N" else -1)
+    west = int(place[4]) * (1 if place[3].upper() == "E" else -1)
     east, north = degree(south + 0.5)
-    return Map(values, None, (east / (side - 1), north / (side - 1)))
+    step = 1.0 / (side - 1)
+    matrix = np.array([[step, 0.0, west], [0.0, step, south]])
+    return Map(values, None, (east * step, north * step), place=Place(matrix, WGS84))

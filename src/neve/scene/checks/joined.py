@@ -15,7 +15,7 @@ MOST_ALIKE = 3
 NAMED = 3
 """How many of the others are named."""
 _PART = re.compile(r"\b(sources|colliders|bodies|robots|outputs)\.\d+")
-_FILE = re.compile(r'\b(file|font) = "(?:[^"\\]|\\.)*"')
+_FILE = re.compile(r'\b(file|font|mask) = "(?:[^"\\]|\\.)*"')
 _NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
 
 

@@ -1,4 +1,4 @@
-"""Find the files that a scene names: fonts, meshes, height maps. Any list of parts may name some."""
+"""Find the files that a scene names: fonts, meshes, height maps, masks. Any list of parts may name some."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from neve.spelling import hint, nearest
 ASSETS = Path(__file__).parents[2] / "assets"
 OWN = "neve:"
 """What begins the name of a file that comes with Neve."""
-KEYS = ("font", "file")
+KEYS = ("font", "file", "mask")
 """The keys that name files."""
 
 

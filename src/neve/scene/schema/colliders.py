@@ -32,6 +32,13 @@ class Collider(Surface, Role):
 
     velocity: Rate3 = entry(ZERO, "Constant velocity.", "m/s")
     spin: Rate3 = entry(ZERO, "Constant angular velocity about its centre (of a plane: its point).", "rad/s")
+    surface_velocity: Rate3 = entry(
+        ZERO,
+        "Velocity of the surface past a box or a plane, as of a conveyor belt, along the solid's own axes; "
+        "what is normal to a face does not count there. Snow rubs on the surface or sticks to it; the solid "
+        "stays.",
+        "m/s",
+    )
     keyframes: tuple[Keyframe, ...] = entry(
         (),
         "Positions and rotations at increasing times; the collider rests before the first and after the "
@@ -45,6 +52,8 @@ class Collider(Surface, Role):
             raise wrong("velocity", "cannot be combined with keyframes; leave one of them out")
         if self.keyframes and self.spin != ZERO:
             raise wrong("spin", "cannot be combined with keyframes; leave one of them out")
+        if self.surface_velocity != ZERO and not self.has_flat_faces:
+            raise wrong("surface_velocity", "needs flat faces, as a box or a plane has; turn others by spin")
         check_times(self.keyframes)
         return self
 

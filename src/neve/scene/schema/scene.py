@@ -11,9 +11,9 @@ from neve.registry import DEVICES, METHODS
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
 from neve.scene.schema.camera import Camera, CameraKeyframe, unknown
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
+from neve.scene.schema.file_shapes import Layer
 from neve.scene.schema.material import Overrides, Snow, most_strength, problem, strength_rule
 from neve.scene.schema.outputs import OutputEntry, conflict
-from neve.scene.schema.shapes import Layer
 from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.schema.sources import AnySource, Profile, Source, Variation
 from neve.scene.values.choices import (

@@ -15,18 +15,14 @@ from neve.scene.schema import surfaces
 from neve.scene.values.fields import (
     ZERO,
     Angle3,
-    Coordinate,
     Length,
     Part,
-    Point2,
     Point3,
-    Size2,
     Size3,
     entry,
     norm,
     wrong,
 )
-from neve.scene.values.outline import area_of, crossing, holds
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -44,12 +40,14 @@ class Shape(Part):
     Attributes:
         roles: what it can be
         endless: whether it has no bounds, as the ground
+        has_flat_faces: whether its surface is planes, along which a belt can run
         place_key: its key for the origin of its frame
         geom: what the rigid-body engine, MuJoCo, calls it; "" if it has no such shape
     """
 
     roles: ClassVar[tuple[str, ...]] = ROLES
     endless: ClassVar[bool] = False
+    has_flat_faces: ClassVar[bool] = False
     place_key: ClassVar[str] = "center"
     geom: ClassVar[str] = ""
 
@@ -142,6 +140,7 @@ class Plane(Shape):
 
     roles = ("collider",)
     endless = True
+    has_flat_faces = True
     place_key = "point"
     geom = "PLANE"
     unit_surface = staticmethod(surfaces.square)
@@ -175,6 +174,7 @@ class Plane(Shape):
 class Box(Shape):
     """Fill a box or a plate."""
 
+    has_flat_faces = True
     geom = "BOX"
 
     shape: Literal["box"] = entry("box", "A box or a plate, such as the blade of a plow.")
@@ -317,82 +317,5 @@ class Cylinder(Shape):
         return [float(size[0]), float(size[0]), float(size[1])]
 
 
-MOST_CORNERS = 1000
-"""Of the outline of a layer."""
-
-
-class Layer(Shape):
-    """Spread a layer of even depth, whose surface is its top, flat or on the ground."""
-
-    roles = ("source",)
-
-    shape: Literal["layer"] = entry("layer", "A layer with upright sides.")
-    center: Point2 = entry((0.0, 0.0), "Centre of the layer seen from above.", "m")
-    size: Size2 = entry((2.0, 2.0), "Extent along x and y; not used with an outline.", "m")
-    depth: Length = entry(0.2, "Thickness of the layer, measured upright, on a slope as well.", "m")
-    base: Coordinate = entry(
-        0.0, "Height of the layer's underside: over z = 0, or on terrain over the ground.", "m"
-    )
-    on: Literal["level", "terrain"] = entry(
-        "level",
-        '"level": flat at the height `base`; "terrain": it follows the ground below it, the highest of all '
-        "terrains and planes among the colliders. The volume is that of the flat layer.",
-        "",
-    )
-    outline: tuple[Point2, ...] = entry(
-        (), "Corners of the layer seen from above, measured from its center, in order; left out, `size`.", "m"
-    )
-
-    @model_validator(mode="after")
-    def _check_outline(self) -> Layer:
-        if not self.outline:
-            return self
-        if not 3 <= len(self.outline) <= MOST_CORNERS:
-            raise wrong("outline", f"must have 3 to {MOST_CORNERS} corners; it has {len(self.outline)}")
-        if found := crossing(np.array(self.outline)):
-            raise wrong("outline", f"crosses itself: its sides from the corners {found[0]} and {found[1]} do")
-        if not area_of(np.array(self.outline)) > 0:
-            raise wrong("outline", "must have an area: its corners lie on a line")
-        return self
-
-    @property
-    def _bounds(self) -> tuple[Array, Array]:
-        """Its lowest and highest x and y, from its center [m], (2,) each."""
-        corners, half = np.array(self.outline), 0.5 * np.array(self.size)
-        return (corners.min(axis=0), corners.max(axis=0)) if self.outline else (-half, half)
-
-    @property
-    def place(self) -> Vector:
-        """Its middle, half of its depth above its base."""
-        x, y = (float(v) for v in np.array(self.center) + 0.5 * np.add(*self._bounds))
-        return x, y, self.base + 0.5 * self.depth
-
-    def half_extents(self) -> Vector:
-        """Return half of its extent along x and y and half of its depth [m]."""
-        a, b = (float(v) for v in 0.5 * np.subtract(*self._bounds[::-1]))
-        return a, b, 0.5 * self.depth
-
-    def volume(self) -> float:
-        """Return its area seen from above times its depth [m3]."""
-        return area_of(np.array(self.outline)) * self.depth if self.outline else super().volume()
-
-    def within(self, x: Array) -> NDArray[np.bool_]:
-        """Return which points `x` [m] (n, 3) of its box, from the middle of it, its outline holds, (n,)."""
-        if not self.outline:
-            return super().within(x)
-        return holds(np.array(self.outline), x[:, :2] + 0.5 * np.add(*self._bounds))
-
-    def thinnest(self) -> tuple[str, float] | None:
-        """Return its depth or its shorter side [m]."""
-        if self.outline:
-            return "depth", self.depth
-        return min(("depth", self.depth), ("size", min(self.size)), key=lambda pair: pair[1])
-
-    @staticmethod
-    def depth_of(half: Array, x: Array) -> Array:
-        """Return the distance from its top [m]."""
-        return np.asarray(half[2] - x[:, 2])
-
-
-FORMULAS: tuple[type[Shape], ...] = (Plane, Box, Sphere, Cylinder, Layer)
+FORMULAS: tuple[type[Shape], ...] = (Plane, Box, Sphere, Cylinder)
 """The shapes that are given by a formula."""

@@ -101,7 +101,7 @@ def _control(field: FieldInfo, value: Any) -> Control | None:
     """Return what a page needs to draw a control for `field`, None for a table or a list of tables."""
     extra = field.json_schema_extra
     if isinstance(extra, dict) and "suffixes" in extra:
-        own = [f"{OWN}{name}" for name in own_files(str(extra["folder"]))] if extra["folder"] else []
+        own = [f"{OWN}{name}" for name in own_files(str(extra["folder"]))] if extra["folder"] else [""]
         return {"control": "choice", "choices": list(dict.fromkeys([*own, value]))}
     return _widget(kind_of(field.annotation, list(field.metadata)))
 

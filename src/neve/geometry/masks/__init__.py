@@ -1,0 +1,1 @@
+"""Masks of layers: pictures and rasters that say where snow lies, or how deep."""
