@@ -10,8 +10,9 @@ SPHERE = {"shape": "sphere", "radius": 0.1, "center": [0.02, 0.01, 0.33], "veloc
 
 
 def compared(*bodies, **numerics):
-    """Run bodies that fall into snow on both devices, and compare; the one of the processor."""
-    document = {**scene(FLOOR, source=BLOCK, **numerics), "bodies": list(bodies)}
+    """Run bodies that fall into snow on a belt on both devices, and compare; the one of the processor."""
+    belt = {**FLOOR, "surface_velocity": [0.5, 0, 0]}
+    document = {**scene(belt, source=BLOCK, **numerics), "bodies": list(bodies)}
     cpu, gpu = (advanced(document, device, calls=5) for device in ("cpu", "cuda"))
     assert_same(cpu, gpu, 1e-11)
     rigid, other = cpu.solver.model.rigid, gpu.solver.model.rigid

@@ -61,7 +61,7 @@ def test_cubic_spline_and_play(some_gpu):
 
 
 SHAPES = {
-    "box": {"size": [1, 1, 0.2], "center": [0, 0, -0.1], "mode": "sticky"},
+    "box": {"size": [1, 1, 0.2], "center": [0, 0, -0.1], "mode": "sticky", "surface_velocity": [2, -1, 3]},
     "sphere": {"radius": 0.5, "center": [0, 0, -0.5], "mu_c": 0.2, "spin": [0, 60, 0]},
     "cylinder": {"radius": 0.3, "height": 1.0, "center": [0, 0, -0.5], "mode": "slip", "mu_c": 0.0},
 }
@@ -69,7 +69,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("shape", list(SHAPES))
 def test_each_shape_of_collider(some_gpu, shape):
-    """Each with another mode of contact; the ball turns."""
+    """Each with another mode of contact; the ball turns, and the box is a belt."""
     sim = compared(scene({"shape": shape, **SHAPES[shape]}))
     assert np.abs(sim.exchanged).max() > 1
 
