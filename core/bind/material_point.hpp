@@ -55,6 +55,30 @@ nb::tuple svd(const Matrices<T>& F) {
   return nb::make_tuple(U, S, V);
 }
 
+template <class T>
+nb::tuple isotropic_function_of(const Matrices<T>& F, const In<T, nb::shape<-1, 3>>& y) {
+  const std::size_t n = F.shape(0);
+  if (y.shape(0) != n) throw nb::value_error("F and y differ in length");
+  T *e, *out;
+  auto E = fresh<T>(e, {n, 3});
+  auto Y = fresh<T>(out, {n, 3, 3});
+  constexpr std::size_t L = lane_count<T>;
+  for (std::size_t p = 0; p < n; p += L) {
+    const int count = static_cast<int>(std::min(L, n - p));
+    const auto spectrum = spectrum3(matrices<T>(F.data() + 9 * p, count));
+    Vec3<Lanes<T>> at{};
+    for (int l = 0; l < count; ++l) {
+      for (int k = 0; k < 3; ++k) {
+        const std::size_t place = 3 * (p + static_cast<std::size_t>(l)) + static_cast<std::size_t>(k);
+        at[k][l] = y.data()[place];
+        e[place] = spectrum.e[k][l];
+      }
+    }
+    write_matrices<T>(out + 9 * p, full(isotropic_function(spectrum, at)), count);
+  }
+  return nb::make_tuple(E, Y);
+}
+
 template <class T, class S>
 nb::tuple weights_of(const Reals<T>& x) {
   const std::size_t n = x.shape(0), K = S::nodes;
@@ -134,6 +158,10 @@ template <class T>
 void bind_material_point(nb::module_& m) {
   m.attr("lanes") = lane_count<T>;
   m.def("svd", &svd<T>, nb::arg("F"), "Polar SVD of F (n, 3, 3): rotations U and V, singular values (n, 3).");
+  m.def("isotropic_function", &isotropic_function_of<T>, nb::arg("F"), nb::arg("y"),
+        "Eigenvalues (n, 3) of F^T F - I, the one that stands apart first, and the symmetric matrices (n, 3, "
+        "3) "
+        "with its eigenvectors and the eigenvalues y (n, 3).");
   m.def(
       "weights",
       [](const std::string& spline, const Reals<T>& x) {

@@ -231,22 +231,27 @@ struct CamClay : HenckyFlow {
 
   template <class R>
   static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
-    const Svd3<R> svd = svd3<false>(F_trial);
-    const Vec3<R> trial = HenckyElasticity::log_strain(svd.strain);
+    return with_stretches(F_trial,
+                          [&](const auto& at) NEVE_INLINE_LAMBDA { return map_stretches(at, J_P, q); });
+  }
+
+  template <class S, class R>
+  NEVE_INLINE static Mapped<R> map_stretches(const S& at, const R& J_P, const Parameters<R>& q) {
+    const Vec3<R> trial = HenckyElasticity::log_strain(at.strain);
     const auto split = SplitStrain<R>::of(trial);
     const auto h = Hardening<R>::of(J_P, q);
     const R size = sinh_positive(h.bounded(h.start));
     const auto flows = Projection<R>::trial(-split.volume, split.shear, size, q).outside();
-    Mapped<R> out{F_trial, min(q.J_P_max, J_P), {}};
+    Mapped<R> out{at.F, min(q.J_P_max, J_P), {}};
     Vec3<R> eps = trial;
     if (any(flows)) {
       const auto end = hardened(split, h, size, q, flows);
       eps = select(flows, split.with(end.volume, end.shrink), trial);
-      out.F_E = with_strain(F_trial, svd, eps, flows);
+      out.F_E = with_strain(at, eps, flows);
       const R grown = select(flows, exp(R(split.volume - end.volume)), splat<R>(1));
       out.J_P = min(q.J_P_max, R(J_P * grown));
     }
-    out.stress = in_frame(svd.U, HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
+    out.stress = at.stress(HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
     return out;
   }
 };

@@ -82,9 +82,14 @@ struct DruckerPrager : HenckyFlow {
 
   template <class R>
   static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
+    return with_stretches(F_trial,
+                          [&](const auto& at) NEVE_INLINE_LAMBDA { return map_stretches(at, J_P, q); });
+  }
+
+  template <class S, class R>
+  NEVE_INLINE static Mapped<R> map_stretches(const S& at, const R& J_P, const Parameters<R>& q) {
     using T = scalar_t<R>;
-    const Svd3<R> svd = svd3<false>(F_trial);
-    const Vec3<R> trial = HenckyElasticity::log_strain(svd.strain);
+    const Vec3<R> trial = HenckyElasticity::log_strain(at.strain);
     const auto split = SplitStrain<R>::of(trial);
     const R apart = log1p(max(R(J_P - T(1)), splat<R>(T(least_stretch - 1))));
     const R e = split.volume + apart;
@@ -92,15 +97,15 @@ struct DruckerPrager : HenckyFlow {
     const R limit = q.cone * max(q.apex - e, splat<R>(0));
     const auto slides = split.shear > limit;
     const auto flows = torn | slides | (apart != T(0));
-    Mapped<R> out{F_trial, J_P, {}};
+    Mapped<R> out{at.F, J_P, {}};
     Vec3<R> eps = trial;
     if (any(flows)) {
       const R factor = select(slides, R(limit / split.shear), splat<R>(1));
       eps = select(flows, split.with(min(e, q.apex), factor), trial);
-      out.F_E = with_strain(F_trial, svd, eps, flows);
+      out.F_E = with_strain(at, eps, flows);
       out.J_P = min(q.J_P_max, exp(max(R(e - q.apex), splat<R>(0))));
     }
-    out.stress = in_frame(svd.U, HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
+    out.stress = at.stress(HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
     return out;
   }
 

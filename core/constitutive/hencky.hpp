@@ -84,22 +84,25 @@ struct HenckyFlow {
 
   template <class R, class P>
   static Stress<R> stress(const Mat3<R>& F_E, R, const P& q) {
-    const Svd3<R> svd = svd3<false>(F_E);
-    return in_frame(svd.U, HenckyElasticity::respond(svd.strain, q.mu, q.lam));
+    return with_stretches(F_E, [&](const auto& at) NEVE_INLINE_LAMBDA {
+      return at.stress(HenckyElasticity::respond(at.strain, q.mu, q.lam));
+    });
   }
 
   template <class R, class P>
   NEVE_INLINE static R energy(const Mat3<R>& F_E, R, const P& q) {
-    return HenckyElasticity::energy(svd3<false>(F_E).strain, q.mu, q.lam);
+    return with_stretches(F_E, [&](const auto& at) NEVE_INLINE_LAMBDA {
+      return HenckyElasticity::energy(at.strain, q.mu, q.lam);
+    });
   }
 
  protected:
   // F_E with the logarithmic strains eps in the lanes that flow.
-  template <class R, class M>
-  static Mat3<R> with_strain(const Mat3<R>& F_trial, const Svd3<R>& svd, const Vec3<R>& eps, M flows) {
+  template <class S, class R, class M>
+  static Mat3<R> with_strain(const S& trial, const Vec3<R>& eps, M flows) {
     Vec3<R> excess;
-    for (int k = 0; k < 3; ++k) excess[k] = select(flows, R(svd.strain[k] - expm1(eps[k])), splat<R>(0));
-    return without(F_trial, svd, excess);
+    for (int k = 0; k < 3; ++k) excess[k] = select(flows, R(trial.strain[k] - expm1(eps[k])), splat<R>(0));
+    return trial.without(excess);
   }
 };
 

@@ -24,7 +24,7 @@
 #pragma once
 
 #include "math/list.hpp"
-#include "math/svd3.hpp"
+#include "math/mat3.hpp"
 
 namespace neve {
 

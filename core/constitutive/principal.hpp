@@ -12,6 +12,8 @@
 #pragma once
 
 #include "constitutive/law.hpp"
+#include "math/spectrum3.hpp"
+#include "math/svd3.hpp"
 
 namespace neve {
 
@@ -37,35 +39,110 @@ inline Lame lame(const ElasticConstants& snow) {
   return {mu, lam, lam + 2 * mu / 3};
 }
 
-// tau = U diag(tau_k) U^T. The isotropic part stays out of the products, so that shear stresses keep their digits.
+// The principal stretches of F near the identity, and what a law makes of its response to them, as functions of
+// E = F^T F - I:
+//
+//   tau = sum_k tau_k u_k u_k^T = F (sum_k tau_k / sigma_k^2 v_k v_k^T) F^T
+//   F_E = sum_k (sigma_k - excess_k) u_k v_k^T = F - F sum_k excess_k / sigma_k v_k v_k^T
+//
+// The isotropic part of the stress stays out of the products, so that shear stresses keep their digits; and a lane without
+// excess keeps F to the bit.
 template <class R>
-NEVE_INLINE Stress<R> in_frame(const Mat3<R>& U, const Response<R>& r) {
-  const R zero = splat<R>(0);
-  Sym3<R> tau{r.isotropic, r.isotropic, r.isotropic, zero, zero, zero};
-  for (int k = 0; k < 3; ++k) {
-    const Vec3<R>& u = U.column(k);
-    const Vec3<R> t = u * r.axial[k];
-    tau.xx += t.x * u.x;
-    tau.yy += t.y * u.y;
-    tau.zz += t.z * u.z;
-    tau.xy += t.x * u.y;
-    tau.xz += t.x * u.z;
-    tau.yz += t.y * u.z;
-  }
-  return {tau, r.modulus};
-}
+struct Stretches {
+  const Mat3<R>& F;
+  Spectrum3<R> spectrum;
+  Vec3<R> sigma, strain, inverse;  // sigma - 1 precise near zero; 1 / sigma
 
-// F_E = U diag(sigma - excess) V^T as F - U diag(excess) V^T: a lane without excess keeps F to the bit.
-template <class R>
-NEVE_INLINE Mat3<R> without(const Mat3<R>& F, const Svd3<R>& svd, const Vec3<R>& excess) {
-  Mat3<R> out = F;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3<R> u = svd.U.column(k) * excess[k];
-    out.c0 = out.c0 - u * svd.V.column(k).x;
-    out.c1 = out.c1 - u * svd.V.column(k).y;
-    out.c2 = out.c2 - u * svd.V.column(k).z;
+  NEVE_INLINE Stretches(const Mat3<R>& of, const Spectrum3<R>& its) : F(of), spectrum(its) {
+    using T = scalar_t<R>;
+    for (int k = 0; k < 3; ++k) {
+      const R e = spectrum.e[k], square = e + T(1);
+      inverse[k] = rsqrt(square);
+      sigma[k] = square * inverse[k];
+      strain[k] = e * reciprocal(R(sigma[k] + T(1)));
+    }
   }
-  return out;
+
+  NEVE_INLINE Stress<R> stress(const Response<R>& r) const {
+    Vec3<R> y;
+    for (int k = 0; k < 3; ++k) y[k] = r.axial[k] * inverse[k] * inverse[k];
+    return {in_frame(F, isotropic_function(spectrum, y), r.isotropic), r.modulus};
+  }
+
+  NEVE_INLINE Mat3<R> without(const Vec3<R>& excess) const {
+    const Vec3<R> y{excess.x * inverse.x, excess.y * inverse.y, excess.z * inverse.z};
+    const Mat3<R> part = F * full(isotropic_function(spectrum, y));
+    return {F.c0 - part.c0, F.c1 - part.c1, F.c2 - part.c2};
+  }
+
+ private:
+  // isotropic I + F Y F^T
+  NEVE_INLINE static Sym3<R> in_frame(const Mat3<R>& F, const Sym3<R>& Y, const R& isotropic) {
+    const Mat3<R> G = F * full(Y);
+    const auto entry = [&](int i, int j) NEVE_INLINE_LAMBDA {
+      return G.c0[i] * F.c0[j] + G.c1[i] * F.c1[j] + G.c2[i] * F.c2[j];
+    };
+    return {isotropic + entry(0, 0),
+            isotropic + entry(1, 1),
+            isotropic + entry(2, 2),
+            entry(0, 1),
+            entry(0, 2),
+            entry(1, 2)};
+  }
+};
+
+// The same of any F, by its singular value decomposition: far from the identity, or inverted, E has lost digits.
+template <class R>
+struct FarStretches : Svd3<R> {
+  const Mat3<R>& F;
+
+  explicit FarStretches(const Mat3<R>& of) : Svd3<R>(svd3(of)), F(of) {}
+
+  Stress<R> stress(const Response<R>& r) const {
+    const R zero = splat<R>(0);
+    Sym3<R> tau{r.isotropic, r.isotropic, r.isotropic, zero, zero, zero};
+    for (int k = 0; k < 3; ++k) {
+      const Vec3<R>& u = this->U.column(k);
+      const Vec3<R> t = u * r.axial[k];
+      tau.xx += t.x * u.x;
+      tau.yy += t.y * u.y;
+      tau.zz += t.z * u.z;
+      tau.xy += t.x * u.y;
+      tau.xz += t.x * u.z;
+      tau.yz += t.y * u.z;
+    }
+    return {tau, r.modulus};
+  }
+
+  Mat3<R> without(const Vec3<R>& excess) const {
+    Mat3<R> out = F;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3<R> u = this->U.column(k) * excess[k];
+      const Vec3<R>& v = this->V.column(k);
+      out.c0 = out.c0 - u * v.x;
+      out.c1 = out.c1 - u * v.y;
+      out.c2 = out.c2 - u * v.z;
+    }
+    return out;
+  }
+};
+
+namespace detail {
+template <class R, class F>
+NEVE_RARE auto with_far_stretches(const Mat3<R>& A, F&& f) {
+  return f(FarStretches<R>(A));
+}
+}  // namespace detail
+
+// f(stretches of A).
+template <class R, class F>
+NEVE_INLINE auto with_stretches(const Mat3<R>& A, F&& f) {
+  using T = scalar_t<R>;
+  const Spectrum3<R> spectrum = spectrum3(A);
+  if (any((spectrum.lowest() < splat<R>(T(-0.75))) | (spectrum.highest() > splat<R>(T(8))) |
+          (determinant(A) <= splat<R>(0))))
+    return detail::with_far_stretches(A, f);
+  return f(Stretches<R>(A, spectrum));
 }
 
 // J - 1 from the principal strains, without the cancellation of the product.

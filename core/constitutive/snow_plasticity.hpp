@@ -141,8 +141,9 @@ struct SnowPlasticity {
 
   template <class R>
   static Stress<R> stress(const Mat3<R>& F_E, R J_P, const Parameters<R>& q) {
-    const Svd3<R> svd = svd3<false>(F_E);
-    return in_frame(svd.U, hardened(Elasticity::respond(svd.strain, q.mu0, q.lam0), hardening(J_P, q)));
+    return with_stretches(F_E, [&](const auto& at) NEVE_INLINE_LAMBDA {
+      return at.stress(hardened(Elasticity::respond(at.strain, q.mu0, q.lam0), hardening(J_P, q)));
+    });
   }
 
   // Flow that makes no energy, for strains whose way to the limits would: what the axes beyond the limit of that side
@@ -199,28 +200,39 @@ struct SnowPlasticity {
 
   template <class R>
   static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
+    return with_stretches(F_trial,
+                          [&](const auto& trial) NEVE_INLINE_LAMBDA { return map_stretches(trial, J_P, q); });
+  }
+
+  template <class S, class R>
+  NEVE_INLINE static Mapped<R> map_stretches(const S& trial, const R& J_P, const Parameters<R>& q) {
     using T = scalar_t<R>;
-    const Svd3<R> svd = svd3<false>(F_trial);
-    const auto& e = svd.strain;
+    const Vec3<R>& e = trial.strain;
     Vec3<R> kept{clamp(e.x, R(-q.theta_c), q.theta_s), clamp(e.y, R(-q.theta_c), q.theta_s),
                  clamp(e.z, R(-q.theta_c), q.theta_s)};
     Response<R> response = flow(e, kept, q);
-    Mapped<R> out{F_trial, J_P, {}};
+    Mapped<R> out{trial.F, J_P, {}};
     const Vec3<R> excess = e - kept;
     if (any((excess.x != T(0)) | (excess.y != T(0)) | (excess.z != T(0)))) {
-      out.F_E = without(F_trial, svd, excess);
-      for (int k = 0; k < 3; ++k)
-        out.J_P = out.J_P * select(excess[k] != T(0), R(svd.sigma[k] / (T(1) + kept[k])), splat<R>(1));
+      out.F_E = trial.without(excess);
+      R before = splat<R>(1), after = splat<R>(1);
+      for (int k = 0; k < 3; ++k) {
+        const R stretch = T(1) + kept[k];
+        before = before * select(excess[k] != T(0), trial.sigma[k], stretch);
+        after = after * stretch;
+      }
+      out.J_P = out.J_P * (before / after);
     }
     out.J_P = min(q.J_P_max, out.J_P);  // in this order a NaN stays one
-    out.stress = in_frame(svd.U, hardened(response, hardening(out.J_P, q)));
+    out.stress = trial.stress(hardened(response, hardening(out.J_P, q)));
     return out;
   }
 
   template <class R>
   static R energy(const Mat3<R>& F_E, R J_P, const Parameters<R>& q) {
-    const Svd3<R> svd = svd3<false>(F_E);
-    return hardening(J_P, q) * Elasticity::energy(svd.strain, q.mu0, q.lam0);
+    return with_stretches(F_E, [&](const auto& at) NEVE_INLINE_LAMBDA {
+      return R(hardening(J_P, q) * Elasticity::energy(at.strain, q.mu0, q.lam0));
+    });
   }
 };
 

@@ -85,6 +85,17 @@ NEVE_INLINE P rsqrt_of_register(P a) {
   return y;
 }
 
+template <class P>
+NEVE_INLINE P reciprocal_of_register(P a) {
+#if defined(__AVX512F__)
+  if constexpr (std::is_same_v<P, Pack<float, 16>>) {
+    const P y = reinterpret_cast<P>(_mm512_rcp14_ps(reinterpret_cast<__m512>(a)));
+    return y * (2.0f - a * y);  // Newton: 14 bits to 24
+  }
+#endif
+  return scalar_t<P>(1) / a;
+}
+
 // exp(a) in float: a = n ln 2 + r, |r| <= ln 2 / 2, a polynomial of degree 6 in r, error < 2e-7.
 template <class P>
 NEVE_INLINE P exp_of_floats(P a) {
@@ -161,6 +172,13 @@ NEVE_INLINE R rough_rsqrt(const R& a) {
 template <IsPack R>
 NEVE_INLINE R rsqrt(const R& a) {
   return detail::each_register(a, [](auto p) NEVE_INLINE_LAMBDA { return detail::rsqrt_of_register(p); });
+}
+
+// Return 1/a for finite a, within 2 ulp.
+template <IsPack R>
+NEVE_INLINE R reciprocal(const R& a) {
+  return detail::each_register(a,
+                               [](auto p) NEVE_INLINE_LAMBDA { return detail::reciprocal_of_register(p); });
 }
 
 // Return exp(a); in float lanes for -87 < a < 88, beyond which it stays what it is there.

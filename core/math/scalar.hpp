@@ -73,6 +73,11 @@ template <IsScalar R>
 NEVE_INLINE R rsqrt(const R& a) {
   return R(1) / std::sqrt(a);
 }
+// Return 1/a, within 2 ulp.
+template <IsScalar R>
+NEVE_INLINE R reciprocal(const R& a) {
+  return R(1) / a;
+}
 template <IsScalar R>
 NEVE_INLINE R exp(const R& a) {
   return std::exp(a);

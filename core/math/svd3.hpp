@@ -125,8 +125,7 @@ NEVE_INLINE Strain3<R> diagonal_strain(const Mat3<R>& F) {
 }  // namespace detail
 
 // Decompose F. Sifakis & Barbic 2012 (course notes) and McAdams et al. 2011 describe the family of methods.
-// `Ordered = false` leaves the singular values of a matrix near the identity in any order, and is faster.
-template <bool Ordered = true, class R>
+template <class R>
 NEVE_INLINE Svd3<R> svd3(const Mat3<R>& F) {
   using T = scalar_t<R>;
   detail::Strain3<R> strain = detail::diagonal_strain(F);
@@ -135,11 +134,9 @@ NEVE_INLINE Svd3<R> svd3(const Mat3<R>& F) {
   const R lowest = min(min(e.x, e.y), e.z), highest = max(max(e.x, e.y), e.z);
   const bool far =
       any((lowest < splat<R>(T(-0.75))) | (determinant(F) <= splat<R>(0)) | (highest > splat<R>(8)));
-  if (Ordered || far) {
-    detail::order(e.x, e.y, strain.V.c0, strain.V.c1);
-    detail::order(e.x, e.z, strain.V.c0, strain.V.c2);
-    detail::order(e.y, e.z, strain.V.c1, strain.V.c2);
-  }
+  detail::order(e.x, e.y, strain.V.c0, strain.V.c1);
+  detail::order(e.x, e.z, strain.V.c0, strain.V.c2);
+  detail::order(e.y, e.z, strain.V.c1, strain.V.c2);
   out.V = strain.V;
   const Mat3<R> B = F * out.V;
   // Far from the identity (or inverted) the squared strain has lost digits: use the columns themselves.

@@ -632,6 +632,11 @@ class Precision(Protocol):
 
         U and V are rotations, det = +1; sigma_0 >= sigma_1 >= |sigma_2|, which has the sign of det F.
         """
+    def isotropic_function(self, F: Reals, y: Reals) -> tuple[Reals, Reals]:
+        """Return e (n, 3), the eigenvalues of F^T F - I, and matrices (n, 3, 3) with the same eigenvectors.
+
+        The eigenvalue that stands apart is the first. y: eigenvalues (n, 3) of the matrices, in that order.
+        """
     def weights(self, spline: str, x: Reals) -> tuple[NDArray[np.int32], Reals, Reals]:
         """Return of positions x (n,) [cells] on one axis: first node (n,), weights and derivatives (n, k).
 
