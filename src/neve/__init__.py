@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from neve.scene.schema.scene import Scene as Scene
     from neve.simulation import Simulation as Simulation
 
-# A thread that waits for the others spins for some ten microseconds, then sleeps. Where other programs compute
-# too, a longer wait takes the very cores that the awaited threads need: with eight of them on two cores a step
-# of 20,000 particles is ten times faster so than with 20,000 turns, and libgomp's own default is longer.
-# It is read once, when the core is loaded.
+# A thread that waits for the others spins for some ten microseconds, then sleeps. Where other programs
+# compute too, a longer wait takes the very cores that the awaited threads need: with eight of them on two
+# cores a step of 20,000 particles is ten times faster so than with 20,000 turns, and libgomp's own default
+# is longer. It is read once, when the core is loaded.
 os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 _NO_BUILD = _extend(__path__)
