@@ -12,7 +12,7 @@
 #pragma once
 
 #include "constitutive/law.hpp"
-#include "math/spectrum3.hpp"
+#include "constitutive/spectrum3.hpp"
 #include "math/svd3.hpp"
 
 namespace neve {
