@@ -48,7 +48,7 @@ def test_written_scene_spells_out_every_default() -> None:
 
 def test_presets_are_all_there() -> None:
     """The scenes are there, each with one line that says what happens."""
-    bodies = ["avalanche", "ball_on_snow", "boot", "castle", "roll", "wheel"]
+    bodies = ["avalanche", "ball_on_snow", "boot", "castle", "roll", "walk", "wheel"]
     names = ["collide", "cube_on_snow", "plow", "snowball_wall", "snowballs_collide", "text_fall"]
     assert presets() == sorted([*bodies, *names, "throw_ball", "throw_cube"])
     for name in presets():
