@@ -18,6 +18,7 @@ from typing import Any
 
 from neve import _core
 from neve.bench.bodies import Share, measure_bodies
+from neve.bench.compare import compared, read_earlier
 from neve.bench.spread import Spread
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Camera, Collider, Numerics, Scene, Source
@@ -200,11 +201,14 @@ CASES: dict[str, Callable[[], Iterator[Speed | Once | Share]]] = {
 USUAL = ("20k", "20k_frame", "200k", "1m")
 
 
-def run(cases: Sequence[str], as_json: bool = False) -> None:
+def run(cases: Sequence[str], as_json: bool = False, earlier: str | None = None) -> None:
     """Measure the named cases (some usual ones if none is named) and print them as they come.
 
-    Errors: SceneError for a name that is no case.
+    earlier: a file of speeds to print ratios to.
+
+    Errors: SceneError for a name that is no case; RunError for a file that holds no speeds.
     """
+    then = read_earlier(earlier) if earlier else None
     for name in cases:
         if name not in CASES:
             meant = hint(nearest(name, CASES), f"the cases are {', '.join(CASES)}")
@@ -225,6 +229,8 @@ def run(cases: Sequence[str], as_json: bool = False) -> None:
             results.append(result)
             if not as_json:
                 print("\n" + text_of(result), flush=True)
+            if not as_json and then is not None and isinstance(result, Speed):
+                print("\n".join(compared(result, then)), flush=True)
     if as_json:
         json.dump({"machine": machine, "results": [asdict(r) for r in results]}, sys.stdout, indent=2)
         print()

@@ -270,11 +270,20 @@ def fragments(
 @cli.command()
 @click.argument("cases", metavar="[CASE]...", nargs=-1)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def bench(cases: tuple[str, ...], as_json: bool) -> None:
+@click.option(
+    "--compare",
+    "earlier",
+    metavar="FILE",
+    help="Print ratios to the latest speeds of the same cases in FILE: JSON of this command, or CSV of"
+    " benchmarks/results.",
+)
+def bench(cases: tuple[str, ...], as_json: bool, earlier: str | None) -> None:
     """Measure the speed of the step on this machine."""
     from neve.bench.run import run as measure
 
-    measure(list(cases), as_json)
+    if as_json and earlier:
+        raise click.UsageError("--compare prints text: leave out --json.")
+    measure(list(cases), as_json, earlier)
 
 
 @cli.command()

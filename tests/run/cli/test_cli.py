@@ -314,11 +314,12 @@ def test_info_of_the_cache(call, tmp_path, monkeypatch):
 
 
 def test_bench_passes_its_words_on(call, monkeypatch):
-    """The cases and --json reach the benchmarks."""
+    """The cases, --json and --compare reach the benchmarks."""
     seen = []
     monkeypatch.setattr("neve.bench.run.run", lambda *words: seen.append(words))
     assert call("bench", "step_20k", "--json")[0] == 0
-    assert seen == [(["step_20k"], True)]
+    assert call("bench", "--compare", "before.csv")[0] == 0
+    assert seen == [(["step_20k"], True, None), ([], False, "before.csv")]
 
 
 def test_python_m_neve_is_neve():

@@ -1,0 +1,96 @@
+"""`neve bench --compare`: the speeds of a file beside those of now."""
+
+import csv
+import dataclasses
+import io
+import json
+from pathlib import Path
+
+import pytest
+from scripts import script
+
+from neve.bench import run as bench
+from neve.bench.compare import compared, read_earlier
+from neve.bench.spread import Spread
+from neve.io.errors import RunError
+
+RESULTS = Path(__file__).parents[3] / "benchmarks/results"
+
+
+@pytest.fixture
+def speed():
+    """One small measurement: a block of 64 particles."""
+    return bench.measure("tiny", bench.Block((2, 2, 2), steps=2, batches=2, warm=1))
+
+
+def faster(speed, factor):
+    """Return `speed` as if each stage had taken a factor less time."""
+    scaled = {stage: Spread.of([spread.median / factor]) for stage, spread in speed.stage_ms.items()}
+    return dataclasses.replace(speed, stage_ms=scaled, step_ms=Spread.of([speed.step_ms.median / factor]))
+
+
+def ratios(speed, earlier):
+    """Return what was printed as a dict of stages."""
+    (line,) = compared(speed, earlier)
+    return {part.split()[0]: float(part.split()[1]) for part in line.split(": ")[1].split(", ")}
+
+
+def written(speed, path, form):
+    """Write `speed` as the tools do: JSON of the command, or a row of the CSV."""
+    found = {
+        "machine": {"cpu": "a processor", "isa": "x86-64-v3", "compiler": "gcc"},
+        "results": [dataclasses.asdict(speed)],
+    }
+    if form == "json":
+        path.write_text(json.dumps(found))
+        return path
+    with script("benchmarks", "to_csv") as to_csv:
+        out = io.StringIO()
+        rows = csv.DictWriter(out, to_csv.COLUMNS, lineterminator="\n")
+        rows.writeheader()
+        rows.writerow({"date": "2026-01-01", **to_csv.row(found["machine"], found["results"][0])})
+    path.write_text(out.getvalue())
+    return path
+
+
+@pytest.mark.parametrize("form", ["json", "csv"])
+def test_ratios(speed, tmp_path, form):
+    """Twice as fast is a ratio of 0.5 in each stage that took time; the file's machine is told."""
+    before = read_earlier(written(speed, tmp_path / "before", form))
+    found = ratios(faster(speed, 2), before)
+    assert {"p2g", "grid", "g2p", "step"} <= set(found)
+    assert set(found.values()) == {0.5}
+    assert "a processor, x86-64-v3, gcc" in compared(speed, before)[0]
+
+
+def test_only_the_same_case_is_compared(speed, tmp_path):
+    """The latest one of the same case counts; another number of threads is another case."""
+    path = written(speed, tmp_path / "before.json", "json")
+    found = json.loads(path.read_text())
+    slower = json.loads(json.dumps(found["results"][0]))
+    slower["step_ms"]["median"] *= 4
+    found["results"].append(slower)
+    path.write_text(json.dumps(found))
+    assert ratios(speed, read_earlier(path))["step"] == 0.25
+    other = dataclasses.replace(speed, threads=speed.threads + 1)
+    assert compared(other, read_earlier(path)) == ["  nothing to compare with: the file has no such case"]
+
+
+@pytest.mark.parametrize("path", sorted(RESULTS.glob("*.csv")), ids=lambda path: path.name)
+def test_files_of_results_can_be_compared_with(path):
+    """Each has speeds of a step."""
+    assert read_earlier(path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{}", "[1]", "a,b\n1,2\n", '{"machine": {}, "results": [{"stage_ms": 1}]}', "step_ms\nfast\n", "\0"],
+)
+def test_what_holds_no_speeds(tmp_path, text):
+    """One sentence that names the file."""
+    path = tmp_path / "before"
+    path.write_text(text)
+    with pytest.raises(RunError, match=r"before holds no speed"):
+        read_earlier(path)
+    with pytest.raises(RunError, match="missing"):
+        read_earlier(tmp_path / "missing")
