@@ -1,10 +1,12 @@
 // neve._core: the compiled core.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "bind/choices.hpp"
 #include "cpu/passes/totals.hpp"
-#include "mpm/report.hpp"
+#include "mpm/step_choice.hpp"
 
 namespace nb = nanobind;
 
@@ -73,6 +75,55 @@ nb::dict build_info() {
   return info;
 }
 
+void bind_step_choice(nb::module_& m) {
+  using neve::StepLimits, neve::ParticleRates;
+  nb::class_<StepLimits>(m, "StepLimits", "What the scene and its snow allow a step.")
+      .def(
+          "__init__",
+          [](StepLimits* self, double dx, double cfl, double courant, double strain_max, double dt_max,
+             double dt, double max_compression, double solid_speed) {
+            new (self) StepLimits{dx, cfl, courant, strain_max, dt_max, dt, max_compression, solid_speed};
+          },
+          nb::kw_only(), nb::arg("dx"), nb::arg("cfl"), nb::arg("courant"), nb::arg("strain_max"),
+          nb::arg("dt_max"), nb::arg("dt"), nb::arg("max_compression"), nb::arg("solid_speed"))
+      .def_prop_ro("largest_strain", &StepLimits::largest_strain);
+  nb::class_<ParticleRates>(m, "ParticleRates", "What a step follows from.")
+      .def(
+          "__init__",
+          [](ParticleRates* self, double wave, double speed, double fastest, double strain_rate,
+             double compression_rate, double ice_room) {
+            new (self) ParticleRates{wave, speed, fastest, strain_rate, compression_rate, ice_room};
+          },
+          nb::arg("wave"), nb::arg("speed"), nb::arg("fastest"), nb::arg("strain_rate"),
+          nb::arg("compression_rate"), nb::arg("ice_room"));
+  const auto named = [](neve::StepChoice choice) {
+    return nb::make_tuple(choice.dt, neve::step_bounds[int(choice.bound)]);
+  };
+  m.def("stable_step", &neve::stable_step, nb::arg("limits"), nb::arg("rates"));
+  m.def("fitted", &neve::fitted, nb::arg("dt"), nb::arg("remaining"));
+  m.def(
+      "longest_stable",
+      [named](const StepLimits& limits, const ParticleRates& rates) {
+        return named(neve::longest_stable(limits, rates));
+      },
+      nb::arg("limits"), nb::arg("rates"));
+  m.def(
+      "largest_step",
+      [named](const StepLimits& limits, const ParticleRates& rates) {
+        return named(neve::largest_step(limits, rates));
+      },
+      nb::arg("limits"), nb::arg("rates"));
+  m.def(
+      "needs_trial",
+      [](const StepLimits& limits, double speed, double difference, double change, bool finite,
+         const ParticleRates& before,
+         double dt) { return neve::needs_trial(limits, {speed, difference, change, finite}, before, dt); },
+      nb::arg("limits"), nb::arg("speed"), nb::arg("difference"), nb::arg("change"), nb::arg("finite"),
+      nb::arg("before"), nb::arg("dt"));
+  m.attr("step_bounds") =
+      nb::cast(std::vector<std::string>(std::begin(neve::step_bounds), std::end(neve::step_bounds)));
+}
+
 }  // namespace
 
 NB_MODULE(_core, m) {
@@ -109,6 +160,7 @@ NB_MODULE(_core, m) {
       .def_ro("max_velocity_change", &neve::GridReport::max_velocity_change,
               "Largest change of velocity in the step, if it is kept [m/s].")
       .def_ro("finite", &neve::GridReport::finite);
+  bind_step_choice(m);
   m.attr("displacement_limit") = neve::displacement_limit;
   m.attr("volume_ratio_limit") = neve::volume_ratio_limit;
   nb::class_<neve::Totals>(m, "Totals", "Sums over all particles, in double.")

@@ -61,6 +61,6 @@ constexpr const A& clamp(const A& a, const A& low, const A& high) {
   return a < low ? low : high < a ? high : a;
 }
 
-using ::exp, ::expm1, ::floor, ::log, ::log1p, ::memcpy, ::sin, ::sqrt, ::tan;
+using ::ceil, ::exp, ::expm1, ::floor, ::log, ::log1p, ::memcpy, ::sin, ::sqrt, ::tan;
 
 }  // namespace std

@@ -47,6 +47,69 @@ class Report:
     rejected: bool
     """Not finite, or beyond `displacement_limit` or `volume_ratio_limit`."""
 
+class StepLimits:
+    """What the scene and its snow allow a step (see neve.mpm.time_step)."""
+
+    def __init__(
+        self,
+        *,
+        dx: float,
+        cfl: float,
+        courant: float,
+        strain_max: float,
+        dt_max: float,
+        dt: float,
+        max_compression: float,
+        solid_speed: float,
+    ) -> None:
+        """dx [m]; cfl, courant, strain_max, max_compression [1]; dt_max [s]; dt: the user's own [s], or 0
+        for the longest good one; solid_speed [m/s].
+        """
+    largest_strain: float
+    """dt |grad v| beyond which a step is rejected [1]."""
+
+class ParticleRates:
+    """What a step follows from, as in `Report`."""
+
+    def __init__(
+        self,
+        wave: float,
+        speed: float,
+        fastest: float,
+        strain_rate: float,
+        compression_rate: float,
+        ice_room: float,
+    ) -> None: ...
+
+step_bounds: list[str]
+"""What may bound a step, by the numbers of the enum."""
+
+def stable_step(limits: StepLimits, rates: ParticleRates) -> float:
+    """Return the longest step in which no vibration of the snow grows [s]."""
+
+def longest_stable(limits: StepLimits, rates: ParticleRates) -> tuple[float, str]:
+    """Return the automatic step [s], and what bound it."""
+
+def largest_step(limits: StepLimits, rates: ParticleRates) -> tuple[float, str]:
+    """Return the step that the scene allows [s], and what bound it."""
+
+def fitted(dt: float, remaining: float) -> float:
+    """Return the step that divides `remaining` [s] evenly and does not exceed dt [s]."""
+
+def needs_trial(
+    limits: StepLimits,
+    speed: float,
+    difference: float,
+    change: float,
+    finite: bool,
+    before: ParticleRates,
+    dt: float,
+) -> bool:
+    """Tell whether a step of dt [s] must be tried first.
+
+    speed, difference, change [m/s], finite: of a `GridReport`; before: of the last step
+    """
+
 class GridReport:
     """What grid_update found in the nodes, but those lighter than a thousandth of the lightest particle."""
 

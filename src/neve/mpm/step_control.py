@@ -21,13 +21,12 @@ impact may overshoot that limit.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from neve import _core
 from neve.mpm.failures import no_step
 from neve.mpm.step import Stages, step
-from neve.mpm.time_step import longest_stable, stable_step
+from neve.mpm.time_step import limits_of, longest_stable, rates_of, stable_step
 
 if TYPE_CHECKING:
     from neve._core import GridReport, Report
@@ -36,8 +35,6 @@ if TYPE_CHECKING:
 MAX_TRIES = 24
 """Maximum attempts per step, each with half the dt of the one before; after them the run ends."""
 
-_SAFE_STRAIN = 0.5  # of dt |grad v|: (1 - 0.5)^3 = 0.125 of the volume is left, above the limit of 0.05
-_SAFE_DISPLACEMENT = 0.9  # [cells]
 _MOST_UNSTABLE = 1.2  # over the stable step of the state at its end
 
 
@@ -91,18 +88,15 @@ def needs_trial(grid_report: GridReport, before: Report, dt: float, model: Model
     A particle moves with a mean of node velocities, or, in transfers that blend FLIP in, with its own
     velocity and a mean of the nodes' changes.
     """
-    per_cell = dt / model.numerics.dx
-    difference = grid_report.max_velocity_difference
-    strain = max(math.sqrt(3.0) * difference * per_cell, before.strain_rate * dt)
-    displacement = max(grid_report.speed, before.speed + grid_report.max_velocity_change) * per_cell
-    ice_room = before.ice_room * (1.0 - math.sqrt(3.0) * strain)  # |tr grad v| <= sqrt(3) |grad v|
-    harmless = (
-        strain <= min(_SAFE_STRAIN, 0.9 * _max_strain(model))
-        and before.compression_rate * dt <= 0.9 * model.max_compression
-        and displacement <= _SAFE_DISPLACEMENT
-        and ice_room > 1.0
+    return _core.needs_trial(
+        limits_of(model),
+        grid_report.speed,
+        grid_report.max_velocity_difference,
+        grid_report.max_velocity_change,
+        grid_report.finite,
+        rates_of(before),
+        dt,
     )
-    return not (grid_report.finite and harmless)
 
 
 def rejects(report: Report, dt: float, model: Model) -> str:
@@ -113,14 +107,10 @@ def rejects(report: Report, dt: float, model: Model) -> str:
         return f"would move by {report.max_displacement:.3g} cells"
     if report.min_volume_ratio < _core.volume_ratio_limit:
         return f"would be pressed to {max(report.min_volume_ratio, 0.0):.2g} of its volume"
-    if report.strain_rate * dt > _max_strain(model):
+    if report.strain_rate * dt > limits_of(model).largest_strain:
         return f"would be strained by {report.strain_rate * dt:.2g}"
     if report.compression_rate * dt > model.max_compression:
         return f"would be pressed by {report.compression_rate * dt:.2g}, at more than its work affords,"
     if dt > _MOST_UNSTABLE * stable_step(model, report):
         return f"would become so stiff that waves run at {report.wave:.3g} m/s"
     return ""
-
-
-def _max_strain(model: Model) -> float:
-    return 4.0 * model.numerics.strain_max

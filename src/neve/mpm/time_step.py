@@ -1,9 +1,13 @@
-"""Choose the time step: fixed, or the largest that the snow's own speeds allow; never an unstable one."""
+"""Choose the time step: fixed, or the largest that the snow's own speeds allow; never an unstable one.
+
+The formulas are in `core/mpm/step_choice.hpp`, since a GPU chooses its steps itself.
+"""
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, cast
+
+from neve import _core
 
 if TYPE_CHECKING:
     from neve._core import Report
@@ -19,15 +23,39 @@ class Choice(NamedTuple):
     bound: Bound
 
 
+def limits_of(model: Model) -> _core.StepLimits:
+    """Return what the scene and its snow allow a step now."""
+    numerics = model.numerics
+    return _core.StepLimits(
+        dx=numerics.dx,
+        cfl=numerics.cfl,
+        courant=model.courant,
+        strain_max=numerics.strain_max,
+        dt_max=numerics.dt_max,
+        dt=0.0 if numerics.dt == "auto" else float(numerics.dt),
+        max_compression=model.max_compression,
+        solid_speed=model.solid_speed,
+    )
+
+
+def rates_of(report: Report) -> _core.ParticleRates:
+    """Return what the next step follows from."""
+    return _core.ParticleRates(
+        report.wave,
+        report.speed,
+        report.fastest,
+        report.strain_rate,
+        report.compression_rate,
+        report.ice_room,
+    )
+
+
 def largest(model: Model, report: Report) -> Choice:
     """Return the step that the scene allows: the longest good one, or the user's own ("fixed").
 
     A step of the user's that would be unstable is shortened to stable_step().
     """
-    if model.numerics.dt == "auto":
-        return longest_stable(model, report)
-    dt, stable = float(model.numerics.dt), stable_step(model, report)
-    return Choice(dt, "fixed") if dt <= stable else Choice(stable, "wave")
+    return _choice(*_core.largest_step(limits_of(model), rates_of(report)))
 
 
 def stable_step(model: Model, report: Report) -> float:
@@ -35,7 +63,7 @@ def stable_step(model: Model, report: Report) -> float:
 
     See `neve.mpm.model.stable_courant`.
     """
-    return model.courant * model.numerics.dx / report.wave if report.wave > 0 else math.inf
+    return _core.stable_step(limits_of(model), rates_of(report))
 
 
 def longest_stable(model: Model, report: Report) -> Choice:
@@ -50,22 +78,13 @@ def longest_stable(model: Model, report: Report) -> Choice:
     is larger, "solid", so that no solid runs over snow before a node has met it, "strain" (either), or
     "dt_max".
     """
-    numerics = model.numerics
-    best = Choice(numerics.dt_max, "dt_max")
-    if report.fastest * best.dt > numerics.cfl * numerics.dx:
-        bound: Bound = "wave" if report.wave >= report.speed else "speed"
-        best = Choice(numerics.cfl * numerics.dx / report.fastest, bound)
-    if stable_step(model, report) < best.dt:
-        best = Choice(stable_step(model, report), "wave")
-    if model.solid_speed * best.dt > numerics.cfl * numerics.dx:
-        best = Choice(numerics.cfl * numerics.dx / model.solid_speed, "solid")
-    if report.strain_rate * best.dt > numerics.strain_max:
-        best = Choice(numerics.strain_max / report.strain_rate, "strain")
-    if report.compression_rate * best.dt > 0.5 * model.max_compression:
-        best = Choice(0.5 * model.max_compression / report.compression_rate, "strain")
-    return best
+    return _choice(*_core.longest_stable(limits_of(model), rates_of(report)))
+
+
+def _choice(dt: float, bound: str) -> Choice:
+    return Choice(dt, cast("Bound", bound))
 
 
 def fitted(dt: float, remaining: float) -> float:
     """Return the step that divides `remaining` [s] evenly and does not exceed dt: no sliver is left."""
-    return remaining / max(1, math.ceil(remaining / dt * (1 - 1e-9)))
+    return _core.fitted(dt, remaining)
