@@ -86,6 +86,14 @@ void bind_step_choice(nb::module_& m) {
           },
           nb::kw_only(), nb::arg("dx"), nb::arg("cfl"), nb::arg("courant"), nb::arg("strain_max"),
           nb::arg("dt_max"), nb::arg("dt"), nb::arg("max_compression"), nb::arg("solid_speed"))
+      .def_ro("dx", &StepLimits::dx)
+      .def_ro("cfl", &StepLimits::cfl)
+      .def_ro("courant", &StepLimits::courant)
+      .def_ro("strain_max", &StepLimits::strain_max)
+      .def_ro("dt_max", &StepLimits::dt_max)
+      .def_ro("dt", &StepLimits::dt)
+      .def_ro("max_compression", &StepLimits::max_compression)
+      .def_ro("solid_speed", &StepLimits::solid_speed)
       .def_prop_ro("largest_strain", &StepLimits::largest_strain);
   nb::class_<ParticleRates>(m, "ParticleRates", "What a step follows from.")
       .def(
@@ -120,6 +128,7 @@ void bind_step_choice(nb::module_& m) {
          double dt) { return neve::needs_trial(limits, {speed, difference, change, finite}, before, dt); },
       nb::arg("limits"), nb::arg("speed"), nb::arg("difference"), nb::arg("change"), nb::arg("finite"),
       nb::arg("before"), nb::arg("dt"));
+  m.attr("shortest_share") = neve::shortest_share;
   m.attr("step_bounds") =
       nb::cast(std::vector<std::string>(std::begin(neve::step_bounds), std::end(neve::step_bounds)));
 }

@@ -62,7 +62,7 @@ inline void meet_all(const Node<C>& node, const NearSolids<T>& solids, T m, Vec3
                      F&& visit) {
   const Step<T>& s = node.s;
   const Vec3<T> v_free = v, x = node.x();
-  const T skin = s.constants.step.skin;
+  const T skin = node.step.skin;
   each_holding(solids, x, m, skin, [&](const Solid<T>& solid, const Vec3<T>& normal, bool inside) {
     const Facing<T> there = facing_before(solid, x, normal, v_free, lift.dt);
     const Vec3<T> arm = x - solid.centre, before = v;

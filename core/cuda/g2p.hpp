@@ -4,6 +4,7 @@
 
 #include "cuda/grid/gather.hpp"
 #include "cuda/grid/reduce.hpp"
+#include "cuda/pace.hpp"
 #include "cuda/particle.hpp"
 #include "cuda/solids.hpp"
 #include "mpm/particle_report.hpp"
@@ -38,13 +39,13 @@ struct HomeGather {
   using X = typename C::Transfer;
   using S = typename C::Spline;
   const Step<T>& s;
+  const StepConstants<T>& step;
   const TileFrame<T>& frame;
   const Quad<T>*tile, *change;
 
   template <class Solids>
   NEVE_INLINE void advance_one(std::size_t p, const Solids& solids,
                                BlockExchange<typename C::Number>& exchange, Seen<T>& seen) const {
-    const auto& step = s.constants.step;
     const Particle<T> particle{s.particles, p};
     const Vec3<T> x = particle.x();
     const T m = particle.m();
@@ -113,6 +114,7 @@ struct HomeGather {
 template <class C>
 inline void g2p(const Step<typename C::T>& s) {
   using T = typename C::T;
+  if (halted(s)) return;
   __shared__ Quad<T> tile[tile_nodes], change[C::has_change ? tile_nodes : 1];
   __shared__ Marks marks;
   __shared__ BlockExchange<typename C::Number> exchange;
@@ -125,7 +127,8 @@ inline void g2p(const Step<typename C::T>& s) {
   }
   __syncthreads();
   const auto frame = TileFrame<T>::template of<typename C::Spline>(s.constants.step, home.at);
-  const HomeGather<C> from{s, frame, tile, change};
+  const auto step = constants_of(s);
+  const HomeGather<C> from{s, step, frame, tile, change};
   Seen<T> seen;
   for (unsigned i = threadIdx.x; i < home.count; i += blockDim.x) {
     const std::size_t p = std::size_t(home.begin) + i;
@@ -148,6 +151,7 @@ inline void gather_lift(const Step<typename C::T>& s) {
   using T = typename C::T;
   using S = typename C::Spline;
   constexpr int first = 3 * (C::Transfer::modes - 4);
+  if (halted(s)) return;
   __shared__ Quad<T> tile[tile_nodes];
   const Home& home = s.nodes.homes[blockIdx.x];
   load_tile(tile, s.nodes.lift, home);

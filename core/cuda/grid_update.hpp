@@ -11,7 +11,7 @@ template <class C, class T>
 NEVE_INLINE void accelerate(const Node<C>& node, Vec3<T>& v, Vec3<T>& change, T& m) {
   const Step<T>& s = node.s;
   const Quad<T> q = s.nodes.node[node.i];
-  const T dt = s.constants.step.dt, inverse_m = inverse_mass(q.w);
+  const T dt = node.step.dt, inverse_m = inverse_mass(q.w);
   m = q.w;
   if (!has_velocity(m)) {
     v = change = Vec3<T>{}, m = T(0);
@@ -31,7 +31,7 @@ NEVE_INLINE void accelerate(const Node<C>& node, Vec3<T>& v, Vec3<T>& change, T&
 template <class C, class T>
 NEVE_INLINE void collide_with(const Node<C>& node, const NearSolids<T>& solids, T m, Vec3<T>& v,
                               Vec3<T>& change, const Recorder<T, typename C::Number>& recorder) {
-  const auto& step = node.s.constants.step;
+  const auto& step = node.step;
   const Vec3<T> before = v, x = node.x();
   if constexpr (C::has_play) {
     Lift<T> lift = node.lift(m);
@@ -49,6 +49,7 @@ template <class C>
 inline void grid_update(const Step<typename C::T>& s) {
   using T = typename C::T;
   using N = typename C::Number;
+  if (halted(s)) return;
   const Node<C> node{s, blockIdx.x};
   Vec3<T> v, change;
   T m;
@@ -80,6 +81,7 @@ inline constexpr int report_threads = 128;
 template <class C>
 inline void report_nodes(const Step<typename C::T>& s) {
   using T = typename C::T;
+  if (halted(s)) return;
   const unsigned h = blockIdx.x * blockDim.x + threadIdx.x;
   double most[3] = {0, 0, 0};  // as the extremes from node_speed on
   if (h < s.home_count) {

@@ -21,6 +21,9 @@
   each(find_blocks, sort_threads, find_blocks<T>)           \
   each(link_homes, sort_threads, link_homes<T>)             \
   each(refresh, particle_threads, refresh<C>)               \
+  each(pace_step, pace_threads, pace_step<C>)               \
+  each(clear_nodes, block_nodes, clear_nodes<C>)            \
+  each(judge_step, pace_threads, judge_step<C>)             \
   each(p2g, home_threads, p2g<C>)                           \
   each(grid_update, block_nodes, grid_update<C>)            \
   each(body_response, block_nodes, body_response<C>)        \

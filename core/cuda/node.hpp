@@ -3,6 +3,7 @@
 
 #include "cuda/choices.hpp"
 #include "cuda/grid/reduce.hpp"
+#include "cuda/pace.hpp"
 #include "cuda/solids.hpp"
 #include "mpm/node_update.hpp"
 
@@ -13,9 +14,11 @@ template <class C>
 struct Node {
   using T = typename C::T;
   const Step<T>& s;
+  StepConstants<T> step;
   std::size_t block, i;
 
-  Node(const Step<T>& step, std::size_t b) : s(step), block(b), i(b * block_nodes + threadIdx.x) {}
+  Node(const Step<T>& all, std::size_t b)
+      : s(all), step(constants_of(all)), block(b), i(b * block_nodes + threadIdx.x) {}
 
   Vec3<T> v() const { return {s.nodes.node[i].x, s.nodes.node[i].y, s.nodes.node[i].z}; }
   T m() const { return s.nodes.node[i].w; }
@@ -30,7 +33,6 @@ struct Node {
 
   // How far the node's snow has left surfaces with play, from m s; none if there is no such surface.
   NEVE_INLINE Lift<T> lift(T m) const {
-    const auto& step = s.constants.step;
     Lift<T> out{{}, step.dt, T(play_cells * double(step.cells.dx))};
     if constexpr (C::has_play) {
       const Quad<T> ms = s.nodes.lift[i];
@@ -45,7 +47,7 @@ struct Node {
   NEVE_INLINE Vec3<T> x() const {
     const BlockCoord at = s.nodes.at[block];
     const int n = int(threadIdx.x);
-    const T dx = s.constants.step.cells.dx;
+    const T dx = step.cells.dx;
     return {T(4 * at.x + n / 16) * dx, T(4 * at.y + n / 4 % 4) * dx, T(4 * at.z + n % 4) * dx};
   }
   // The solids near the block. All threads of the block must come.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cuda/grid/scatter.hpp"
+#include "cuda/pace.hpp"
 #include "cuda/particle.hpp"
 #include "mpm/particle_update.hpp"
 
@@ -41,11 +42,11 @@ inline void p2g(const Step<typename C::T>& s) {
   __shared__ Given given[slots * home_threads / warp];
   __shared__ Force forces[C::has_change ? slots * home_threads / warp : 1];
   const Home& home = s.nodes.homes[blockIdx.x];
-  if (!is_turn_of(s, home)) return;
+  if (halted(s) || !is_turn_of(s, home)) return;
   clear_tile(tile);
   if constexpr (C::has_change) clear_tile(force_tile);
   __syncthreads();
-  const auto& step = s.constants.step;
+  const auto step = constants_of(s);
   const auto frame = TileFrame<T>::template of<S>(step, home.at);
   const unsigned first_slot = threadIdx.x / warp * slots;
   each_warp(home, [&](std::size_t p, int count) {
@@ -82,7 +83,7 @@ inline void scatter_lift(const Step<typename C::T>& s) {
   __shared__ Quad<T> tile[tile_nodes];
   __shared__ Given given[slots * home_threads / warp];
   const Home& home = s.nodes.homes[blockIdx.x];
-  if (!is_turn_of(s, home)) return;
+  if (halted(s) || !is_turn_of(s, home)) return;
   clear_tile(tile);
   __syncthreads();
   const auto frame = TileFrame<T>::template of<S>(s.constants.step, home.at);

@@ -10,6 +10,9 @@ namespace neve {
 enum class StepBound { wave, speed, solid, strain, fixed, dt_max };
 inline constexpr const char* step_bounds[] = {"wave", "speed", "solid", "strain", "fixed", "dt_max"};
 
+// A step that is a smaller share of the time that remains makes no progress.
+inline constexpr double shortest_share = 1e-9;
+
 struct StepLimits {
   double dx;               // [m]
   double cfl, courant;     // largest (c + |v|) dt / dx, c dt / dx [1]

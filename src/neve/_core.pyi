@@ -65,6 +65,22 @@ class StepLimits:
         """dx [m]; cfl, courant, strain_max, max_compression [1]; dt_max [s]; dt: the user's own [s], or 0
         for the longest good one; solid_speed [m/s].
         """
+    dx: float
+    """Grid spacing [m]."""
+    cfl: float
+    """Largest (c + |v|) dt / dx [1]."""
+    courant: float
+    """Largest stable c dt / dx [1]."""
+    strain_max: float
+    """Largest dt |grad v| [1]."""
+    dt_max: float
+    """Largest automatic step [s]."""
+    dt: float
+    """The user's own [s]; 0: the longest good one."""
+    max_compression: float
+    """Largest -dt tr grad v [1]."""
+    solid_speed: float
+    """Largest speed of a solid's surface [m/s]."""
     largest_strain: float
     """dt |grad v| beyond which a step is rejected [1]."""
 
@@ -79,8 +95,11 @@ class ParticleRates:
         strain_rate: float,
         compression_rate: float,
         ice_room: float,
-    ) -> None: ...
+    ) -> None:
+        """See `Report`: speeds [m/s], rates [1/s], room [1]."""
 
+shortest_share: float
+"""A step that is a smaller share of the time that remains makes no progress [1]."""
 step_bounds: list[str]
 """What may bound a step, by the numbers of the enum."""
 
@@ -340,6 +359,9 @@ class Model(Protocol):
         """The material table."""
     def device_constants(self, dt: float) -> bytes:
         """Return the constants of a step of dt [s]: numbers of the model's precision."""
+    @property
+    def device_blend(self) -> tuple[float, float]:
+        """Share of FLIP in a step [1], and the rate that it follows from instead [1/s], or -1."""
     @property
     def keeps_change(self) -> bool:
         """Whether the grid keeps changes of velocity."""
@@ -617,6 +639,8 @@ class Precision(Protocol):
     """Numbers of this precision in a pack: as many as fill 64 bytes."""
     device_step_bytes: int
     """Size of the struct that a GPU's kernels are given."""
+    device_control_bytes: int
+    """Size of the struct by which a GPU chooses its steps."""
     def Model(
         self,
         dx: float,

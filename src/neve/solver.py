@@ -91,6 +91,13 @@ class Solver(ABC):
         Errors: Blowup if no step is possible.
         """
 
+    def take_steps(self, steps: int, time: float, remaining: float, most: int) -> Sequence[StepSummary]:
+        """Take steps as `step` does, at least one and at most `most`, of at most `remaining` [s] in all.
+
+        For a method that can do so with less effort than one by one; after the last follows `end_step`.
+        """
+        return [self.step(steps, time, remaining)]
+
     def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
         """Finish the step of dt [s] that ends at `time` [s], `steps` since the start: check it, move bodies.
 

@@ -23,8 +23,16 @@ using Entry = std::function<void(const void*)>;
 struct Function {
   std::string name;
   unsigned threads;
+  std::size_t step_bytes;
   Entry run;
 };
+struct Launch {
+  void* function;
+  unsigned blocks, threads;
+  std::vector<char> step;
+};
+using Graph = std::vector<Launch>;  // also a stream that captures one
+std::size_t graphs = 0, graph_launches = 0;
 using Module = std::map<std::string, Function>;
 
 template <class C>
@@ -33,7 +41,7 @@ Module module_of() {
   using T = typename C::T;
   Module out;
 #define SHIM_ENTRY(name, threads, function)       \
-  out["neve_" #name] = {#name, unsigned(threads), \
+  out["neve_" #name] = {#name, unsigned(threads), sizeof(Step<T>), \
                         [](const void* step) { function(*static_cast<const Step<T>*>(step)); }};
   NEVE_KERNELS(SHIM_ENTRY)
   return out;
@@ -52,6 +60,7 @@ void shim_set(std::size_t bytes, unsigned threads_order, unsigned driver_version
   limit = bytes, order = threads_order, version = driver_version, devices = device_count;
 }
 void shim_fail(const char* kernel) { failing = kernel, failed = 0; }
+std::size_t shim_graphs(bool launches) { return launches ? graph_launches : graphs; }
 std::size_t shim_used(bool most) { return most ? used_most : used; }
 // Whether a kernel has written beyond the end of an allocation.
 bool shim_overrun() {
@@ -113,12 +122,35 @@ int cuModuleGetFunction(void** out, void* module, const char* name) {
   return 0;
 }
 int cuLaunchKernel(void* function, unsigned blocks, unsigned, unsigned, unsigned threads, unsigned, unsigned,
-                   unsigned, void*, void** parameters, void**) {
+                   unsigned, void* stream, void** parameters, void**) {
   const auto& kernel = *static_cast<Function*>(function);
   if (threads > kernel.threads || blocks == 0) return 1;
+  if (stream) {  // to be captured: the parameters as they are now
+    const char* bytes = static_cast<const char*>(parameters[0]);
+    static_cast<Graph*>(stream)->push_back(
+        {function, blocks, threads, std::vector<char>(bytes, bytes + kernel.step_bytes)});
+    return 0;
+  }
   if (kernel.name == failing) failed = launch_failure;
   if (failed == 0) shim::launch([&] { kernel.run(parameters[0]); }, blocks, threads, order);
   return 0;  // as a device, which fails later
+}
+int cuStreamCreate(void** out, unsigned) { return *out = new Graph, 0; }
+int cuStreamDestroy_v2(void* stream) { return delete static_cast<Graph*>(stream), 0; }
+int cuStreamBeginCapture_v2(void* stream, int) { return static_cast<Graph*>(stream)->clear(), 0; }
+int cuStreamEndCapture(void* stream, void** out) { return *out = new Graph(*static_cast<Graph*>(stream)), 0; }
+int cuGraphInstantiateWithFlags(void** out, void* graph, unsigned long long) {
+  return *out = new Graph(*static_cast<Graph*>(graph)), ++graphs, 0;
+}
+int cuGraphDestroy(void* graph) { return delete static_cast<Graph*>(graph), 0; }
+int cuGraphExecDestroy(void* graph) { return delete static_cast<Graph*>(graph), --graphs, 0; }
+int cuGraphLaunch(void* graph, void*) {
+  ++graph_launches;
+  for (Launch& launch : *static_cast<Graph*>(graph)) {
+    void* parameters[] = {launch.step.data()};
+    cuLaunchKernel(launch.function, launch.blocks, 1, 1, launch.threads, 1, 1, 0, nullptr, parameters, nullptr);
+  }
+  return 0;
 }
 int cuEventCreate(void** out, unsigned) { return *out = new double(0), 0; }
 int cuEventRecord(void*, void*) { return 0; }

@@ -66,6 +66,11 @@ class StandIn(Driver):
         self._library.shim_used.restype = ctypes.c_size_t
         return self._library.shim_used(most)
 
+    def graphs(self, launches=False):
+        """Return how many graphs there are, or how often one was launched."""
+        self._library.shim_graphs.restype = ctypes.c_size_t
+        return self._library.shim_graphs(launches)
+
     def overrun(self):
         """Tell whether something has been written beyond the end of an allocation."""
         self._library.shim_overrun.restype = ctypes.c_bool

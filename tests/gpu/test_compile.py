@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from neve import _core
-from neve.cuda.layout import step_of
+from neve.cuda.layout import control_of, step_of
 from neve.cuda.program import WHEEL, Choice, Compiler, compiler, libraries, usage
 from neve.cuda.state import FIELDS as DEVICE_FIELDS
 from neve.mpm.state import FIELDS
@@ -27,7 +27,7 @@ def nvrtc():
 
 ALONE = """
 import ctypes, sys
-from neve.cuda.layout import step_of
+from neve.cuda.layout import control_of, step_of
 from neve.cuda.program import Choice, compiler
 choice = Choice("float32", 0, 0, 8, 1, False, False)
 code, log = compiler((1000, 0)).compiled(choice, int(sys.argv[1]), ctypes.sizeof(step_of("float32")))
@@ -44,7 +44,7 @@ def test_kernels_compile(nvrtc, architecture):
         [sys.executable, "-c", ALONE, str(architecture)], capture_output=True, text=True, check=True
     )
     needs = usage(alone.stdout)
-    assert len(needs) == 22
+    assert len(needs) == 25
     assert {name: need.spilled for name, need in needs.items() if need.spilled} == {}
     assert {
         name: needs[name].registers for name, most in RESIDENT.items() if needs[name].registers > most
@@ -64,9 +64,10 @@ def test_all_that_can_be_chosen_compiles(nvrtc, monkeypatch):
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_both_sides_know_the_same_struct(precision):
-    """The struct of the kernels has the size that the core gives it."""
+    """The structs of the kernels have the size that the core gives it."""
     core = {"float32": _core.f32, "float64": _core.f64}[precision]
     assert ctypes.sizeof(step_of(precision)) == core.device_step_bytes
+    assert control_of(precision).itemsize == core.device_control_bytes
 
 
 def test_every_field_has_a_column():

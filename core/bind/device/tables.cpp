@@ -134,6 +134,7 @@ template <class T>
 void bind_device(nb::module_& m, nb::class_<Model<T>>& c) {
   using M = Model<T>;
   m.attr("device_step_bytes") = sizeof(cuda::Step<T>);
+  m.attr("device_control_bytes") = sizeof(cuda::Control<T>);
   c.def_prop_ro(
        "device_choice",
        [](const M& self) {
@@ -155,6 +156,9 @@ void bind_device(nb::module_& m, nb::class_<Model<T>>& c) {
             });
           },
           nb::arg("dt"), "The constants of a step of dt [s], as bytes.")
+      .def_prop_ro(
+          "device_blend",
+          [](const M& self) { return nb::make_tuple(self.flip_alpha, self.flip_damping.value_or(-1)); })
       .def_prop_ro("keeps_change", &keeps_change<T>, "Whether the grid keeps changes of velocity.")
       .def_prop_ro("snow_count", [](const M& self) { return self.snows.size(); })
       .def_prop_ro("solid_count", [](const M& self) { return self.solids.size(); })

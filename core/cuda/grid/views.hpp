@@ -7,6 +7,7 @@
 #include "coupling/body_response.hpp"
 #include "coupling/solid.hpp"
 #include "mpm/block_key.hpp"
+#include "mpm/step_choice.hpp"
 #include "mpm/step_constants.hpp"
 
 namespace neve::cuda {
@@ -130,6 +131,40 @@ struct Bodies {
   unsigned unused;
 };
 
+// Why no further step is taken without the host.
+enum class Halt {
+  none,
+  finished,  // the time is over
+  trial,     // a step might have to be rejected: it must be tried first
+  drifted,   // particles have left their homes: sort
+  broken,    // a number is not finite
+  unusual,   // the step is too short, or shorter than the user's own
+};
+
+inline constexpr int most_steps = 64;  // that are taken without the host
+struct StepRecord {
+  double dt;
+  int bound, unused;
+};
+
+// What the device needs to choose steps itself, and what it has done (cuda/pace.hpp).
+template <class T>
+struct Control {
+  StepLimits limits;
+  ParticleRates rates;                        // of the last step
+  double max_displacement, min_volume_ratio;  // likewise, as in Report
+  double flip_alpha, flip_damping;            // of the model; damping below 0: none
+  double remaining;                           // [s]
+  double dt;                                  // of the step under way [s]
+  StepRecord record[most_steps];
+  int taken, halt, drifted, broken;
+  int under_way;  // the step is taken
+  int bound;      // of the step under way
+  T step_dt;      // as kernels need it
+  FlipBlend<T> blend;
+  T unused_too;
+};
+
 template <class T>
 struct Step {
   Particles<T> particles;
@@ -141,6 +176,8 @@ struct Step {
   Results* results;
   Sums* sums;
   Bodies bodies;
+  Control<T>* control;  // of steps that are taken without the host; null: the host's constants count
+  void* accepted;       // as `exchanged`, of the steps that were taken
   unsigned particle_count, home_count, block_count, solid_count, snow_count;
   int commit;       // g2p: move the particles, not only report
   unsigned colour;  // p2g: of the homes whose turn it is; all_colours: of all

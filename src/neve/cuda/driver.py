@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import functools
 import sys
 import threading
+import weakref
+from collections.abc import Callable
 from typing import Any
 
 from neve.cuda.errors import OUT_OF_MEMORY, DriverError, NoDevice
@@ -14,6 +17,7 @@ LIBRARY = "nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1"
 """What the driver of the GPU installs; no wheel brings it."""
 
 _MAJOR, _MINOR = 75, 76  # CUdevice_attribute: of the compute capability
+_RELAXED = 2  # CUstreamCaptureMode: other threads may go on meanwhile
 
 
 class Driver:
@@ -123,7 +127,36 @@ class Driver:
         arguments = (ctypes.c_void_p * 1)(ctypes.addressof(step))
         one, none = ctypes.c_uint(1), ctypes.c_uint(0)
         grid = (ctypes.c_uint(blocks), one, one, ctypes.c_uint(threads), one, one)
-        self._call("cuLaunchKernel", function, *grid, none, None, arguments, None)
+        stream = getattr(self._thread, "captures", None)
+        self._call("cuLaunchKernel", function, *grid, none, stream, arguments, None)
+
+    def captured(self, launches: Callable[[], None]) -> Graph | None:
+        """Return what `launches` would start, to be started at once; None if the driver is too old for it."""
+        if not hasattr(self._library, "cuGraphInstantiateWithFlags"):  # of CUDA 11.4
+            return None
+        stream, graph, ready = ctypes.c_void_p(), ctypes.c_void_p(), ctypes.c_void_p()
+        self._call("cuStreamCreate", ctypes.byref(stream), ctypes.c_uint(0))
+        try:
+            self._call("cuStreamBeginCapture_v2", stream, ctypes.c_int(_RELAXED))
+            self._thread.captures = stream  # of this thread of the host only
+            try:
+                launches()
+            finally:
+                self._thread.captures = None
+                self._call("cuStreamEndCapture", stream, ctypes.byref(graph))
+            self._call("cuGraphInstantiateWithFlags", ctypes.byref(ready), graph, ctypes.c_ulonglong(0))
+            self._call("cuGraphDestroy", graph)
+        finally:
+            self._call("cuStreamDestroy_v2", stream)
+        return Graph(self, ready)
+
+    def launch_graph(self, graph: ctypes.c_void_p) -> None:
+        """Start all that was captured."""
+        self._call("cuGraphLaunch", graph, None)
+
+    def destroy_graph(self, graph: ctypes.c_void_p) -> None:
+        """Forget what was captured."""
+        self._call("cuGraphExecDestroy", graph)
 
     def synchronize(self) -> None:
         """Wait until all is done."""
@@ -144,6 +177,23 @@ class Driver:
         self._call("cuEventSynchronize", last)
         self._call("cuEventElapsedTime", ctypes.byref(out), first, last)
         return out.value
+
+
+class Graph:
+    """Launches that are started at once."""
+
+    def __init__(self, driver: Driver, graph: ctypes.c_void_p) -> None:
+        self._driver, self._graph = driver, graph
+        weakref.finalize(self, _forget, driver, graph)
+
+    def launch(self) -> None:
+        """Start them. Errors: DriverError."""
+        self._driver.launch_graph(self._graph)
+
+
+def _forget(driver: Driver, graph: ctypes.c_void_p) -> None:
+    with contextlib.suppress(DriverError):  # after a kernel has failed nothing can be given back
+        driver.destroy_graph(graph)
 
 
 class Module:

@@ -72,7 +72,7 @@ class DeviceGrid:
         self.home_table, self.block_table = BlockTable(driver), BlockTable(driver)
         self._results = Buffer(driver, RESULTS.itemsize)
         self._parts: dict[str, Buffer] = {}
-        self._exchanged = Buffer(driver)
+        self._exchanged, self._accepted = Buffer(driver), Buffer(driver)
         self._taken = np.zeros((0, EXCHANGE_NUMBERS))
 
     def _part(self, name: str, size: int) -> int:
@@ -150,10 +150,24 @@ class DeviceGrid:
 
     def accept_attempt(self) -> None:
         """Count what this attempt has exchanged."""
+        self._count(self._exchanged)
+
+    def _count(self, sums: Buffer) -> None:
         if len(self._taken):
             raw = np.zeros(self._exchanged_bytes // 8, np.uint64)
-            self._driver.download(raw.ctypes.data, self._exchanged.address, raw.nbytes)
+            self._driver.download(raw.ctypes.data, sums.address, raw.nbytes)
             self._taken += summed(raw, self._deterministic).reshape(self._taken.shape)
+
+    def begin_ahead(self) -> int:
+        """Forget attempts; return where is summed what the steps that are taken exchange."""
+        self.begin_attempt()
+        self._accepted.require(self._exchanged_bytes)
+        self._driver.fill(self._accepted.address, 0, self._exchanged_bytes)
+        return self._accepted.address
+
+    def end_ahead(self) -> None:
+        """Count what these steps have exchanged."""
+        self._count(self._accepted)
 
     def take_exchanged(self, solids: int) -> NDArray[np.float64]:
         """Return what snow and each solid exchanged since the last call, (solids, 7)."""

@@ -119,6 +119,30 @@ class Bodies(ctypes.Structure):
     )
 
 
+HALTS = ("none", "finished", "trial", "drifted", "broken", "unusual")
+"""Why no further step is taken without the host."""
+MOST_STEPS = 64
+"""So many steps are taken without the host."""
+
+LIMITS = ("dx", "cfl", "courant", "strain_max", "dt_max", "dt", "max_compression", "solid_speed")
+RATES = ("wave", "speed", "fastest", "strain_rate", "compression_rate", "ice_room")
+_DOUBLES = ("max_displacement", "min_volume_ratio", "flip_alpha", "flip_damping", "remaining", "dt")
+_INTS = ("taken", "halt", "drifted", "broken", "under_way", "bound")
+
+
+@functools.cache
+def control_of(precision: str) -> np.dtype[Any]:
+    """Return the struct `Control` of "float32" or "float64"."""
+    record = np.dtype([("dt", np.float64), ("bound", np.int32), ("unused", np.int32)])
+    return np.dtype(
+        [(f"limits_{name}", np.float64) for name in LIMITS]
+        + [(name, np.float64) for name in (*RATES, *_DOUBLES)]
+        + [("record", record, MOST_STEPS)]
+        + [(name, np.int32) for name in _INTS]
+        + [("values", precision, 4)]
+    )
+
+
 @functools.cache
 def step_of(precision: str) -> type[Any]:
     """Return the struct `Step` of "float32" or "float64"."""
@@ -133,6 +157,8 @@ def step_of(precision: str) -> type[Any]:
             ("sorting", Sorting),
             *((name, _pointer) for name in ("snows", "solids", "exchanged", "results", "sums")),
             ("bodies", Bodies),
+            ("control", _pointer),
+            ("accepted", _pointer),
             *((f"{name}_count", _word) for name in ("particle", "home", "block", "solid", "snow")),
             ("commit", _whole),
             ("colour", _word),

@@ -2,53 +2,38 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.cuda.ahead import RunAhead
 from neve.cuda.bodies import DeviceBodies
 from neve.cuda.driver import Driver
 from neve.cuda.errors import DriverError
 from neve.cuda.grid import DeviceGrid, solids_of
-from neve.cuda.layout import ALL_COLOURS, EXTREMES, decoded, step_of
+from neve.cuda.layout import ALL_COLOURS, step_of
 from neve.cuda.model import DeviceModel
+from neve.cuda.reports import (
+    NOBODY,
+    DeviceGridReport,
+    DeviceReport,
+    extremes,
+    grid_report_of,
+    last_report,
+    report_of,
+)
 from neve.cuda.state import DeviceState
 from neve.cuda.sums import DeviceTotals, Sums
 from neve.solver import Blowup
 
 if TYPE_CHECKING:
-    from neve._core import Precision
+    from neve._core import Precision, Report, StepLimits
 
 PARTICLE_THREADS, HOME_THREADS, NODE_THREADS, SCAN_THREADS, WARP = 128, 128, 64, 256, 32
 """Threads of a block, as in `core/cuda/kernels.hpp`."""
-_NOBODY = 0xFFFFFFFF
-
-
-class DeviceReport(NamedTuple):
-    """What g2p or refresh found; see `neve._core.Report`."""
-
-    wave: float
-    speed: float
-    fastest: float
-    strain_rate: float
-    compression_rate: float
-    max_displacement: float
-    min_volume_ratio: float
-    ice_room: float
-    finite: bool
-    drifted: bool
-    offending_id: int
-
-
-class DeviceGridReport(NamedTuple):
-    """What grid_update found; see `neve._core.GridReport`."""
-
-    speed: float
-    max_velocity_difference: float
-    max_velocity_change: float
-    finite: bool
+STEPPED = ("x", "v", "C", "F_E", "tau", "J_P", "modes")
+"""What a step changes of the particles."""
 
 
 class CudaStages:
@@ -57,10 +42,11 @@ class CudaStages:
     def __init__(self, driver: Driver, core: Precision, precision: str, deterministic: bool = False) -> None:
         self._driver, self._core, self._precision = driver, core, precision
         self._deterministic = deterministic
-        self._step = step_of(precision)()
-        self._step.colour = ALL_COLOURS
+        self.step = step_of(precision)()
+        self.step.colour = ALL_COLOURS
         self._scratch = self.Grid()
         self._bodies = DeviceBodies(driver, deterministic)
+        self._ahead = RunAhead(driver, precision)
         self._real = np.float32 if precision == "float32" else np.float64
         self._filled: dict[str, Any] = {}
         self._sums = Sums(driver, deterministic)
@@ -98,9 +84,9 @@ class CudaStages:
         self._sort_homes(model, grid)
         self._each(model, "rank_homes", grid.homes)
         self._each(model, "count_homes", count)
-        self._launch(model, "scan_homes", min(grid.homes, 1), SCAN_THREADS)
+        self.launch(model, "scan_homes", min(grid.homes, 1), SCAN_THREADS)
         self._each(model, "place_particles", count)
-        self._launch(model, "order_homes", grid.homes, PARTICLE_THREADS)
+        self.launch(model, "order_homes", grid.homes, PARTICLE_THREADS)
         for step.sorting.width, step.sorting.from_, step.sorting.to in state.each_column():
             self._each(model, "permute", count)
         state.fill(step.particles)
@@ -114,7 +100,7 @@ class CudaStages:
         self._prepare(model, state, self._scratch, 0.0)
         self._each(model, "refresh", state.count)
         state.moved(("tau",))
-        return self._report(self._scratch, "refresh", stepped=False)
+        return report_of(self._results(self._scratch, "refresh"), stepped=False)
 
     def p2g(self, model: DeviceModel, state: DeviceState, grid: DeviceGrid, dt: float) -> None:
         """Scatter mass, momentum and force to the nodes. Errors: ValueError."""
@@ -132,39 +118,32 @@ class CudaStages:
         Homes of one colour share no nodes, and one warp makes the sums of a home one after another.
         """
         if not self._deterministic:
-            self._launch(model, name, grid.homes, HOME_THREADS)
+            self.launch(model, name, grid.homes, HOME_THREADS)
             return
-        for self._step.colour in range(ALL_COLOURS):
-            self._launch(model, name, grid.homes, WARP)
-        self._step.colour = ALL_COLOURS
+        for self.step.colour in range(ALL_COLOURS):
+            self.launch(model, name, grid.homes, WARP)
+        self.step.colour = ALL_COLOURS
 
     def volumes_from_grid(self, model: DeviceModel, state: DeviceState, grid: DeviceGrid) -> None:
         """Take each particle's rest volume from the density on the grid. Errors: ValueError."""
         self._prepare_sorted(model, state, grid, 0.0)
-        self._launch(model, "measure_volumes", grid.homes, PARTICLE_THREADS)
+        self.launch(model, "measure_volumes", grid.homes, PARTICLE_THREADS)
         state.moved(("V0",))
 
     def grid_update(self, model: DeviceModel, grid: DeviceGrid, dt: float) -> DeviceGridReport:
         """Turn momenta into velocities, with gravity and contact."""
-        step = self._step
+        step = self.step
         self._constants(model, grid, dt)
         solids_of(model, grid, step)
         grid.begin_attempt()
         step.bodies.count = model.native.body_count
         if step.bodies.count:
             self._bodies.fill(step.bodies, grid.blocks)
-        self._launch(model, "grid_update", grid.blocks, NODE_THREADS)
+        self.launch(model, "grid_update", grid.blocks, NODE_THREADS)
         if step.bodies.count:
             self._move_bodies(model, grid, dt)
         self._each(model, "report_nodes", grid.homes)
-        results = self._results(grid, "grid")
-        most = self._extremes(results)
-        return DeviceGridReport(
-            math.sqrt(most["node_speed"]),
-            math.sqrt(most["node_difference"]),
-            math.sqrt(3.0) * most["node_change"],
-            not results["not_finite"],
-        )
+        return grid_report_of(self._results(grid, "grid"))
 
     def _move_bodies(self, model: DeviceModel, grid: DeviceGrid, dt: float) -> None:
         """Let the snow of the blocks that wait and the bodies find their common velocities."""
@@ -172,11 +151,11 @@ class CudaStages:
 
         def response(U: NDArray[np.float64]) -> NDArray[np.float64]:
             bodies.move(U)
-            self._launch(model, "body_response", waiting, NODE_THREADS)
+            self.launch(model, "body_response", waiting, NODE_THREADS)
             return bodies.response()
 
         bodies.move(model.native.solve_bodies(dt, response))
-        self._launch(model, "meet_bodies", waiting, NODE_THREADS)
+        self.launch(model, "meet_bodies", waiting, NODE_THREADS)
 
     def g2p(
         self, model: DeviceModel, state: DeviceState, grid: DeviceGrid, dt: float, commit: bool = True
@@ -186,14 +165,58 @@ class CudaStages:
         solids_of(model, grid, step)
         step.commit = int(commit)
         if commit and step.nodes.lift:
-            self._launch(model, "gather_lift", grid.homes, PARTICLE_THREADS)
-        self._launch(model, "g2p", grid.homes, PARTICLE_THREADS)
-        report = self._report(grid, "g2p", stepped=True)
+            self.launch(model, "gather_lift", grid.homes, PARTICLE_THREADS)
+        self.launch(model, "g2p", grid.homes, PARTICLE_THREADS)
+        report = report_of(self._results(grid, "g2p"), stepped=True)
         if commit:
-            state.moved(("x", "v", "C", "F_E", "tau", "J_P", "modes"))
+            state.moved(STEPPED)
             grid.current = grid.current and not report.drifted
             grid.accept_attempt()
         return report
+
+    # Several steps
+
+    def run_ahead(
+        self,
+        model: DeviceModel,
+        state: DeviceState,
+        grid: DeviceGrid,
+        limits: StepLimits,
+        before: Report,
+        seconds: float,
+    ) -> tuple[list[tuple[float, str]], DeviceReport]:
+        """Take steps of at most `seconds` [s] in all, as long as none of them needs the host.
+
+        Returns the dt of each [s] and what bound it, and the report of the last; maybe none is taken. For
+        solids that stand still. before: the report of the last step. Errors: ValueError, Blowup.
+        """
+        step = self._prepare_sorted(model, state, grid, 1.0)
+        solids_of(model, grid, step)
+        step.accepted = grid.begin_ahead()
+        step.commit, step.bodies.count = 1, 0
+        control = self._ahead.control(limits, model.native.device_blend, before, seconds)
+        try:
+            steps = self._ahead.take(self, model, grid, control)
+        except DriverError as error:
+            raise self._failed("p2g, grid or g2p", error) from None
+        if steps:
+            state.moved(STEPPED)
+            grid.current = not control["drifted"]
+            grid.end_ahead()
+        return steps, last_report(control)
+
+    def launch_step(self, model: DeviceModel, grid: DeviceGrid) -> None:
+        """Start the stages of a step that the GPU judges itself."""
+        has_lift = bool(self.step.nodes.lift)
+        self._scatter(model, "p2g", grid)
+        if has_lift:
+            self._scatter(model, "scatter_lift", grid)
+        self.launch(model, "grid_update", grid.blocks, NODE_THREADS)
+        self._each(model, "report_nodes", grid.homes)
+        self.launch(model, "judge_step", 1, PARTICLE_THREADS)
+        if has_lift:
+            self.launch(model, "gather_lift", grid.homes, PARTICLE_THREADS)
+        self.launch(model, "g2p", grid.homes, PARTICLE_THREADS)
 
     # Passes over the state
 
@@ -215,14 +238,14 @@ class CudaStages:
     def _sum_up(self, name: str, model: DeviceModel, state: DeviceState) -> None:
         state.upload()
         self._prepare(model, state, self._scratch, 0.0)
-        self._step.sums = self._sums.clear()
+        self.step.sums = self._sums.clear()
         self._each(model, name, state.count)
 
     # Sorting
 
     def _find_homes(self, model: DeviceModel, state: DeviceState, grid: DeviceGrid) -> None:
         """Number the homes; a table that is too small is doubled."""
-        step = self._step
+        step = self.step
         while True:
             step.results = grid.clear_results()
             grid.home_table.clear(step.sorting.homes, grid.counter("homes"))
@@ -232,9 +255,9 @@ class CudaStages:
                 break
             grid.home_table.capacity *= 4
         if found["lost"]:
-            raise ValueError(self._lost(state, int(found["lost"]) ^ _NOBODY))
+            raise ValueError(self._lost(state, int(found["lost"]) ^ NOBODY))
         grid.homes = int(found["homes"])
-        grid.lightest = -self._extremes(found)["less_mass"] if state.count else 0.0
+        grid.lightest = -extremes(found)["less_mass"] if state.count else 0.0
 
     @staticmethod
     def _lost(state: DeviceState, number: int) -> str:
@@ -243,7 +266,7 @@ class CudaStages:
         return f"particle {number} at ({where}) m is beyond the lattice"
 
     def _sort_homes(self, model: DeviceModel, grid: DeviceGrid) -> None:
-        sorting, run = self._step.sorting, 2
+        sorting, run = self.step.sorting, 2
         while run // 2 < grid.homes:
             spans = [run - 1]
             while run >> (len(spans) + 1) > 0:
@@ -254,7 +277,7 @@ class CudaStages:
 
     def _find_blocks(self, model: DeviceModel, grid: DeviceGrid) -> None:
         """Number the blocks of nodes, and give them room."""
-        step = self._step
+        step = self.step
         while True:
             step.results = grid.clear_results()
             grid.block_table.clear(step.sorting.blocks, grid.counter("blocks"))
@@ -276,7 +299,7 @@ class CudaStages:
 
     def _prepare(self, model: DeviceModel, state: DeviceState, grid: DeviceGrid, dt: float) -> Any:
         """Fill the struct of the kernels, but for the solids and what sorting needs."""
-        step = self._step
+        step = self.step
         if self._is_new("particles", (state, state.sorted)):
             state.fill(step.particles)
             step.particle_count = state.count
@@ -292,7 +315,7 @@ class CudaStages:
         return True
 
     def _constants(self, model: DeviceModel, grid: DeviceGrid, dt: float) -> None:
-        step = self._step
+        step = self.step
         if self._is_new("constants", dt):
             step.constants[:] = np.frombuffer(model.constants(dt), self._real).tolist()
         if self._is_new("nodes", (grid, grid.homes, grid.blocks, grid.lightest)):
@@ -305,11 +328,12 @@ class CudaStages:
 
     def _each(self, model: DeviceModel, name: str, count: int) -> None:
         """Start a kernel with a thread for each of `count` things."""
-        self._launch(model, name, -(-count // PARTICLE_THREADS), PARTICLE_THREADS)
+        self.launch(model, name, -(-count // PARTICLE_THREADS), PARTICLE_THREADS)
 
-    def _launch(self, model: DeviceModel, name: str, blocks: int, threads: int) -> None:
+    def launch(self, model: DeviceModel, name: str, blocks: int, threads: int) -> None:
+        """Start a kernel on so many blocks of threads. Errors: Blowup if one before it has failed."""
         try:
-            self._driver.launch(model.kernels()[name], blocks, threads, self._step)
+            self._driver.launch(model.kernels()[name], blocks, threads, self.step)
         except DriverError as error:
             raise self._failed(name, error) from None
 
@@ -325,25 +349,3 @@ class CudaStages:
             return grid.results()
         except DriverError as error:
             raise self._failed(stage, error) from None
-
-    @staticmethod
-    def _extremes(results: dict[str, Any]) -> dict[str, float]:
-        return dict(zip(EXTREMES, decoded(results["most"]).tolist(), strict=True))
-
-    def _report(self, grid: DeviceGrid, stage: str, stepped: bool) -> DeviceReport:
-        results = self._results(grid, stage)
-        most = self._extremes(results)
-        offender = int(results["offender"]) ^ _NOBODY if stepped else _NOBODY
-        return DeviceReport(
-            wave=most["wave"],
-            speed=most["speed"],
-            fastest=most["fastest"],
-            strain_rate=math.sqrt(most["rate2"]),
-            compression_rate=most["compression"],
-            max_displacement=math.sqrt(most["displacement2"]),
-            min_volume_ratio=-most["less_volume"] if most["wave"] or stepped else 1.0,
-            ice_room=-most["less_ice_room"] if most["less_ice_room"] else math.inf,
-            finite=not results["not_finite"],
-            drifted=bool(results["drifted"]),
-            offending_id=offender,
-        )

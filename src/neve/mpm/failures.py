@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from neve import _core
 from neve.mpm.model import Model
 from neve.solver import Blowup
 
@@ -31,7 +32,7 @@ def require_finite(model: Model, state: State, report: Report, steps: int, time:
 
 def require_progress(model: Model, report: Report, dt: float, seconds: float, steps: int) -> None:
     """Raise Blowup if the time step has become so small that `seconds` [s] would never be over."""
-    if dt > 1e-9 * seconds:
+    if dt > _core.shortest_share * seconds:
         return
     raise Blowup(
         f"after step {steps} waves run at {report.wave:.3g} m/s, snow moves at {report.speed:.3g} m/s "

@@ -27,7 +27,7 @@ from neve.mpm.state import (
 from neve.mpm.state_checks import inspect, require_whole, warn_of_density
 from neve.mpm.step import STAGES, Stages
 from neve.mpm.step_control import try_step
-from neve.mpm.time_step import Choice, fitted, largest
+from neve.mpm.time_step import Choice, fitted, largest, limits_of
 from neve.rigid.coupled_bodies import LostBody
 from neve.scene.schema.scene import Scene, Source
 from neve.solver import Arrays, Blowup, Solver, StepSummary
@@ -117,6 +117,15 @@ class MpmSolver(Solver):
         dt = fitted(choice.dt, remaining)
         self._report, dt, rejected = try_step(self._stages, dt, self._report, steps, time)
         return StepSummary(dt, "retry" if rejected else choice.bound, rejected)
+
+    def take_steps(self, steps: int, time: float, remaining: float, most: int) -> Sequence[StepSummary]:
+        """Take several steps where the device chooses and judges them itself, as long as no solid moves."""
+        if most > 1 and not self.model.solids_move:
+            ahead = self._stages.run_ahead(limits_of(self.model), self._report, remaining)
+            if ahead is not None:
+                taken, self._report = ahead
+                return [StepSummary(dt, bound, 0) for dt, bound in taken]
+        return [self.step(steps, time, remaining)]
 
     def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
         """Check the particles, and let the bodies feel what the snow did to them. Errors: Blowup."""

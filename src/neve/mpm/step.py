@@ -12,7 +12,7 @@ from neve.solver import Blowup
 from neve.stage_timer import StageTimer
 
 if TYPE_CHECKING:
-    from neve._core import Grid, GridReport, Report, State
+    from neve._core import Grid, GridReport, Report, State, StepLimits
 
 STAGES = ("stress", "sort", "p2g", "grid", "g2p", "bodies")
 """Stages whose wall time is measured: `refresh`, the four lines of the step, and solids and bodies."""
@@ -80,6 +80,22 @@ class Stages:
         """Gather velocities, deform and move the particles by dt [s]; without `commit` only report."""
         with self.timer.stage("g2p"):
             return self.model.core.g2p(self.model.native, self.state, self.grid, dt, commit)
+
+    def run_ahead(
+        self, limits: StepLimits, before: Report, seconds: float
+    ) -> tuple[list[tuple[float, str]], Report] | None:
+        """Let the device take steps of at most `seconds` [s] in all that it chooses and judges itself.
+
+        Returns the dt of each [s] and what bound it, and the report of the last; None if it has taken none.
+        The time of all their stages counts as that of "g2p".
+        """
+        ahead = getattr(self.model.core, "run_ahead", None)
+        if ahead is None:
+            return None
+        self.sort()
+        with self.timer.stage("g2p"):
+            taken, report = ahead(self.model.native, self.state, self.grid, limits, before, seconds)
+        return (taken, report) if taken else None
 
     def measure_volumes(self) -> None:
         """Take each particle's rest volume from the density on the grid (stage 2): V0_p = m_p / rho_p.
