@@ -81,10 +81,11 @@ def finished(tmp_path_factory):
 
 @pytest.fixture
 def place(tmp_path, finished):
-    """A folder to type in: with a scene of one's own, and the runs that a page takes for granted."""
+    """A folder to type in: a scene of one's own, the recipes, and the runs that a page takes for granted."""
     (tmp_path / "my_scene.toml").write_text(
         '[[sources]]\nshape = "sphere"\n\n[[colliders]]\nshape = "plane"\n'
     )
+    shutil.copytree(ROOT / "examples/recipes", tmp_path / "examples/recipes")
     for name in ("ball", "throw_ball"):
         shutil.copytree(finished, tmp_path / "runs" / name)
     return tmp_path
