@@ -188,6 +188,19 @@ def test_what_is_transparent_is_not_set(snow_of, tmp_path):
     assert m.sum() == pytest.approx(3.0 * 0.2 * RHO0, rel=1e-6)  # 2 m: the middle cell of 1 m is missing
 
 
+@pytest.mark.parametrize("ending", ["png", "tif"])
+def test_black_and_white(snow_of, tmp_path, ending):
+    """Numbers of one bit: the middle cell of 1 m is set, of a width that fills no byte."""
+    rows = np.zeros((3, 3), bool)
+    rows[1, 1] = True
+    if ending == "png":
+        Image.fromarray(rows).save(tmp_path / "mask.png")
+    else:
+        tiffs.write(tmp_path / "mask.tif", rows)
+    _, m = snow_of("depth = 0.2")
+    assert m.sum() == pytest.approx(1.0 * 0.2 * RHO0, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("layer", "values", "told"),
     [

@@ -96,6 +96,12 @@ IDLE: list[tuple[dict[str, Any], str, dict[str, Any], dict[str, Any]]] = [
         {"sources": [BOX], "colliders": [{"shape": "plane", "mode": "sticky", "mu_c": 0.5}]},
     ),
     (
+        {"sources": [BOX], "colliders": [{"shape": "plane", "surface_velocity": [1.0, 0.0, 0.0], "mu_c": 0}]},
+        r"colliders\.0\.surface_velocity = .* with mu_c = 0: set colliders\.0\.mu_c above 0, or mode",
+        {"sources": [BOX], "colliders": [{"shape": "plane", "surface_velocity": [1.0, 0.0, 0.0]}]},
+        {"sources": [BOX], "colliders": [{"shape": "plane", "mu_c": 0}]},
+    ),
+    (
         {"sources": [BOX], "bodies": [BOX | {"axis": [1.0, 0.0, 0.0]}]},
         r'bodies\.0\.axis = .* with joint = "free": set bodies\.0\.joint = "hinge" or "slide", or',
         {"sources": [BOX], "bodies": [BOX | {"axis": [1.0, 0.0, 0.0], "joint": "hinge"}]},

@@ -107,6 +107,19 @@ def test_the_belt_bounds_the_step():
     assert sim.stats.dt_min <= 0.4 * 0.05 / 300 * (1 + 1e-9)
 
 
+def test_a_belt_can_be_stopped_and_moved_while_it_runs():
+    """`change` stops it, so that friction brakes the snow; a belt that moves adds its own velocity."""
+    sim = block(BELT)
+    sim.advance(0.4)
+    stopped = sim.scene.colliders[0].model_copy(update={"surface_velocity": (0.0, 0.0, 0.0)})
+    sim.change(sim.scene.model_copy(update={"colliders": (stopped,)}))
+    sim.advance(0.4)
+    assert abs(velocity(sim)[0]) < 0.01
+    sim = block(BELT | {"keyframes": [{"t": 0.0}, {"t": 5.0, "position": [0.0, 2.5, 0.0]}]})
+    sim.advance(0.6)
+    np.testing.assert_allclose(velocity(sim)[:2], [U, 0.5], atol=0.01)
+
+
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_round_solids_have_no_belt(shape):
     """They can spin."""

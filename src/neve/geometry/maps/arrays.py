@@ -25,7 +25,7 @@ def read_array(path: Path, key: str, kinds: str = "iuf") -> Map:
     except Exception as error:  # whatever a damaged file makes its reader stumble over
         raise unreadable(key, error) from None
     if not isinstance(values, np.ndarray) or values.dtype.kind not in kinds:
-        raise SceneError(f"{key} holds no numbers: a height map is an array of whole or real numbers")
+        raise SceneError(f"{key} holds no numbers: a map is an array of whole or real numbers")
     require_size(values.size, "heights", key)
     bits = 8 * values.dtype.itemsize if values.dtype.kind in "iu" else 32
     return Map(values.astype(np.float64), full_range(bits))

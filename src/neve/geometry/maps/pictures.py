@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from neve.geometry.maps.found import Map, full_range, require_size, unreadable
 from neve.scene.errors import SceneError
 
-ONE_CHANNEL = "a height map has one channel, of 8 or 16 bits or of reals"
+ONE_CHANNEL = "a map has one channel, of 8 or 16 bits or of reals"
 
 
 def read_picture(path: Path, key: str) -> Map:

@@ -10,7 +10,7 @@ from neve.geometry.maps.ascii_grid import read_ascii_grid
 from neve.geometry.maps.found import Map
 from neve.geometry.maps.hgt import read_hgt
 from neve.geometry.maps.pictures import read_grey, read_picture
-from neve.geometry.maps.tiff import read_tiff
+from neve.geometry.maps.tiff import read_bits, read_tiff
 from neve.scene.schema.file_shapes import MAPS, MASKS
 
 Reader = Callable[[Path, str], Map]
@@ -25,7 +25,11 @@ READERS: dict[str, Reader] = {
 }
 assert set(READERS) == set(MAPS)
 assert set(READERS) > set(MASKS)
-OF_MASKS: dict[Reader, Reader] = {read_picture: read_grey, read_array: read_flags}
+OF_MASKS: dict[Reader, Reader] = {
+    read_picture: read_grey,
+    read_tiff: read_bits,
+    read_array: read_flags,
+}
 """Readers of masks in place of those of heights."""
 PICTURES = (".png", ".tif", ".tiff")
 PNG, TIFF = b"\x89PNG\r\n\x1a\n", (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")

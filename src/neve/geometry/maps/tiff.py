@@ -31,13 +31,23 @@ FORMATS = {1: "u", 2: "i", 3: "f", 4: "u"}
 KINDS = ("u1", "u2", "u4", "u8", "i1", "i2", "i4", "i8", "f2", "f4", "f8")
 
 
-def read_tiff(path: Path, key: str) -> Map:
+def read_bits(path: Path, key: str) -> Map:
+    """Read a TIFF file of one channel as `read_tiff` does; its numbers may also have one bit each.
+
+    `key`: begin of sentences.
+
+    Errors: SceneError, one sentence.
+    """
+    return read_tiff(path, key, True)
+
+
+def read_tiff(path: Path, key: str, or_bits: bool = False) -> Map:
     """Read a TIFF file of one channel: whole or real numbers of 8 to 64 bits in any order of bytes.
 
     Its strips or tiles may be compressed (`neve.geometry.maps.tiff_chunks`). A channel of transparency or a
     mask marks gaps, as does the tag for missing values, which is compared in the numbers' own type.
 
-    `key`: begin of sentences.
+    `key`: begin of sentences; `or_bits`: whether numbers of one bit are read as well.
 
     Errors: SceneError, one sentence.
     """
@@ -46,13 +56,13 @@ def read_tiff(path: Path, key: str) -> Map:
     try:
         with _silent(), hushed(), TiffFile(path) as file:
             picture, mask, others = _pictures(file)
-            numbers, alpha = _read(file, picture, key)
+            numbers, alpha = _read(file, picture, key, or_bits)
             values = numbers.astype(np.float64)
             values[_missing(numbers, picture)] = np.nan
             if alpha is not None:
                 values[alpha == 0] = np.nan
             if mask is not None:
-                values[_read(file, mask, f"{key}: the mask")[0] == 0] = np.nan
+                values[_read(file, mask, f"{key}: the mask", True)[0] == 0] = np.nan
             doubts = [f"has {others + 1} pictures: the first is read"] if others else []
             if _tag(picture, PHOTOMETRIC, 1) == 0:
                 doubts.append("counts its numbers from white: they are read as they stand in the file")
@@ -109,7 +119,7 @@ def _tags(page: Any, number: int) -> tuple[int, ...]:
     return tuple(int(one) for one in (value if isinstance(value, tuple) else (value,)))
 
 
-def _layout(page: Any, order: str, key: str) -> tuple[Layout, bool]:
+def _layout(page: Any, order: str, key: str, or_bits: bool) -> tuple[Layout, bool]:
     """Return how the numbers of a picture lie, and whether a second channel is that of transparency.
 
     Errors: SceneError for what is not read, by its true name.
@@ -126,7 +136,7 @@ def _layout(page: Any, order: str, key: str) -> tuple[Layout, bool]:
         raise SceneError(f"{key} has bands of different kinds of numbers: {ONE_CHANNEL}")
     width, sort = bits.pop(), FORMATS.get(form.pop(), "c")
     kind = f"{sort}{width // 8}" if width % 8 == 0 else f"{width} bits"
-    if kind not in KINDS and (width, _tag(page, SUBFILE, 0) & MASK) != (1, MASK):
+    if kind not in KINDS and not (or_bits and width == 1):
         what = "complex numbers" if sort == "c" else f"numbers of {width} bits"
         raise SceneError(f"{key} has {what}: whole numbers of 8, 16, 32 and 64 bits and reals are read")
     kind = "b1" if width == 1 else kind
@@ -144,11 +154,11 @@ def _layout(page: Any, order: str, key: str) -> tuple[Layout, bool]:
     return Layout(order, kind, beside, compression, predictor), is_alpha
 
 
-def _read(file: Any, page: Any, key: str) -> tuple[NDArray[Any], NDArray[Any] | None]:
+def _read(file: Any, page: Any, key: str, or_bits: bool) -> tuple[NDArray[Any], NDArray[Any] | None]:
     """Return the numbers of the first channel, rows from the top, and those of the second if it is one of
     transparency.
     """
-    layout, is_alpha = _layout(page, file.byteorder, key)
+    layout, is_alpha = _layout(page, file.byteorder, key, or_bits)
     rows, columns = _extent(page)
     require_size(rows * columns, "pixels", key)
     first = _plane(file, page, layout, 0)

@@ -41,6 +41,10 @@ def unused(scene: Scene) -> Iterator[str]:
             if surface.mode == "sticky":
                 modes = f'{kind}.{i}.mode = "separate" or "slip"'
                 yield from _without_effect(surface, f"{kind}.{i}", "mu_c", 'mode = "sticky"', modes)
+    for i, collider in enumerate(scene.colliders):
+        if collider.mode != "sticky" and collider.mu_c == 0.0:
+            rubs = f'colliders.{i}.mu_c above 0, or mode = "sticky"'
+            yield from _without_effect(collider, f"colliders.{i}", "surface_velocity", "mu_c = 0", rubs)
     for i, body in enumerate(scene.bodies):
         name = f"bodies.{i}"
         if body.joint == "free":
