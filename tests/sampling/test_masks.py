@@ -124,6 +124,31 @@ def test_coordinates_place_a_mask_on_terrain(snow_of, tmp_path, turn, point):
     assert 0.27 < above.max() < 0.3 + 1e-4
 
 
+def test_degrees_count_on_terrain_in_degrees(snow_of, tmp_path):
+    """Half of its width and a quarter of its height, of a map of 40 m by 20 m that `size` says."""
+    keys = {1024: 2, 1025: 1, 2048: 4326}
+    ground = geo((0.001, 0.001), keys, corner=(8.9995, 46.0105))  # samples from 9.0 to 9.04, 45.99 to 46.01
+    tiffs.write(tmp_path / "ground.tif", np.zeros((21, 41), "f4"), tags=ground)
+    rows = np.zeros((4, 4), np.uint8)
+    rows[3, :2] = 1  # the quarter in the south, the half in the west
+    tiffs.write(tmp_path / "mask.tif", rows, tags=geo((0.01, 0.005), keys, corner=(9.0, 46.01)))
+    collider = '[[colliders]]\nshape = "terrain"\nfile = "ground.tif"\nsize = [40, 20]\n'
+    x, m = snow_of('on = "terrain"\ndepth = 0.5', collider, dx=0.25)
+    assert m.sum() == pytest.approx(20.0 * 5.0 * 0.5 * RHO0, rel=1e-5)
+    np.testing.assert_allclose(x[:, :2].min(axis=0), [-20, -10], atol=0.1)
+    np.testing.assert_allclose(x[:, :2].max(axis=0), [0, -5], atol=0.1)
+
+
+def test_a_turned_raster_lies_turned(snow_of, tmp_path):
+    """A raster of 2 m by 1 m whose columns run 30 degrees north of east; without terrain, around `center`."""
+    c, s = 0.1 * np.cos(np.radians(30)), 0.1 * np.sin(np.radians(30))
+    tiffs.write(tmp_path / "mask.tif", np.ones((10, 20), "u1"), tags=geo(matrix=(c, s, s, -c)))
+    x, m = snow_of("depth = 0.2\ncenter = [3, 0]", dx=0.05)
+    assert m.sum() == pytest.approx(2.0 * 0.2 * RHO0, rel=1e-6)
+    along = (x[:, :2] - [3, 0]) @ (np.array([[c, -s], [s, c]]) / 0.1)
+    np.testing.assert_allclose(np.abs(along).max(axis=0), [1.0, 0.5], atol=0.02)
+
+
 def test_a_picture_is_stretched_over_terrain(snow_of, tmp_path):
     """White in its upper half: north of the middle sample, wherever the layer's center is."""
     picture = np.zeros((9, 9, 3), np.uint8)

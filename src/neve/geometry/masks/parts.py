@@ -119,8 +119,9 @@ def _measured(
         told = next((end for (_, end), n in zip(limits, left, strict=True) if n == 0), "leave any snow")
         raise SceneError(f"{key} does not {told}: check where both are")
     edge = 0.5 / fine * np.abs(mask.matrix[:, :2]).sum(axis=1)
-    if mask.is_smooth:  # between two places it may be deeper, by no more than to the next sample
-        deepest = min(float(mask.values.max()), deepest * (1.0 + 2.0 / fine))
+    if mask.is_smooth:  # half of a step from a place, along both axes, it may be deeper
+        most = float(mask.values.max())
+        deepest = min(most, deepest + most / fine)
     if deepest * layer.depth > 1e6:
         raise SceneError(f"{key} makes {deepest * layer.depth:.3g} m of snow: set a smaller depth")
 
