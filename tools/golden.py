@@ -136,6 +136,7 @@ CASES: dict[str, tuple[str, tuple[str, ...], float]] = {
     "text_fall": ("text_fall", ("numerics.dx=0.12",), 0.03),
     "throw_ball": ("throw_ball", ("numerics.dx=0.12",), 0.03),
     "throw_cube": ("throw_cube", ("numerics.dx=0.15",), 0.03),
+    "walk": ("walk", ("numerics.dx=0.04",), 0.03),
 }
 
 

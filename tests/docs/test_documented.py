@@ -71,6 +71,12 @@ def by_id(path):
 WITH_COMMANDS = [page for page in PAGES if commands_of(page)]
 
 
+@pytest.fixture(autouse=True)
+def small_pictures(monkeypatch):
+    """Pictures and films of runs in this process are small: drawn large they take most of a short run."""
+    monkeypatch.setattr("neve.run.painter.SIZE", (160, 90))
+
+
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     """A finished run, a few coarse frames of throw_ball."""
@@ -127,9 +133,9 @@ def run_scene(words, place):
     neve_runs([*words, "--quiet"], place)
 
 
-def film(words, place):
-    """`neve film`, in small pictures."""
-    neve_runs([*words, "--size", "160x90", "--quiet"], place)
+def estimate(words, place):
+    """`neve estimate`, of one frame: the trial of ten seconds has tests of its own."""
+    neve_runs([*words, "--frames", "1", "--threads", "1"], place)
 
 
 def serve(words, place):
@@ -196,7 +202,7 @@ RULES = [
     (r"neve run ", run_scene),
     (r"neve (view (?!.*--replay)|drive)", serve),
     (r"neve (bench|validate|fuzz|render)", parse_neve),
-    (r"neve film ", film),
+    (r"neve estimate ", estimate),
     (r"neve ", neve_runs),
     (r"python examples/\d\d_\S+\.py", files_exist),  # tests/docs/test_examples.py runs them
     (r"python (-\w )?\S+\.py", parse_script),

@@ -1,6 +1,8 @@
 """`neve run --fine`: as many particles as it says, of any scene."""
 
 import pytest
+import trimesh
+from scripts import ROOT
 
 from neve.cli import main
 from neve.io.frames import read_frame
@@ -20,6 +22,14 @@ def test_presets_become_fine(name):
     same = fine.numerics.model_copy(update={"dx": scene.numerics.dx})
     assert fine.model_copy(update={"numerics": same}) == scene
     assert finer(fine) == fine
+
+
+def test_particles_of_a_closed_mesh_are_counted_without_distances(monkeypatch):
+    """What is inside follows from the triangles; distances to them, which take long, are not computed."""
+    monkeypatch.setattr("neve.geometry.sdf._grid", None)
+    mesh = trimesh.load(ROOT / "src/neve/assets/meshes/castle.ply", process=False)
+    found = particles_of(load("castle", ["numerics.dx=0.0123"]))
+    assert found == pytest.approx(mesh.volume * 8 / 0.0123**3, rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -49,15 +49,23 @@ class SolidMesh:
 
     Attributes:
         surface: the triangles, in metres
-        sdf: signed distance [m], negative inside, and unit normal at any point
         thickness: of the solid around an open mesh; 0 for one that is filled [m]
         spacing: of the samples of the distance [m]
+        band: how far from the surface they are fine [m]
+        key: SHA-256 of all that the distances follow from
     """
 
     surface: Triangles
-    sdf: SdfGrid
     thickness: float
     spacing: float
+    band: float
+    key: str
+
+    @cached_property
+    def sdf(self) -> SdfGrid:
+        """Signed distance [m], negative inside, and unit normal at any point: made, or read from the cache
+        folder, when it is first asked for."""
+        return _grid(self.key, self.surface, self.spacing, self.band, self.thickness)
 
     @cached_property
     def reach(self) -> float:
@@ -85,9 +93,9 @@ def solid_mesh(
 ) -> SolidMesh:
     """Return the solid in the file of `described`, as fine as a snow grid of spacing `dx` [m] asks for.
 
-    `name`: used in messages. `check` may refuse the triangles before the distances to them are computed,
-    which takes longest. Warns with SceneWarning of small holes, of a solid smaller than two cells, and of a
-    grid that had to be coarser than is usual.
+    `name`: used in messages. `check` may refuse the triangles. The distances to them, which take longest, are
+    computed when they are first asked for. Warns with SceneWarning of small holes, of a solid smaller than
+    two cells, and of a grid that had to be coarser than is usual.
     Errors: SceneError, one sentence; see `read_mesh`.
     """
     surface = read_mesh(described, name)
@@ -116,9 +124,7 @@ def of_triangles(surface: Triangles, spacing: float, band: float, thickness: flo
     key = _key(surface, spacing, band, thickness)
     known = _in_use.get(key)
     if known is None:
-        _in_use[key] = known = SolidMesh(
-            surface, _grid(key, surface, spacing, band, thickness), thickness, spacing
-        )
+        _in_use[key] = known = SolidMesh(surface, thickness, spacing, band, key)
     return known
 
 

@@ -97,7 +97,8 @@ def test_the_first_step_carries_a_person_and_leaves_a_print() -> None:
     to, and this is what a person weighs. The print is deeper than half of what the boot sank in, and
     10 cm beside it nothing has moved by a third of a cell.
     """
-    scene = load("walk", ["numerics.dx=0.03", "sources.0.variation.strength=0"])
+    around = ["sources.0.size=[0.8, 0.72]", f"sources.0.center=[{PRINTS[0][0]}, 0]"]
+    scene = load("walk", ["numerics.dx=0.03", "sources.0.variation.strength=0", *around])
     sim = Simulation(scene)
     boot = [solid.name for solid, _ in sim.solids()].index(f"colliders.{BOOT}")
     before = np.asarray(sim.state.x[np.argsort(sim.state.id)], np.float64)
@@ -111,5 +112,5 @@ def test_the_first_step_carries_a_person_and_leaves_a_print() -> None:
     under = (np.abs(after[:, 0] - x) < 0.08) & (np.abs(after[:, 1] - y) < 0.02)
     assert after[under, 2].max() < DEPTH - 0.5 * SINK
     beside = (np.abs(before[:, 1] - y) > 0.05 + 0.1) & (np.abs(before[:, 0] - x) < 0.2)
-    assert np.count_nonzero(beside) > 1000
+    assert np.count_nonzero(beside) > 500
     assert np.linalg.norm(after[beside] - before[beside], axis=1).max() < scene.numerics.dx / 3
