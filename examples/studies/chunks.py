@@ -3,7 +3,8 @@
     python examples/studies/chunks.py run [CASE]... [--out DIR] [--threads N]  # one to ten minutes each
     python examples/studies/chunks.py show [--out DIR] [--images DIR]  # pictures, plot (matplotlib), table
 
-A case is a scene, a snow and a resolution, such as collide_chunks, collide_fine, collide_fractal, wall_soft.
+A case is a scene and a snow or a resolution, such as collide_chunks, collide_fine, collide_fractal,
+wall_soft; throw_chunks_1 has the pieces of structure_seed 1.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from PIL import Image
 
-from neve.fragments import LEAST, Limits, find, summary
+from neve.fragments import LEAST, Limits, find, size_classes, summary
 from neve.render.preview import Preview
 from neve.scene.reading.load import load
 from neve.simulation import Simulation
@@ -31,8 +32,8 @@ SCENES = {
 SOFT = 'snow={kind="wet"}'
 """Uniform soft snow."""
 FINER = {"chunks": 1.0, "fine": 1.4, "finest": 2.0}
-CUTS = np.arange(-4.0, 0.1, 0.5)
-"""Edges of the half decades of mass, as log10 of the share of the whole."""
+SEEDS = range(1, 6)
+"""Further structures of the thrown ball, beside that of seed 0."""
 
 
 class Case(NamedTuple):
@@ -45,8 +46,8 @@ class Case(NamedTuple):
 
 
 def case(name: str) -> Case:
-    """Return the case of a name: `SCENE_KIND`."""
-    short, kind = name.split("_")
+    """Return the case of a name: `SCENE_KIND` or `SCENE_KIND_SEED`."""
+    short, kind, *seed = name.split("_")
     scene, sources, moment, dx = SCENES[short]
     finer = FINER.get(kind, 1.0)
     changes = [f"numerics.dx={dx / finer:.5g}"]
@@ -54,6 +55,7 @@ def case(name: str) -> Case:
         variation = f"sources.{i}.variation"
         if short == "throw":
             changes += [] if kind in FINER else [f'sources.{i}.structure="plain"']
+            changes += [f"sources.{i}.structure_seed={number}" for number in seed]
             continue
         if kind in ("uniform", "soft"):
             changes += [f"{variation}.strength=0"]
@@ -75,6 +77,7 @@ NAMES = [
     for short in SCENES
     for kind in (*FINER, "uniform", "soft", *(["fractal"] if short != "throw" else []))
 ]
+NAMES += [f"throw_{kind}_{seed}" for seed in SEEDS for kind in ("chunks", "fine")]
 
 
 def measure(name: str, out: Path, threads: int | None) -> None:
@@ -94,13 +97,14 @@ def measure(name: str, out: Path, threads: int | None) -> None:
         "dx": scene.numerics.dx,
         "count": int(s.count),
         "steps": sim.steps,
+        "classes": size_classes(found).tolist(),
         "mass": (found.mass / found.mass.sum()).tolist(),
     }
     (out / f"{name}.json").write_text(json.dumps(results) + "\n")
     painter = Preview(scene, 960, 640, threads or 0)
     image = painter.draw(np.array(s.x), sim.solids(), J_P=np.array(s.J_P))
     Image.fromarray(image).save(out / f"{name}.png")
-    print(name, {key: value for key, value in results.items() if key != "mass"}, flush=True)
+    print(name, {key: value for key, value in results.items() if key not in ("mass", "classes")}, flush=True)
 
 
 def show(out: Path, images: Path) -> None:
@@ -108,17 +112,24 @@ def show(out: Path, images: Path) -> None:
     results = {
         name: json.loads(path.read_text()) for name in NAMES if (path := out / f"{name}.json").exists()
     }
-    for name in results:
+    whole = {name: t for name, t in results.items() if name.count("_") == 1}  # those of seed 0
+    for name in whole:
         with Image.open(out / f"{name}.png") as image:
             small = image.resize((720, 480), Image.Resampling.LANCZOS)
             small.save(images / f"chunks_{name}.jpg", quality=82, optimize=True)
-    plot(results, images / "chunks.png")
+    plot(whole, images / "chunks.png")
     print("| case | dx [m] | particles | fragments | decades | largest | largest five | powder |")
     print("|---|---|---|---|---|---|---|---|")
-    for name, t in results.items():
+    for name, t in whole.items():
         shares = " | ".join(f"{t[key]:.1%}" for key in ("largest", "five", "powder"))
         size = f"{t['dx']:.3g} | {t['count']:,}"
         print(f"| `{name}` | {size} | {t['fragments']} | {t['decades']:.1f} | {shares} |")
+    print("| case | decades | 32 to 100 % | 10 to 32 | 3.2 to 10 | 1 to 3.2 | 0.3 to 1 | powder |")
+    print("|---|---|---|---|---|---|---|---|")
+    for name, t in results.items():
+        if name.startswith("throw"):
+            shares = " | ".join(f"{share:.1%}" for share in (*t["classes"][:5], t["powder"]))
+            print(f"| `{name}` | {t['decades']:.1f} | {shares} |")
 
 
 def plot(results: dict[str, Any], path: Path) -> None:

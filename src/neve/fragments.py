@@ -30,6 +30,9 @@ LEAST = 8
 """Least number of particles of a fragment: with 8 a cell, one cell of snow; no grid resolves less."""
 
 
+CLASSES = 10
+"""Classes of half a decade of mass that `size_classes` tells; the last one holds all that is lighter."""
+
 MOST = 200
 """Fragments of a frame with a row of their own in the table of a run."""
 
@@ -151,6 +154,16 @@ def summary(f: Fragments) -> dict[str, float]:
         "five": float(f.mass[1:6].sum()) / whole,
         "powder": float(f.mass[0]) / whole,
     }
+
+
+def size_classes(f: Fragments) -> Array:
+    """Return the shares of the whole mass [1] in fragments of ten classes of half a decade each (10,).
+
+    Class k holds the fragments with 10^-((k+1)/2) to 10^-(k/2) of the whole mass.
+    """
+    share = f.mass[1:] / (float(f.mass.sum()) or 1.0)
+    number = np.clip(np.floor(-2.0 * np.log10(share)), 0, CLASSES - 1).astype(np.int64)
+    return np.asarray(np.bincount(number, share, CLASSES), np.float64)
 
 
 def _row(f: Fragments, frame: int, time: float, kind: str, i: int) -> dict[str, object]:

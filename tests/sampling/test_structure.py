@@ -9,7 +9,7 @@ import pytest
 
 from neve.sampling import fill
 from neve.sampling.regions import region
-from neve.sampling.structure import PACKED, SMOOTH_RIM, STIFFER, WEAK_STRENGTH, chunks
+from neve.sampling.structure import PACKED, SMOOTH_RIM, STIFFER, STRONGER, WEAK_STRENGTH, chunks
 from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Numerics, Source
 
@@ -64,14 +64,16 @@ def test_particles_have_equal_masses_that_add_up(shape: str) -> None:
 
 
 def test_shells_and_sheets() -> None:
-    """Beside sheets stiffness is exp(STIFFER (1 - d / D)), strength 1; in them it falls to exp(-5)."""
+    """Beside sheets stiffness is exp(STIFFER (1 - d / D)), strength alike; in them it falls by exp(-5)."""
     ball = source("sphere")
     made = fill(ball, Numerics(dx=0.02), 0)
     depth = 0.3 - np.linalg.norm(made.x - np.array(ball.place), axis=1)
-    beside = made.strength == 1.0
-    assert 0.3 < beside.mean() < 0.9
-    assert made.strength.min() == pytest.approx(np.exp(-WEAK_STRENGTH), rel=0.02)
-    np.testing.assert_allclose(made.stiffness[beside], np.exp(STIFFER * (1 - depth[beside] / 0.3)), rtol=0.05)
+    rind = 1.0 - depth / 0.3
+    shell, weak = np.exp(STIFFER * rind), made.strength / np.exp(STRONGER * rind)
+    beside = weak > 0.98
+    assert 0.5 < beside.mean() < 0.8
+    assert weak.min() == pytest.approx(np.exp(-WEAK_STRENGTH), rel=0.02)
+    np.testing.assert_allclose(made.stiffness[beside], shell[beside], rtol=0.05)
     assert (made.stiffness[~beside] < np.exp(STIFFER)).all()
     assert made.density.max() / made.density.min() == pytest.approx(np.exp(PACKED), rel=0.05)
 

@@ -55,8 +55,8 @@ def clods(x: Array, size: Array, feature_size: float, seam: float, octaves: int,
     """Return at points `x` the noise of snow pressed together from clods: 0 inside them, -1 in their seams.
 
     The clods are the Voronoi cells of random points (a Poisson process), on average one in feature_size^3.
-    With d the distance to the nearest wall of the point's own cell and t = min(2 d / seam, 1), it is
-    n = 3 t^2 - 2 t^3 - 1. Octave o has cells and seams 2^-o as large and 2^-o as deep; the deepest counts.
+    `across` is the profile of a seam over the distance to the nearest wall of the point's own cell. Octave o
+    has cells and seams 2^-o as large and 2^-o as deep; the deepest counts.
     The value at a point does not depend on the other points.
 
     Args:
@@ -82,9 +82,17 @@ def clods(x: Array, size: Array, feature_size: float, seam: float, octaves: int,
         far, near = cKDTree(points).query(x, k=NEIGHBOURS)
         apart = norms(points[near[:, 1:]] - points[near[:, :1]])
         wall = np.min((far[:, 1:] ** 2 - far[:, :1] ** 2) / (2.0 * apart), axis=1)
-        t = np.minimum(2.0 * wall / (seam * 0.5**octave), 1.0)
-        total = np.minimum(total, -(0.5**octave) * (1.0 - t * t * (3.0 - 2.0 * t)))
+        total = np.minimum(total, 0.5**octave * across(wall, seam * 0.5**octave))
     return total
+
+
+def across(distance: Array, width: float) -> Array:
+    """Return the noise of a seam at distances from its middle [m]: -1 there, 0 from half its width [m] on.
+
+    n = 3 t^2 - 2 t^3 - 1 with t = min(2 distance / width, 1).
+    """
+    t = np.minimum(2.0 * distance / width, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t) - 1.0)
 
 
 def _gradient_noise(p: Array, key: Bits) -> Array:

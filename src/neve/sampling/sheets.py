@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.reproducible import norms
+from neve.sampling.noise import across
 
 Array = NDArray[np.float64]
 
@@ -39,9 +40,9 @@ def sheets(x: Array, size: Array, feature_size: float, width: float, octaves: in
     """Return at points `x` the noise of snow with weak sheets: 0 beside them, -1 in their middle.
 
     A sheet is a piece of a random sphere of 1 to 10 times the radius of the snow, cut off at a random
-    distance from a random point of it. With d the distance to the sphere and t = min(2 d / width, 1), it is
-    n = 3 t^2 - 2 t^3 - 1; where sheets cross, the deepest counts. There are so many that a straight line
-    meets one every `feature_size` on average. Octave o has sheets 2^-o as far apart, as wide and as deep.
+    distance from a random point of it; `neve.sampling.noise.across` is its profile, and where sheets cross,
+    the deepest counts. There are so many that a straight line meets one every `feature_size` on average.
+    Octave o has sheets 2^-o as far apart, as wide and as deep.
     The value at a point does not depend on the other points.
 
     Args:
@@ -66,9 +67,8 @@ def sheets(x: Array, size: Array, feature_size: float, width: float, octaves: in
         rng = np.random.default_rng([seed % 2**64, octave, 0x5EE7])
         for sheet in _drawn(rng, size, feature_size * share):
             near = np.asarray(tree.query_ball_point(sheet.place, sheet.extent, return_sorted=True), np.int64)
-            t = np.abs(norms(x[near] - sheet.centre) - sheet.radius) * (2.0 / (width * share))
-            near, t = near[t < 1.0], t[t < 1.0]
-            total[near] = np.minimum(total[near], share * (t * t * (3.0 - 2.0 * t) - 1.0))
+            distance = np.abs(norms(x[near] - sheet.centre) - sheet.radius)
+            total[near] = np.minimum(total[near], share * across(distance, width * share))
     return total
 
 

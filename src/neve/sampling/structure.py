@@ -1,13 +1,13 @@
 """Give snow the inner structure of a snowball that was pressed by hand, whatever its shape.
 
-`structure = "chunks"`: an outline of lumps, shells that are denser and stiffer toward the surface,
-particles that are closer where snow is denser, and weak sheets. All lengths are shares of the source's own
-size, so that it breaks alike at any size. d is the depth below the surface, D the largest depth that a
-particle has.
+`structure = "chunks"`: an outline of lumps, shells that are denser, stiffer and stronger toward the surface,
+particles that are closer where snow is denser, and weak sheets that divide it into pieces of planned sizes.
+All lengths are shares of the source's own size, so that it breaks alike at any size. d is the depth below
+the surface, D the largest depth.
 
 Source: the recipe for snowballs of the first author of Stomakhin et al. 2013, in public code: balls alone,
 with the radius in place of the depth, ten steps in place of the slopes, and noise of each particle, which
-is left out here since it would differ with dx. The numbers that differ are said where they stand.
+is left out here since it would differ with dx. What else differs is said where it stands.
 """
 
 from __future__ import annotations
@@ -18,12 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.reproducible import exp
+from neve.sampling.noise import across
+from neve.sampling.pieces import divide, locate, scattered
 from neve.sampling.regions import Region
-from neve.sampling.sheets import sheets
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+DEPTHS = 20_000
+"""Random points among which the largest depth is looked for: in a ball they find it within 3 %."""
 SMOOTH_RIM = 0.09
 """Depth that only lumps fill, in D."""
 LUMP_DEPTHS = (0.1, 0.5)
@@ -38,8 +41,15 @@ rho0 is the mean."""
 STIFFER = 0.7
 """Logarithm of the factor on stiffness of the outermost shell: 2. There it is 10 PACKED = 2.5, a factor of
 12, which would make steps 2.5 times as short."""
-APART = 0.7
-"""Mean distance between weak sheets along a line, in D."""
+STRONGER = 0.3
+"""Logarithm of the factor on the thresholds of the outermost shell: 1.35. There thresholds are strains, the
+same everywhere, and stresses grow as stiffness does."""
+LARGE, SMALL, LARGER = 4, 12, 2.5
+"""Pieces that sheets divide a ball into: 4 of 11 % of its volume and 12 of 4.5 %, a 2.5th of that. Other
+shapes have as many in the volume of a ball of radius D. Sheets take up a third of the volume, and crumbs
+come of themselves. There 500 sheets lie anywhere, so that some seeds have no pieces of a middle size."""
+BALL, MOST_BALLS = 4.0 / 3.0 * np.pi, 250
+"""Volume of a ball of radius D, in D^3; snow of more than 250 such balls has larger pieces."""
 WIDE = 0.12
 """Width of the sheets, in D."""
 WEAK_STRENGTH, WEAK_STIFFNESS = 5.0, 0.7
@@ -63,10 +73,10 @@ class Structure(NamedTuple):
 
 def chunks(space: Region, local: Array, seed: int) -> Structure:
     """Return the structure of particles at `local` [m] (n, 3), from the middle of the region's box."""
-    depth = space.depth(local)
-    deepest = max(float(depth.max()), 1e-3 * float(space.size.min()))
-    rind = 1.0 - depth / deepest
-    noise = sheets(local, space.size, APART * deepest, WIDE * deepest, 1, seed)
+    depth, deepest = space.depth(local), _deepest(space)
+    rind = np.maximum(1.0 - depth / deepest, 0.0)
+    gap, _ = locate(local, divide(space, planned(space.volume / deepest**3), seed))
+    noise = across(gap, WIDE * deepest)
     kept = (depth >= SMOOTH_RIM * deepest) | _in_lumps(space, local, deepest, seed)
     if not kept.any():  # too thin for a lump
         kept = np.ones_like(kept)
@@ -74,10 +84,23 @@ def chunks(space: Region, local: Array, seed: int) -> Structure:
     return Structure(
         kept=kept,
         stiffness=exp(STIFFER * rind + WEAK_STIFFNESS * noise),
-        strength=exp(WEAK_STRENGTH * noise),
+        strength=exp(STRONGER * rind + WEAK_STRENGTH * noise),
         density=density / density[kept].mean(),
         crowd=exp(PACKED * (rind - 1.0)),
     )
+
+
+def _deepest(space: Region) -> float:
+    """Return D, the largest depth of points that are the same whatever dx and the seed [m]."""
+    depths = space.depth(scattered(space, DEPTHS, np.random.default_rng(0)))
+    return max(float(depths.max(initial=0.0)), 1e-3 * float(space.size.min()))
+
+
+def planned(volume: float) -> Array:
+    """Return the shares of pieces [1] (k,), which add up to 1, in a `volume` given in D^3."""
+    balls = max(round(min(volume / BALL, MOST_BALLS)), 1)
+    shares = np.array([LARGER] * (LARGE * balls) + [1.0] * (SMALL * balls))
+    return np.asarray(shares / shares.sum())
 
 
 def _in_lumps(space: Region, local: Array, deepest: float, seed: int) -> Mask:
