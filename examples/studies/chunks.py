@@ -19,6 +19,7 @@ from PIL import Image
 
 from neve.fragments import LEAST, Limits, find, size_classes, summary
 from neve.render.preview import Preview
+from neve.render.shot import Shot
 from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
@@ -102,7 +103,8 @@ def measure(name: str, out: Path, threads: int | None) -> None:
     }
     (out / f"{name}.json").write_text(json.dumps(results) + "\n")
     painter = Preview(scene, 960, 640, threads or 0)
-    image = painter.draw(np.array(s.x), sim.solids(), J_P=np.array(s.J_P))
+    view = Shot(scene.camera).at(chosen.moment)
+    image = painter.draw(np.array(s.x), sim.solids(), J_P=np.array(s.J_P), view=view)
     Image.fromarray(image).save(out / f"{name}.png")
     print(name, {key: value for key, value in results.items() if key not in ("mass", "classes")}, flush=True)
 

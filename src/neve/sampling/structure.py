@@ -41,9 +41,9 @@ rho0 is the mean."""
 STIFFER = 0.7
 """Logarithm of the factor on stiffness of the outermost shell: 2. There it is 10 PACKED = 2.5, a factor of
 12, which would make steps 2.5 times as short."""
-STRONGER = 0.3
-"""Logarithm of the factor on the thresholds of the outermost shell: 1.35. There thresholds are strains, the
-same everywhere, and stresses grow as stiffness does."""
+STRONGER = 0.15
+"""Logarithm of the factor on the thresholds of the outermost shell: 1.16. There thresholds are strains, the
+same everywhere, and stresses grow as stiffness does. With 0.3 two balls that meet may stick together."""
 LARGE, SMALL, LARGER = 4, 12, 2.5
 """Pieces that sheets divide a ball into: 4 of 11 % of its volume and 12 of 4.5 %, a 2.5th of that. Other
 shapes have as many in the volume of a ball of radius D. Sheets take up a third of the volume, and crumbs

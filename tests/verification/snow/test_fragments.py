@@ -126,3 +126,14 @@ def test_no_particles_and_no_powder():
     assert f.mass[0] == 0
     assert np.isnan(f.centre[0]).all()
     assert np.isfinite(f.centre[1]).all()
+
+
+def test_size_classes_are_half_decades_of_the_whole_mass():
+    """Balls of 1000, 50, 40 and 8 particles of equal mass and some dust: 85.6 %, 4.3 and 3.4 %, 0.7 %."""
+    rng = np.random.default_rng(0)
+    x = [np.array([10.0 * k, 0, 0]) + 1e-3 * rng.random((n, 3)) for k, n in enumerate((1000, 50, 40, 8))]
+    dust = np.array([[0.0, 10.0 + k, 0.0] for k in range(70)])
+    classes = fragments.size_classes(find(np.concatenate([*x, dust])))
+    expected = np.zeros(10)
+    expected[[0, 2, 4]] = np.array([1000, 50 + 40, 8]) / 1168
+    np.testing.assert_allclose(classes, expected, rtol=1e-12)
