@@ -120,7 +120,8 @@ class Source(Role):
         'What the snow is built of before variation and profile change it. "plain": the same everywhere; '
         '"chunks": a snowball pressed by hand, which breaks into pieces of all sizes: an outline of lumps, '
         "denser, stiffer and stronger shells toward the surface, particles closer where snow is denser, weak "
-        "sheets that divide it; all in proportion to the source. Left out, that of the snow's kind, or plain.",
+        "sheets that divide it; all in proportion to the source. Left out, that of the snow's kind, or "
+        "plain.",
         "",
         "a recipe in public code of the first author of Stomakhin et al. 2013, changed",
     )
