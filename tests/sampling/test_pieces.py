@@ -9,9 +9,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from neve.fragments import find, size_classes
-from neve.sampling.pieces import divide, locate, scattered
+from neve.sampling.pressed.pieces import divide, locate, scattered
+from neve.sampling.pressed.structure import LARGE, LARGER, SMALL, WIDE, planned
 from neve.sampling.regions import Region, region
-from neve.sampling.structure import LARGE, LARGER, SMALL, WIDE, planned
 from neve.scene.schema.scene import Numerics, Source
 
 SHAPES: dict[str, dict[str, Any]] = {

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from neve.sampling import fill
+from neve.sampling.pressed.structure import PACKED, SMOOTH_RIM, STIFFER, STRONGER, WEAK_STRENGTH, chunks
 from neve.sampling.regions import region
-from neve.sampling.structure import PACKED, SMOOTH_RIM, STIFFER, STRONGER, WEAK_STRENGTH, chunks
 from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Numerics, Source
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from neve.reproducible import product
 from neve.sampling.factors import factors, mixed_seed
 from neve.sampling.points import jittered, poisson, regular
+from neve.sampling.pressed.structure import chunks
 from neve.sampling.regions import Region, region
 from neve.sampling.room import require_room
-from neve.sampling.structure import chunks
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Collider, Numerics, Source
 
@@ -60,7 +60,7 @@ def filled(
 
     On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and
     moves with v = velocity + spin x (x - center). Its factors are described in `neve.sampling.factors`. With
-    `structure = "chunks"` some are left out, see `neve.sampling.structure`: those that the outline does
+    `structure = "chunks"` some are left out, see `neve.sampling.pressed.structure`: those that the outline does
     not hold, and so many of the others that the rest have the same mass each. Equal arguments give equal
     bits. `colliders`: of the scene, on whose terrain a mask may lie.
 

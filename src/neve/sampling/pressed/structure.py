@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from neve.reproducible import exp
 from neve.sampling.noise import across
-from neve.sampling.pieces import divide, locate, scattered
+from neve.sampling.pressed.pieces import divide, locate, scattered
 from neve.sampling.regions import Region
 
 Array = NDArray[np.float64]
