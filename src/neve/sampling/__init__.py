@@ -60,8 +60,8 @@ def filled(
 
     On average `particles_per_cell` particles lie in a volume dx^3. Each has the same share of the volume and
     moves with v = velocity + spin x (x - center). Its factors are described in `neve.sampling.factors`. With
-    `structure = "chunks"` some are left out, see `neve.sampling.pressed.structure`: those that the outline does
-    not hold, and so many of the others that the rest have the same mass each. Equal arguments give equal
+    `structure = "chunks"` some are left out, see `neve.sampling.pressed.structure`: those that the outline
+    does not hold, and so many of the others that the rest have the same mass each. Equal arguments give equal
     bits. `colliders`: of the scene, on whose terrain a mask may lie.
 
     Errors: SceneError if the source is too small or too large for dx, its font lacks a letter, its mesh has
