@@ -1,7 +1,7 @@
-"""Run the same snow in Neve and in Taichi, batch by batch in turn, and print both speeds and their ratio.
+"""Run the same snow in Neve and in Taichi or Warp, batch by batch in turn, and print speeds and ratio.
 
     pip install . -r benchmarks/peers/requirements.txt
-    python benchmarks/peers/compare.py [--particles 1m] [--batches 7] [--steps 20] [--json]
+    python benchmarks/peers/compare.py [--peer warp] [--device cuda] [--particles 1m] [--json]
 
 Both start from the same particles (a block landing on the ground at 5 m/s), take the same steps of the same
 length with the same law, and are compared at the end: the mean position and velocity and the share of snow
@@ -17,49 +17,33 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter, sleep
+from typing import Any
 
 import numpy as np
-import taichi as ti
 
 import neve
 from neve.bench.run import BLOCKS, DT, cpu, landing_block
-from neve.scene.schema.scene import Scene, Snow
 
 sys.path.append(str(Path(__file__).parent))
-from taichi_snow import J_P_BOUNDS, Case, TaichiSnow
-
-MARGIN = (12, 12, 4)  # nodes of the dense grid around the block, and below the ground
+from case import case_of
 
 
-def peer(sim: neve.Simulation) -> TaichiSnow:
-    """Copy the particles of a new simulation into a Taichi program of the same scene."""
-    scene, state = sim.scene, sim.state
-    snow, numerics, ground = scene.snow, scene.numerics, scene.colliders[0]
-    check(scene, snow)
-    low = np.floor(state.x.min(axis=0) / numerics.dx).astype(int) - MARGIN
-    high = np.ceil(state.x.max(axis=0) / numerics.dx).astype(int) + MARGIN
-    case = Case(
-        x=state.x, v=state.v, m=state.m, V0=state.V0, dx=numerics.dx, dt=float(numerics.dt),
-        E0=snow.E0, nu=snow.nu, xi=snow.xi, theta_c=snow.theta_c, theta_s=snow.theta_s,
-        gravity=scene.world.gravity[2], mu_c=ground.mu_c,
-        low=low, shape=tuple(int(n) for n in high - low + 1),
-    )  # fmt: skip
-    return TaichiSnow(case)
+def peer(name: str, device: str, sim: neve.Simulation) -> Any:
+    """Return the same snow in a program of `name`, "taichi" or "warp", on `device`, "cpu" or "cuda"."""
+    if name == "warp":
+        from warp_snow import WarpSnow
+
+        return WarpSnow(case_of(sim), device)
+    import taichi as ti
+    from taichi_snow import TaichiSnow
+
+    ti.init(arch=ti.cuda if device == "cuda" else ti.cpu, log_level=ti.WARN)
+    return TaichiSnow(case_of(sim))
 
 
-def check(scene: Scene, snow: Snow) -> None:
-    """Refuse a scene that the Taichi program would not run alike."""
-    numerics, ground = scene.numerics, scene.colliders[0]
-    alike = (
-        (snow.J_P_min, snow.J_P_max) == J_P_BOUNDS
-        and (numerics.spline, numerics.transfer, numerics.precision) == ("quadratic", "apic", "float32")
-        and (ground.shape, ground.mode, ground.point, ground.normal)
-        == ("plane", "separate", (0, 0, 0), (0, 0, 1))
-        and scene.world.gravity[:2] == (0, 0)
-        and len(scene.colliders) == 1
-    )
-    if not alike:
-        raise SystemExit("the Taichi program does quadratic apic float32 on the ground z = 0 only")
+def array(a: Any) -> np.ndarray:
+    """Return an array of a peer."""
+    return a.to_numpy() if hasattr(a, "to_numpy") else a.numpy()
 
 
 def outcome(x: np.ndarray, v: np.ndarray, J_P: np.ndarray) -> dict[str, float]:
@@ -85,7 +69,9 @@ def timed(work: Callable[[], None]) -> float:
 
 def main() -> None:
     """Measure, check, print."""
-    arguments = argparse.ArgumentParser(description="Neve against the same snow step in Taichi.")
+    arguments = argparse.ArgumentParser(description="Neve against the same snow step in Taichi or Warp.")
+    arguments.add_argument("--peer", choices=("taichi", "warp"), default="taichi")
+    arguments.add_argument("--device", choices=("cpu", "cuda"), default="cpu")
     arguments.add_argument("--particles", choices=BLOCKS, default="1m")
     arguments.add_argument("--batches", type=int, default=7)
     arguments.add_argument("--steps", type=int, default=20, help="of a batch")
@@ -93,9 +79,8 @@ def main() -> None:
     arguments.add_argument("--json", action="store_true")
     options = arguments.parse_args()
 
-    ti.init(arch=ti.cpu, log_level=ti.WARN)
-    sim = neve.Simulation(landing_block(BLOCKS[options.particles].cells))
-    other = peer(sim)
+    sim = neve.Simulation(landing_block(BLOCKS[options.particles].cells, device=options.device))
+    other = peer(options.peer, options.device, sim)
     sim.advance(options.warm * DT)
     other.advance(options.warm)
     ours, theirs = [], []
@@ -108,22 +93,28 @@ def main() -> None:
 def report(
     options: argparse.Namespace,
     sim: neve.Simulation,
-    other: TaichiSnow,
+    other: Any,
     ours: list[float],
     theirs: list[float],
 ) -> None:
     """Print both speeds and their ratio, if both did the same work."""
     steps = options.warm + options.batches * options.steps
     here = outcome(sim.state.x, sim.state.v, sim.state.J_P)
-    there = outcome(other.x.to_numpy(), other.v.to_numpy(), other.flowed())
+    there = outcome(array(other.x), array(other.v), other.flowed())
     scale = {name: 1.0 if name == "flowed" else abs(value) for name, value in here.items()}
     off = {name: abs(here[name] - there[name]) / scale[name] for name in here}
     same = sim.steps == steps and max(off.values()) < 0.01
     work = sim.state.count * options.steps
-    rates = {"neve": [work / t for t in ours], "taichi": [work / t for t in theirs]}
+    rates = {"neve": [work / t for t in ours], options.peer: [work / t for t in theirs]}
     ratios = [b / a for a, b in zip(ours, theirs, strict=True)]
     if options.json:
-        facts = {"particles": sim.state.count, "steps": steps, "neve": here, "taichi": there, "same": same}
+        facts = {
+            "particles": sim.state.count,
+            "steps": steps,
+            "neve": here,
+            options.peer: there,
+            "same": same,
+        }
         print(json.dumps({"cpu": cpu(), **facts, "particle_steps_per_s": rates, "ratios": ratios}, indent=2))
     else:
         print(f"{cpu()}; {sim.state.count:,} particles, {options.batches} x {options.steps} steps in turn")
@@ -131,13 +122,14 @@ def report(
             low, mid, high = min(values) / 1e6, statistics.median(values) / 1e6, max(values) / 1e6
             print(f"  {name:7}{mid:8.2f} M particle-steps/s  ({low:.2f}-{high:.2f})")
         for name in here:
-            print(f"  {name:15} neve {here[name]:11.6f}  taichi {there[name]:11.6f}  off {off[name]:.1e}")
+            values = f"neve {here[name]:11.6f}  {options.peer} {there[name]:11.6f}"
+            print(f"  {name:15} {values}  off {off[name]:.1e}")
     if not same:
         raise SystemExit("the two did not do the same work: no ratio")
     if not options.json:
         print(
-            f"  neve / taichi = {statistics.median(ratios):.1f}x  ({min(ratios):.1f}-{max(ratios):.1f}, "
-            "batch by batch)"
+            f"  neve / {options.peer} = {statistics.median(ratios):.1f}x  "
+            f"({min(ratios):.1f}-{max(ratios):.1f}, batch by batch)"
         )
 
 

@@ -8,33 +8,9 @@ means throughout: `ti.svd`, static unrolling over the 27 nodes, automatic atomic
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import taichi as ti
-
-J_P_BOUNDS = (0.6, 20.0)  # of J_P inside the hardening exponent, as in Neve
-
-
-@dataclass(frozen=True)
-class Case:
-    """Hold what a Taichi snow run needs; arrays are float32, lengths in metres."""
-
-    x: np.ndarray  # (n, 3) positions [m]
-    v: np.ndarray  # (n, 3) velocities [m/s]
-    m: np.ndarray  # (n,) masses [kg]
-    V0: np.ndarray  # (n,) initial volumes [m3]
-    dx: float  # [m]
-    dt: float  # [s]
-    E0: float  # [Pa]
-    nu: float  # [1]
-    xi: float  # [1]
-    theta_c: float  # [1]
-    theta_s: float  # [1]
-    gravity: float  # along z [m/s2]
-    mu_c: float  # friction of the ground z = 0 [1]
-    low: np.ndarray  # (3,) index of the first node of the dense grid
-    shape: tuple[int, int, int]  # nodes of the dense grid
+from case import J_P_BOUNDS, Case
 
 
 @ti.data_oriented

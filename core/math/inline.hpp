@@ -5,7 +5,7 @@
 #if defined(__CUDACC_RTC__)
 #define NEVE_INLINE __forceinline__
 #define NEVE_INLINE_LAMBDA
-#define NEVE_RARE __noinline__
+#define NEVE_RARE __forceinline__      // a call would put what it is given on a stack in memory
 #define NEVE_UNROLL _Pragma("unroll")  // loops that must leave no index, so that arrays become registers
 #else
 #define NEVE_INLINE [[gnu::always_inline]] inline

@@ -52,6 +52,13 @@ class StepSummary(NamedTuple):
     rejected: int
 
 
+class Device(NamedTuple):
+    """A device beside the processor: its name, and how much of its memory is free [bytes]."""
+
+    name: str
+    free: int
+
+
 class Solver(ABC):
     """Advance the snow of a scene.
 
@@ -123,6 +130,11 @@ class Solver(ABC):
     def count(self) -> int:
         """Number of particles."""
         return len(self.state.x)
+
+    @property
+    def device(self) -> Device | None:
+        """What computes the steps, if it is not the processor: then `bytes` are in its memory."""
+        return None
 
     @property
     def bytes(self) -> int:

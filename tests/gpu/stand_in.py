@@ -13,7 +13,7 @@ from device.compiled import COMPILER, ROOT
 
 from neve.cuda.driver import Driver
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "shim"
 MEMORY = 1 << 33
 
 

@@ -10,7 +10,7 @@ With NEVE_TEST_GPU=1 they run on the GPU of this machine.
 import numpy as np
 import pytest
 from gpu.runs import FLOOR, LUMP, advanced, assert_same, by_id, scene
-from meshes import ball, written
+from meshes import ball, box, written
 
 from neve.scene.values.choices import LAWS, TRANSFERS
 
@@ -32,6 +32,23 @@ def test_each_transfer(some_gpu, transfer):
     sim = compared(scene(FLOOR, source=source, transfer=transfer, **modes))
     assert np.abs(sim.exchanged).max() > 1  # it has landed
     assert some_gpu is None or not some_gpu.overrun()
+
+
+def test_polypic_with_eight_modes(some_gpu):
+    """The multilinear modes: products of the weights' slopes, and four columns beyond C."""
+    sim = compared(scene(FLOOR, source={**LUMP, "spin": [0, 20, 0]}, transfer="polypic", polypic_modes=8))
+    assert sim.state.modes.shape[1] == 4
+    assert np.abs(sim.state.modes).max() > 0
+
+
+def test_a_mesh_that_is_turned_and_turns(some_gpu, tmp_path):
+    """A box of triangles, askew: its samples are read in its own axes, which move."""
+    mesh = {
+        "shape": "mesh", "file": written(box(0.5, 0.4, 0.3), tmp_path / "box.stl"),
+        "center": [0.05, 0, -0.15], "rotation": [20, -30, 50], "spin": [0, 30, 60], "mu_c": 0.2,
+    }  # fmt: skip
+    sim = compared(scene(mesh))
+    assert np.abs(sim.exchanged[0, 3:6]).max() > 0.01
 
 
 @pytest.mark.parametrize("law", list(LAWS))

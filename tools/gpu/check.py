@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib.util
 import json
 import os
 import shutil
@@ -144,12 +145,18 @@ def agreement() -> dict[str, Any]:
     return found
 
 
-def tests(seconds: float) -> dict[str, Any]:
-    """Run the tests of the stages on the real GPU."""
+STAGES = [f"tests/gpu/test_{name}.py" for name in ("same_as_cpu", "bodies_on_device", "each_preset")]
+"""Tests that compare the real GPU with the processor."""
+VERIFIED = ["-m", "gpu", "tests/verification"]
+"""Tests with known answers, run on the GPU."""
+
+
+def tests(seconds: float, which: list[str]) -> dict[str, Any]:
+    """Run tests on the real GPU."""
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/gpu/test_same_as_cpu.py"],
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *which],
         cwd=ROOT,
-        env={**os.environ, "NEVE_TEST_GPU": "1"},
+        env={**os.environ, "NEVE_TEST_GPU": "1", "NEVE_TEST_DEVICE": "cuda"},
         capture_output=True,
         text=True,
         timeout=seconds,
@@ -181,6 +188,25 @@ def sanitized(tool: str, seconds: float) -> dict[str, Any]:
     return {"result": done.stdout.strip().splitlines()[-1]}
 
 
+def peer(name: str, where: str, particles: str, batches: int, seconds: float) -> dict[str, Any]:
+    """Run the same snow in Neve and in Taichi or Warp, in turn, on one device; their rates and ratios."""
+    if importlib.util.find_spec(name) is None:
+        return {"result": f"{name} is not installed"}
+    program = ROOT / "benchmarks" / "peers" / "compare.py"
+    wanted = ["--peer", name, "--device", where, "--particles", particles, "--batches", str(batches)]
+    done = subprocess.run(
+        [sys.executable, str(program), *wanted, "--json"],
+        capture_output=True,
+        text=True,
+        timeout=seconds,
+        check=False,
+    )
+    if done.returncode != 0:
+        print(done.stdout[-2000:], done.stderr[-2000:])
+        raise AssertionError(f"{name}: exit code {done.returncode}: {done.stderr[-200:]}")
+    return json.loads(done.stdout[done.stdout.index("{\n") :])
+
+
 @contextlib.contextmanager
 def device(stand_in: bool) -> Iterator[None]:
     """Take the GPU, or plug the stand-in in."""
@@ -196,21 +222,25 @@ def device(stand_in: bool) -> Iterator[None]:
 
 def check(report: Report, stand_in: bool) -> None:
     """Do all parts, in the order of what is learned from them."""
-    from speeds import SIZES, TINY, measured
+    from speeds import SIZES, TINY, largest, measured
 
     report.part("machine", 0, machine)
     if not stand_in:
         report.part("compiled", 20, compiled)
     report.part("agreement", 10, agreement)
     sizes = TINY if stand_in else SIZES
-    for name in list(sizes)[:2]:
+    for name in sizes:
         report.part(f"figures {name}", 30, lambda name=name: measured(sizes[name]))
     if not stand_in:
-        report.part("tests", 40, lambda: tests(min(120, report.left)))
+        report.part("tests", 40, lambda: tests(min(90, report.left), STAGES))
         for tool in ("memcheck", "racecheck"):
-            report.part(tool, 40, lambda tool=tool: sanitized(tool, min(90, report.left)))
-    for name in list(sizes)[2:]:
-        report.part(f"figures {name}", 60, lambda name=name: measured(sizes[name]))
+            report.part(tool, 30, lambda tool=tool: sanitized(tool, min(60, report.left)))
+        for name in ("taichi", "warp"):
+            report.part(name, 30, lambda name=name: peer(name, "cuda", "1m", 5, min(60, report.left)))
+        found = report.found.get("figures 10m")
+        if found is not None:
+            report.part("figures largest", 60, lambda: measured(largest(found, report.left)))
+        report.part("verification", 30, lambda: tests(report.left, VERIFIED))
 
 
 def main() -> int:

@@ -315,11 +315,12 @@ cli.add_command(fuzz)
 @cli.command()
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def info(as_json: bool) -> None:
-    """Show the version, the build of the core and the folder of the cache."""
+    """Show the version, the build of the core, the GPUs and the folder of the cache."""
     import platform
 
     import neve
     from neve import _core
+    from neve.cuda import devices
     from neve.geometry import cache
     from neve.io.version import version
     from neve.isa import advice, carried, processor
@@ -333,12 +334,14 @@ def info(as_json: bool) -> None:
         "isa_advice": advice(built["isa"], builds, levels),
         "python": platform.python_version(),
         "platform": platform.platform(),
+        **devices.facts(),
         "cache": None if cache.folder() is None else str(cache.folder()),
         "cache_bytes": cache.size(),
     }
     if as_json:
         click.echo(json.dumps(facts, indent=2))
         return
+    facts |= devices.in_text(facts)
     facts["cache"] = facts["cache"] or "off"
     facts["isa_carried"] = ", ".join(facts["isa_carried"]) or "one build alone"
     facts["isa_of_processor"] = ", ".join(facts["isa_of_processor"]) or "not x86-64"

@@ -23,6 +23,7 @@ LONG = 60.0
 @click.command()
 @click.argument("scene")
 @click.option("--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value: snow.xi=12.")
+@click.option("--device", metavar="WORD", help="Where to compute, as with neve run.")
 @click.option("--fine", is_flag=True, help="As with neve run: two million particles.")
 @click.option("--frames", metavar="N", callback=whole_number, help="Up to frame N.")
 @click.option(
@@ -30,7 +31,13 @@ LONG = 60.0
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def estimate(
-    scene: str, changes: tuple[str, ...], fine: bool, frames: int | None, threads: int | None, as_json: bool
+    scene: str,
+    changes: tuple[str, ...],
+    device: str | None,
+    fine: bool,
+    frames: int | None,
+    threads: int | None,
+    as_json: bool,
 ) -> None:
     """Say what a run of SCENE takes: particles, steps, time, memory and disk.
 
@@ -40,6 +47,8 @@ def estimate(
     from neve.run.estimate import estimate as foresee
     from neve.scene.reading.load import load
 
+    if device is not None:
+        changes = (*changes, f"numerics.device={device}")
     checked = load(scene, changes)
     if fine:
         checked = finer(checked, changes)
@@ -56,7 +65,7 @@ def as_data(found: Estimate) -> dict[str, object]:
     for name in ("particles", "steps"):
         data[name] = {key: round(value) for key, value in getattr(found, name)._asdict().items()}
     data["seconds"] = found.seconds._asdict()
-    for name in ("memory", "disk", "frame_bytes"):
+    for name in ("memory", "device_memory", "disk", "frame_bytes"):
         data[f"{name.removesuffix('_bytes')}_bytes"] = round(data.pop(name))
     return data
 
@@ -70,7 +79,7 @@ def as_text(found: Estimate, scene: Scene) -> list[str]:
 
     left, memory_left = free(Path.cwd()), free_memory()
     threads = found.threads or os.cpu_count() or 1
-    machine = f"{threads} thread{'s' if threads > 1 else ''} of this machine"
+    machine = found.device or f"{threads} thread{'s' if threads > 1 else ''} of this machine"
     beside = f", besides {', '.join(found.not_counted)}" if found.not_counted else ""
     tried = (
         "a coarse likeness ran to the end"
@@ -84,6 +93,14 @@ def as_text(found: Estimate, scene: Scene) -> list[str]:
         f"time       about {duration(found.seconds.likely)}, {duration(found.seconds.low)} to "
         f"{duration(found.seconds.high)} on {machine}{beside}",
         f"memory     {in_words(found.memory)}" + _of(memory_left, found.memory, in_words),
+        *(
+            [
+                f"of the GPU {in_words(found.device_memory)}"
+                + _of(found.device_free, found.device_memory, in_words)
+            ]
+            if found.device
+            else []
+        ),
         f"disk       {in_words(found.disk)}, {in_words(found.frame_bytes)} a frame{beside}"
         + _of(left, found.disk, in_words),
     ]

@@ -49,12 +49,20 @@ class Driver:
         self._call("cuDriverGetVersion", ctypes.byref(number))
         self.version = (number.value // 1000, number.value % 1000 // 10)
         self._call("cuDeviceGet", ctypes.byref(device), ctypes.c_int(0))
-        name = ctypes.create_string_buffer(256)
-        self._call("cuDeviceGetName", name, ctypes.c_int(len(name)), device)
-        self.name = name.value.decode(errors="replace")
-        self.architecture = 10 * self._attribute(_MAJOR, device) + self._attribute(_MINOR, device)
+        self.name = self._name(device)
+        self._device = device
+        self.architecture = 10 * self.attribute(_MAJOR) + self.attribute(_MINOR)
         self._call("cuDevicePrimaryCtxRetain", ctypes.byref(context), device)
         self._context = context
+
+    def _name(self, device: ctypes.c_int) -> str:
+        name = ctypes.create_string_buffer(256)
+        self._call("cuDeviceGetName", name, ctypes.c_int(len(name)), device)
+        return name.value.decode(errors="replace")
+
+    def attribute(self, which: int) -> int:
+        """Return a CUdevice_attribute of the GPU."""
+        return self._attribute(which, self._device)
 
     def _attribute(self, which: int, device: ctypes.c_int) -> int:
         value = ctypes.c_int()
@@ -70,6 +78,18 @@ class Driver:
             name = ctypes.c_char_p()
             self._library.cuGetErrorName(ctypes.c_int(code), ctypes.byref(name))
             raise DriverError(name.value.decode() if name.value else f"CUDA error {code}")
+
+    def devices(self) -> list[dict[str, Any]]:
+        """Return of each GPU its name, its compute capability, such as "9.0", and its memory [bytes]."""
+        count, out = ctypes.c_int(), []
+        self._call("cuDeviceGetCount", ctypes.byref(count))
+        for i in range(count.value):
+            device, memory = ctypes.c_int(), ctypes.c_size_t()
+            self._call("cuDeviceGet", ctypes.byref(device), ctypes.c_int(i))
+            self._call("cuDeviceTotalMem_v2", ctypes.byref(memory), device)
+            capability = f"{self._attribute(_MAJOR, device)}.{self._attribute(_MINOR, device)}"
+            out.append({"name": self._name(device), "compute_capability": capability, "memory": memory.value})
+        return out
 
     # Memory
 

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.cuda.ahead import RunAhead
-from neve.cuda.bodies import DeviceBodies
 from neve.cuda.driver import Driver
 from neve.cuda.errors import DriverError
 from neve.cuda.grid import DeviceGrid, solids_of
 from neve.cuda.layout import ALL_COLOURS, step_of
 from neve.cuda.model import DeviceModel
-from neve.cuda.reports import (
+from neve.cuda.state import DeviceState
+from neve.cuda.steps.ahead import RunAhead
+from neve.cuda.steps.bodies import DeviceBodies
+from neve.cuda.steps.reports import (
     NOBODY,
     DeviceGridReport,
     DeviceReport,
@@ -23,9 +24,8 @@ from neve.cuda.reports import (
     last_report,
     report_of,
 )
-from neve.cuda.state import DeviceState
 from neve.cuda.sums import DeviceTotals, Sums
-from neve.solver import Blowup
+from neve.solver import Blowup, Device
 
 if TYPE_CHECKING:
     from neve._core import Precision, Report, StepLimits
@@ -53,6 +53,11 @@ class CudaStages:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._core, name)
+
+    @property
+    def device(self) -> Device:
+        """The GPU and its memory."""
+        return Device(self._driver.name, self._driver.memory()[0])
 
     # Objects
 

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 FIELDS = (*VECTORS, *NUMBERS, "modes", "material", "id")
 """All fields of the state."""
+SORTING_BYTES = 20
+"""What sorting takes of a particle [bytes]."""
+SPARE = 1.25
+"""What particles and sorting take, times this, is asked for: nodes take the rest, but of snow in the air."""
 LINE = 32
 """Columns begin at multiples of so many particles."""
 
@@ -71,7 +75,7 @@ class DeviceState:
     def _require(self, size: int) -> None:
         """Refuse more particles than there is memory for, and say how many fit."""
         free, _ = self._driver.memory()
-        needed = 2.0 * size  # nodes and sorting take about as much again
+        needed = SPARE * (size + SORTING_BYTES * self.count)
         if needed <= free:
             return
         fits = int(self.count * free / needed)

@@ -30,7 +30,7 @@ from neve.mpm.step_control import try_step
 from neve.mpm.time_step import Choice, fitted, largest, limits_of
 from neve.rigid.coupled_bodies import LostBody
 from neve.scene.schema.scene import Scene, Source
-from neve.solver import Arrays, Blowup, Solver, StepSummary
+from neve.solver import Arrays, Blowup, Device, Solver, StepSummary
 
 if TYPE_CHECKING:
     from neve._core import Report, State
@@ -196,6 +196,12 @@ class MpmSolver(Solver):
     def count(self) -> int:
         """Number of particles."""
         return int(self.state.count)
+
+    @property
+    def device(self) -> Device | None:
+        """The GPU, if the particles are there."""
+        found: Device | None = getattr(self.model.core, "device", None)
+        return found
 
     @property
     def bytes(self) -> int:

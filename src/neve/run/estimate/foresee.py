@@ -70,6 +70,8 @@ class Estimate:
         steps: in all
         seconds: wall time on this machine
         memory: at most [bytes]
+        device: name of the GPU that it runs on; "": the processor
+        device_memory: of the GPU, at most [bytes]; device_free: what is free of it now
         disk: of the run folder at the end [bytes]; frame_bytes: of a file of frames/
         not_counted: kinds of outputs in it whose time and bytes are not known
         threads: that the run would use; None: as many as there are processors
@@ -88,6 +90,9 @@ class Estimate:
     threads: int | None
     tried: float
     trial_seconds: float
+    device: str = ""
+    device_memory: float = 0.0
+    device_free: int | None = None
 
 
 def estimate(
@@ -123,6 +128,7 @@ def estimate(
     need, unknown = _needs(scene, last, Sizes(frame_bytes, saved * times, len(near.solids()) * ROW_BYTES))
     steps = _steps(foreseen, last, scene.run.fps)
     state = near.bytes * foreseen.growth + saved + frame_bytes / times
+    device = near.solver.device
     return Estimate(
         particles=Range(particles, particles * _less(coarser), particles / _less(coarser)),
         frames=last,
@@ -135,6 +141,9 @@ def estimate(
         threads=threads,
         tried=foreseen.covered,
         trial_seconds=time.monotonic() - begin,
+        device=device.name if device else "",
+        device_memory=near.bytes * foreseen.growth * times if device else 0.0,
+        device_free=device.free + near.bytes if device else None,
     )
 
 

@@ -77,6 +77,7 @@ int cuDriverGetVersion(int* out) { return *out = int(version), 0; }
 int cuDeviceGetCount(int* out) { return *out = int(devices), 0; }
 int cuDeviceGet(int* out, int) { return *out = 0, 0; }
 int cuDeviceGetName(char* out, int, int) { return std::strcpy(out, "shim"), 0; }
+int cuDeviceTotalMem_v2(std::size_t* out, int) { return *out = limit, 0; }
 int cuDeviceGetAttribute(int* out, int what, int) { return *out = what == 75 ? 9 : 0, 0; }
 int cuDevicePrimaryCtxRetain(void** out, int) { return *out = &allocated, 0; }
 int cuCtxSetCurrent(void*) {
@@ -84,7 +85,7 @@ int cuCtxSetCurrent(void*) {
   return 0;
 }
 int cuCtxSynchronize() { return state(); }
-int cuMemGetInfo_v2(std::size_t* left, std::size_t* all) { return *left = limit - used, *all = limit, 0; }
+int cuMemGetInfo_v2(std::size_t* left, std::size_t* all) { return *left = limit > used ? limit - used : 0, *all = limit, 0; }
 int cuMemAlloc_v2(unsigned long long* out, std::size_t size) {
   if (!has_context) return no_context;
   if (used + size > limit) return no_memory;
