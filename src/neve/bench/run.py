@@ -229,8 +229,8 @@ def run(cases: Sequence[str], as_json: bool = False, earlier: str | None = None)
             results.append(result)
             if not as_json:
                 print("\n" + text_of(result), flush=True)
-            if not as_json and then is not None and isinstance(result, Speed):
-                print("\n".join(compared(result, then)), flush=True)
+                if then is not None and isinstance(result, Speed):
+                    print("\n".join(compared(result, then)), flush=True)
     if as_json:
         json.dump({"machine": machine, "results": [asdict(r) for r in results]}, sys.stdout, indent=2)
         print()
