@@ -10,7 +10,7 @@ namespace neve {
 
 namespace detail {
 
-// Put the identity into the lanes outside the mask: they then take no part in the SVD's common decisions, on which the
+// Put the identity into the lanes outside the mask: they then take no part in common decisions, on which the
 // last bits of the other lanes depend.
 template <class R, class M>
 Mat3<R> quiet(const Mat3<R>& F, M mask) {
