@@ -1,5 +1,6 @@
 """Films: every frame once and in order, whatever happens to the process that makes them."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -116,13 +117,15 @@ def test_a_killed_film_goes_on(tmp_path, filmed, resume):
 
 
 def test_an_encoder_left_by_a_killed_process_changes_nothing(tmp_path):
-    """ffmpeg outlives the process that fed it for a while, and writes its part late."""
+    """ffmpeg outlives the process that fed it for a while. It writes its part late, or finds its folder
+    gone: which of the two is a matter of when it starts."""
     path = tmp_path / "preview.mp4"
     killed = Film(path, 24, SIZE)
     killed.add(picture(9))
     film = Film(path, 24, SIZE)
     film.add(picture(0))
-    killed._encoder._child.close()
+    with contextlib.suppress(FilmError):
+        killed._encoder._child.close()
     for index in range(1, 8):
         film.add(picture(index))
     film.close()
