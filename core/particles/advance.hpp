@@ -1,17 +1,12 @@
 // Velocities, contact with solids, compaction and positions of the particles, from the sums over their pairs.
 #pragma once
 
-#include "coupling/exchange.hpp"
-#include "cpu/fields.hpp"
 #include "mpm/model.hpp"
-#include "particles/step.hpp"
+#include "particles/body_contacts.hpp"
 
 namespace neve {
 
 namespace detail {
-
-// How fast a particle that lies inside a solid is set out of it: the share of the depth per step.
-inline constexpr double set_out = 0.1;
 
 template <class T>
 class Advance {
@@ -21,29 +16,60 @@ class Advance {
   Advance(const ParticleModel<T>& model, const Model<T>& world, const PairSums<T>& sums, double dt)
       : model_(model), world_(world), sums_(sums), dt_(T(dt)) {}
 
-  // Advance particles [p, p + count).
-  void batch(ParticleState<T>& s, std::size_t p, int count, ExchangeSum& exchange) const {
+  // Advance particles [p, p + count), or keep them in `waiting` if they may touch bodies.
+  void batch(ParticleState<T>& s, std::size_t p, int count, BodyContacts<T>& waiting,
+             ExchangeSum& exchange) const {
     const auto here = first_lanes<R>(count);
     const R one = splat<R>(1), zero = splat<R>(0);
-    R sum[Sums::count];
-    for (int k = 0; k < Sums::count; ++k) sum[k] = load<R>(sums_.values.column(k) + p, count);
-    const R m = select(here, load<R>(s.m.column(0) + p, count), one);
-    R r = select(here, load<R>(s.radius.column(0) + p, count), one);
-    Vec3<R> x = load_vector<R>(s.x, p, count), v = load_vector<R>(s.v, p, count);
-    const R rate = dt_ / m;
-    for (int k = 0; k < 3; ++k) v[k] += sum[Sums::force + k] * rate + world_.gravity[k] * dt_;
-    Vec3<R> out{zero, zero, zero};
-    for (const Solid<T>& solid : near(x, r, here)) meet(solid, x, r, m, here, v, out, sum, exchange);
-    compact(s, p, count, here, sum, r);
-    x = x + v * dt_ + out;
-    store_vector(s.x, p, x, count);
-    store_vector(s.v, p, v, count);
+    Pack pack{p,
+              count,
+              load_vector<R>(s.x, p, count),
+              load_vector<R>(s.v, p, count),
+              {zero, zero, zero},
+              select(here, load<R>(s.radius.column(0) + p, count), one),
+              select(here, load<R>(s.m.column(0) + p, count), one),
+              {},
+              waiting.contacts.size(),
+              0};
+    for (int k = 0; k < Sums::count; ++k)
+      pack.sums[std::size_t(k)] = load<R>(sums_.values.column(k) + p, count);
+    const R rate = dt_ / pack.m;
+    for (int k = 0; k < 3; ++k)
+      pack.v[k] += pack.sums[std::size_t(Sums::force + k)] * rate + world_.gravity[k] * dt_;
+    for (const Solid<T>* solid : near(pack.x, pack.r, here)) {
+      const auto contact = SolidContact<R>::at(*solid, pack.x, pack.r, here, dt_);
+      if (solid->body < 0) {
+        meet(contact, pack, exchange);
+      } else if (any(here & (contact.room * dt_ < pack.r * T(2)))) {
+        waiting.contacts.push_back(contact);
+      }
+    }
+    pack.end = waiting.contacts.size();
+    if (pack.end > pack.begin) {
+      waiting.packs.push_back(pack);
+    } else {
+      finish(s, pack);
+    }
+  }
+
+  // Advance the particles that have waited, now that the bodies' velocities U are known.
+  void finish_waiting(ParticleState<T>& s, BodyContacts<T>& waiting, const std::vector<Twist>& U,
+                      ExchangeSum& exchange) const {
+    for (Pack& pack : waiting.packs) {
+      pack.v =
+          touch_bodies(waiting, pack, U,
+                       [&](const auto& contact, const Vec3<R>& v_co, const Vec3<R>& before,
+                           const Vec3<R>& after) { note(contact, v_co, before, after, pack, exchange); });
+      finish(s, pack);
+    }
   }
 
  private:
+  using Pack = typename BodyContacts<T>::Pack;
+
   // The solids that lanes of `here` may meet: what is within reach of the ball around them.
-  std::vector<Solid<T>> near(const Vec3<R>& x, const R& r, const auto& here) const {
-    std::vector<Solid<T>> out;
+  std::vector<const Solid<T>*> near(const Vec3<R>& x, const R& r, const auto& here) const {
+    std::vector<const Solid<T>*> out;
     if (world_.solids.empty()) return out;
     Vec3<T> low{}, high{};
     T radius = 0;
@@ -60,37 +86,41 @@ class Advance {
     const Vec3<T> half = (high - low) * T(0.5), middle = low + half;
     const T reach = std::sqrt(dot(half, half)) + T(4) * radius;
     for (const Solid<T>& solid : world_.solids) {
-      if (is_near(solid, middle, reach)) out.push_back(solid);
+      if (is_near(solid, middle, reach)) out.push_back(&solid);
     }
     return out;
   }
 
-  // Contact with one solid (docs/particles.md): a particle that would sink in moves to its surface in this step, with
-  // the laws of contact of the material point method; one that lies inside is set out, without a velocity.
-  void meet(const Solid<T>& solid, const Vec3<R>& x, const R& r, const R& m, const auto& here, Vec3<R>& v,
-            Vec3<R>& out, R* sum, ExchangeSum& exchange) const {
+  // Let a collider act.
+  void meet(const SolidContact<R>& contact, Pack& pack, ExchangeSum& exchange) const {
+    const Solid<T>& solid = *contact.solid;
+    const Vec3<R> before = pack.v, v_co = solid.surface_velocity_at(contact.x, contact.n);
+    if (!any(contact.met(before, v_co))) return;
+    const Vec3<R> v_rel = contact.sped(before) - v_co;
+    pack.v = contact.after(before, facing(solid, contact.x, contact.n, v_rel, splat<R>(dt_)), v_co);
+    note(contact, v_co, before, pack.v, pack, exchange);
+  }
+
+  // Record what a solid did, and let its forces count in compaction.
+  void note(const SolidContact<R>& contact, const Vec3<R>& v_co, const Vec3<R>& before, const Vec3<R>& after,
+            Pack& pack, ExchangeSum& exchange) const {
     const R zero = splat<R>(0);
-    const Surface<R> surface = neve::surface(solid, x);
-    const R gap = surface.phi - r, room = max(gap, zero) * (T(1) / dt_);
-    const Vec3<R> n = surface.normal, v_co = solid.surface_velocity_at(x, n);
-    const Vec3<R> sped = v + n * room;  // of zero along n: it just arrives
-    const auto held = gap <= T(0), met = here & ((dot(sped - v_co, n) < T(0)) | held);
+    const auto met = contact.met(before, v_co);
     if (!any(met)) return;
-    constexpr ContactMode leaves = ContactMode::separate;
-    const R dt = splat<R>(dt_);
-    const Vec3<R> arrives =
-        after_contact(sped, facing(solid, x, n, Vec3<R>(sped - v_co), dt), v_co, leaves, solid.mu_c);
-    const Vec3<R> holds = after_contact(v, facing(solid, x, n, Vec3<R>(v - v_co), dt), v_co,
-                                        has_play(solid.mode, solid.mu_c) ? leaves : solid.mode, solid.mu_c);
-    const Vec3<R> after = select(met, select(held, holds, arrives - n * room), v);
-    record(exchange.of(solid.index), met, m, x - spread<R>(solid.centre), v_co, v, after);
+    record(exchange.of(contact.solid->index), met, pack.m, contact.arm, v_co, before, after);
     for (int k = 0; k < 3; ++k) {
-      const R force = (after[k] - v[k]) * m * (T(1) / dt_);
-      sum[Sums::along + k] += max(force, zero);
-      sum[Sums::against + k] += max(R(-force), zero);
+      const R force = (after[k] - before[k]) * pack.m * (T(1) / dt_);
+      pack.sums[std::size_t(Sums::along + k)] += max(force, zero);
+      pack.sums[std::size_t(Sums::against + k)] += max(R(-force), zero);
     }
-    v = after;
-    out = out + n * select(here, max(R(-gap), zero) * T(set_out), zero);
+    pack.out = pack.out + contact.way_out();
+  }
+
+  // Compact the particles, and move them.
+  void finish(ParticleState<T>& s, Pack& pack) const {
+    compact(s, pack.p, pack.count, first_lanes<R>(pack.count), pack.sums.data(), pack.r);
+    store_vector(s.x, pack.p, pack.x + pack.v * dt_ + pack.out, pack.count);
+    store_vector(s.v, pack.p, pack.v, pack.count);
   }
 
   // Compact particles that opposing forces press by more than the snow bears: in each axis as much as acts both ways
@@ -163,14 +193,18 @@ ParticleReport advance(const ParticleModel<T>& model, const Model<T>& world, Par
   const detail::Advance<T> move(model, world, sums, dt);
   const std::size_t chunks = (s.count + chunk - 1) / chunk;
   std::vector<ExchangeSum> parts(chunks);
+  std::vector<BodyContacts<T>> waiting(chunks);
+  const auto end = [&](std::size_t c) { return std::min(s.count, (c + 1) * chunk); };
   lists.elapsed += dt;
+  each_index(chunks, [&](std::size_t c) {
+    for (std::size_t p = c * chunk; p < end(c); p += width<R>)
+      move.batch(s, p, int(std::min<std::size_t>(width<R>, s.count - p)), waiting[c], parts[c]);
+  });
+  const std::vector<Twist> U = body_velocities(world.bodies, waiting, dt);
   const auto report = merge_each<ParticleReport>(chunks, [&](std::size_t c) {
     ParticleReport out;
-    for (std::size_t p = c * chunk; p < std::min(s.count, (c + 1) * chunk); p += width<R>) {
-      const int count = int(std::min<std::size_t>(width<R>, s.count - p));
-      move.batch(s, p, count, parts[c]);
-      for (int l = 0; l < count; ++l) out.merge(detail::look(s, sums, lists, p + std::size_t(l)));
-    }
+    move.finish_waiting(s, waiting[c], U, parts[c]);
+    for (std::size_t p = c * chunk; p < end(c); ++p) out.merge(detail::look(s, sums, lists, p));
     return out;
   });
   exchanged.resize(world.solids.size());

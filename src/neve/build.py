@@ -146,6 +146,18 @@ class PlacedSolids:
         self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
         self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p) + belt)
 
+    def totals_of_bodies(self) -> dict[str, Any]:
+        """Return bodies_momentum (3,) [kg m/s], bodies_kinetic, bodies_potential [J]; zero without bodies."""
+        rigid = self.rigid
+        if rigid is None:
+            return {"bodies_momentum": (0.0, 0.0, 0.0), "bodies_kinetic": 0.0, "bodies_potential": 0.0}
+        px, py, pz = map(float, rigid.momentum)
+        return {
+            "bodies_momentum": (px, py, pz),
+            "bodies_kinetic": rigid.kinetic,
+            "bodies_potential": rigid.potential,
+        }
+
     @property
     def solids_move(self) -> bool:
         """Whether any solid changes its place in time."""

@@ -13,8 +13,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.build import PlacedSolids
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
+from neve.rigid.coupled_bodies import LostBody
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
 from neve.stage_timer import StageTimer
@@ -192,6 +194,19 @@ class Solver(ABC):
 
     def _cannot(self, what: str) -> SceneError:
         return SceneError(f'numerics.method = "{self.scene.numerics.method}" cannot {what} in a run')
+
+
+def advance_bodies(placed: PlacedSolids, dt: float, exchanged: NDArray[np.float64], time: float) -> None:
+    """Let rigid bodies move on by dt [s] to `time` [s], with what each solid and the snow exchanged (n, 7).
+
+    Errors: Blowup for a body that has no finite place any more.
+    """
+    if placed.rigid is None:
+        return
+    try:
+        placed.rigid.advance(dt, exchanged[len(placed.colliders) :], time - dt)
+    except LostBody as lost:
+        raise Blowup(str(lost)) from None
 
 
 def fill_columns(state: Any, fields: Sequence[Field], arrays: Arrays) -> None:

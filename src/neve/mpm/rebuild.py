@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.build import material_table, require_same_sources, with_one_more
-from neve.geometry.pose import rotation_vector
 from neve.mpm.initial import Births, make_model, snow_of
 from neve.mpm.model import Model
 from neve.mpm.state import fit_modes, from_arrays, to_arrays
+from neve.rigid.going_on import going_on
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
 from neve.solver import joined
@@ -19,26 +19,20 @@ from neve.solver import joined
 if TYPE_CHECKING:
     from neve._core import State
 
-START = ("center", "rotation", "velocity", "spin")
-"""Keys of a rigid body that say where it begins."""
-SOLIDS = ("colliders", "bodies", "robots")
-"""Lists of a scene that hold solids."""
-
 
 def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tuple[Model, State]:
     """Return the model of `new_scene` and the state with which its run goes on from a run of `scene`.
 
     The particles keep their place, motion, mass, deformation and hardening; each follows the snow that its
     source has in `new_scene`. Where the transfer has other modes of the velocity, the new ones are zero.
-    Rigid bodies keep place and motion, but those whose start `new_scene` changes begin there; where bodies or
-    robots come, go or change, robots and bodies at joints begin anew.
+    Rigid bodies go on as `neve.rigid.going_on.going_on` says.
 
     Errors: SceneError if a run cannot change so: the number of sources, or
     the snow of one of several sources that shared theirs.
     """
     require_same_sources(scene, new_scene)
     rows = _rows(scene, new_scene)
-    fresh = _model(scene, new_scene, model)
+    fresh = going_on(scene, new_scene, model, make_model)
     old, new = ((m.native.more_modes, m.native.has_play) for m in (model, fresh))
     if old != new:
         arrays = to_arrays(state)
@@ -62,36 +56,11 @@ def with_source(
     pydantic.ValidationError if its snow is not allowed.
     """
     new_scene = with_one_more(scene, source)
-    more = _model(scene, new_scene, model)
+    more = going_on(scene, new_scene, model, make_model)
     more.place_solids(time)
     fresh = to_arrays(snow_of(new_scene, more, [len(scene.sources)])[0])
     both, first = joined(to_arrays(state), fresh)
     return new_scene, more, from_arrays(more.core, both), np.append(births, np.int64(first))
-
-
-def _model(scene: Scene, new_scene: Scene, model: Model) -> Model:
-    """Return the model of `new_scene`, with the rigid bodies of `model` where they are."""
-    same = all(getattr(new_scene, name) == getattr(scene, name) for name in SOLIDS[1:])
-    if model.rigid is None or same:
-        fresh = make_model(new_scene)
-        if fresh.rigid is not None and model.rigid is not None:
-            fresh.rigid.take_over(model.rigid)
-        return fresh
-    poses = dict(zip((solid.name for solid in model.rigid.solids), model.rigid.poses(), strict=True))
-    bodies = list(new_scene.bodies)
-    for i, (old, new) in enumerate(zip(scene.bodies, new_scene.bodies, strict=False)):
-        pose = poses.get(f"bodies.{i}")
-        if pose is None or new.joint != "free" or any(getattr(old, k) != getattr(new, k) for k in START):
-            continue
-        bodies[i] = new.model_copy(
-            update={
-                "center": tuple(map(float, pose.position)),
-                "rotation": tuple(map(float, np.degrees(rotation_vector(pose.rotation)))),
-                "velocity": tuple(map(float, pose.velocity)),
-                "spin": tuple(map(float, pose.omega)),
-            }
-        )
-    return make_model(new_scene.model_copy(update={"bodies": tuple(bodies)}))
 
 
 def _rows(scene: Scene, new_scene: Scene) -> NDArray[Any]:

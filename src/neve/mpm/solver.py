@@ -28,9 +28,8 @@ from neve.mpm.state_checks import inspect, require_whole, warn_of_density
 from neve.mpm.step import STAGES, Stages
 from neve.mpm.step_control import try_step
 from neve.mpm.time_step import Choice, fitted, largest, limits_of
-from neve.rigid.coupled_bodies import LostBody
 from neve.scene.schema.scene import Scene, Source
-from neve.solver import Arrays, Blowup, Device, Solver, StepSummary
+from neve.solver import Arrays, Device, Solver, StepSummary, advance_bodies
 
 if TYPE_CHECKING:
     from neve._core import Report, State
@@ -134,10 +133,7 @@ class MpmSolver(Solver):
             return None
         with self.timer.stage("bodies"):
             exchanged = self.take_exchanged()
-            try:
-                self.model.rigid.advance(dt, exchanged[len(self.model.colliders) :], time - dt)
-            except LostBody as lost:
-                raise Blowup(str(lost)) from None
+            advance_bodies(self.model, dt, exchanged, time)
         return exchanged
 
     def _warn_of_long_step(self, choice: Choice, report: Report, steps: int) -> None:
@@ -161,8 +157,6 @@ class MpmSolver(Solver):
         inspect(self.model, self.state)
         t = self.model.core.totals(self.model.native, self.state)
         px, py, pz = t.momentum
-        rigid = self.model.rigid
-        bx, by, bz = (float(p) for p in rigid.momentum) if rigid else (0.0, 0.0, 0.0)
         return Diagnostics(
             mass=t.mass,
             momentum=(px, py, pz),
@@ -173,9 +167,7 @@ class MpmSolver(Solver):
             work=float(exchanged[:, 6].sum()),
             particles=int(self.state.count),
             blocks=int(self.grid.blocks),
-            bodies_momentum=(bx, by, bz),
-            bodies_kinetic=rigid.kinetic if rigid else 0.0,
-            bodies_potential=rigid.potential if rigid else 0.0,
+            **self.model.totals_of_bodies(),
         )
 
     def log_values(self, totals: Diagnostics) -> Mapping[str, float]:

@@ -60,15 +60,12 @@ def kernels(scene: Scene) -> Precision:
 
 
 def place_solids(scene: Scene) -> PlacedSolids:
-    """Return the scene's solids in the core. Errors: SceneError for bodies, which particles do not move."""
-    for name in ("bodies", "robots"):
-        if getattr(scene, name):
-            raise SceneError(f'{name}: numerics.method = "particles" moves no bodies; use "mpm"')
-    around, _ = coupled(scene)
+    """Return the scene's solids in the core, the bodies where they start. Errors: SceneError."""
+    solids, rigid = coupled(scene)
     numerics = scene.numerics
     gravity = np.array(scene.world.gravity, dtype=np.float64)
     native = kernels(scene).Model(numerics.dx, numerics.spline, "pic", 0.0, gravity)
-    return PlacedSolids(native, scene.colliders, around, None, numerics.dx)
+    return PlacedSolids(native, scene.colliders, solids, rigid, numerics.dx)
 
 
 def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[str, NDArray[Any]]:

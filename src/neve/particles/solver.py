@@ -23,8 +23,9 @@ from neve.particles.initial import (
     set_constants,
     snow_of,
 )
+from neve.rigid.going_on import going_on
 from neve.scene.schema.scene import Scene, Source
-from neve.solver import Arrays, Blowup, Solver, StepSummary, joined
+from neve.solver import Arrays, Blowup, Solver, StepSummary, advance_bodies, joined
 
 if TYPE_CHECKING:
     from neve._core import ParticleReport, Particles
@@ -41,7 +42,8 @@ class ParticleDiagnostics:
 
     mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic, elastic (of bonds, contacts and the springs of
     their friction), potential (-m g . x); affine is none. `work` [J]: of the colliders on the snow so far.
-    bonds, contacts: how many there are.
+    bonds, contacts: how many there are. Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic
+    and bodies_potential [J].
     """
 
     mass: float
@@ -54,6 +56,9 @@ class ParticleDiagnostics:
     bonds: int
     contacts: int
     affine: float = 0.0
+    bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    bodies_kinetic: float = 0.0
+    bodies_potential: float = 0.0
 
 
 class ParticleSolver(Solver):
@@ -64,7 +69,7 @@ class ParticleSolver(Solver):
     """
 
     fields = FIELDS
-    stages = ("neighbours", "step")
+    stages = ("neighbours", "step", "bodies")
     fixed = (*Solver.fixed, "dx", "particles_per_cell", "sampling", "seed")
     log_columns = (
         "mass",  # [kg]
@@ -76,6 +81,11 @@ class ParticleSolver(Solver):
         "potential",
         "affine",  # none
         "work",  # of the colliders on the snow since the start
+        "bodies_momentum_x",  # of the bodies that snow moves [kg m/s]
+        "bodies_momentum_y",
+        "bodies_momentum_z",
+        "bodies_kinetic",  # their energies [J]
+        "bodies_potential",
         "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
         "particles",
         "bonds",
@@ -96,6 +106,8 @@ class ParticleSolver(Solver):
             self._derive()
             self.state.set_contacts(*(np.asarray(saved[name]) for name in CONTACTS))
             self.state.last_dt = float(saved["last_dt"])
+            if self.placed.rigid:
+                self.placed.rigid.restore(saved)
 
     def _derive(self) -> None:
         set_constants(self.scene, self.state)
@@ -128,7 +140,8 @@ class ParticleSolver(Solver):
     def step(self, steps: int, time: float, remaining: float) -> StepSummary:
         """Take one step, of the dt that the contacts allow, or the scene's if it is less. Errors: Blowup."""
         if self.placed.solids_move:
-            self.placed.place_solids(time)
+            with self.timer.stage("bodies"):
+                self.placed.place_solids(time)
         dt, bound = self._longest(self._report)
         if not dt > 1e-9 * remaining:
             raise Blowup(
@@ -161,11 +174,16 @@ class ParticleSolver(Solver):
         return dt, bound
 
     def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
-        """Check the particles, and renew the lists of neighbours if they are used up. Errors: Blowup."""
+        """Check the particles, renew used lists of neighbours, move the bodies. Errors: Blowup."""
         self._require_finite(self._report, steps, time)
         if not self.state.current:
             self._rebuild()
-        return None
+        if self.placed.rigid is None:
+            return None
+        with self.timer.stage("bodies"):
+            exchanged = self.take_exchanged()
+            advance_bodies(self.placed, dt, exchanged, time)
+        return exchanged
 
     def _require_finite(self, report: ParticleReport, steps: int, time: float) -> None:
         if report.finite:
@@ -192,6 +210,7 @@ class ParticleSolver(Solver):
             particles=self.count,
             bonds=round(t.bonds),
             contacts=round(t.contacts),
+            **self.placed.totals_of_bodies(),
         )
 
     def log_values(self, totals: ParticleDiagnostics) -> Mapping[str, float]:
@@ -199,9 +218,10 @@ class ParticleSolver(Solver):
         return row_of(totals, self.log_columns)
 
     def save(self) -> dict[str, NDArray[Any]]:
-        """Return the state, what is remembered of its contacts, and the last dt, by which these are old."""
+        """Return the state, its contacts, the last dt, by which these are old, and the bodies."""
         contacts = dict(zip(CONTACTS, map(np.array, self.state.contacts()), strict=True))
-        return {**super().save(), **contacts, "last_dt": np.array(self.state.last_dt)}
+        bodies = self.placed.rigid.save() if self.placed.rigid else {}
+        return {**super().save(), **contacts, "last_dt": np.array(self.state.last_dt), **bodies}
 
     @property
     def count(self) -> int:
@@ -225,7 +245,7 @@ class ParticleSolver(Solver):
 
     @property
     def solids(self) -> Sequence[Solid]:
-        """Colliders."""
+        """Colliders and rigid bodies."""
         return self.placed.solids
 
     def poses(self, time: float) -> list[Pose]:
@@ -242,7 +262,7 @@ class ParticleSolver(Solver):
         Errors: SceneError for sources that come or go, or snows that part.
         """
         require_same_sources(self.scene, scene)
-        placed = place_solids(scene)
+        placed = going_on(self.scene, scene, self.placed, place_solids)
         table = material_table(scene)
         rows = np.array([table.index(scene.snow_of(source)) for source in scene.sources], dtype=np.uint16)
         self.state.material[...] = rows[self.state.source]
@@ -252,7 +272,7 @@ class ParticleSolver(Solver):
     def add(self, source: Source, time: float) -> None:
         """Add the snow of `source` at `time` [s], and the source to the scene. Errors: SceneError."""
         scene = with_one_more(self.scene, source)
-        placed = place_solids(scene)
+        placed = going_on(self.scene, scene, self.placed, place_solids)
         placed.place_solids(time)
         fresh = snow_of(scene, placed, [len(self.scene.sources)])
         there = self.save()

@@ -8,7 +8,6 @@ from verification.particles.common import columns, energy, particles
 import neve
 from neve.particles.constants import ICE
 from neve.particles.solver import CONTACTS
-from neve.scene.errors import SceneError
 from neve.solver import Blowup
 
 SOFT = {"law": "drucker_prager", "cohesion": 500.0, "E0": 1e5, "friction_angle": 30.0}
@@ -256,17 +255,7 @@ def test_snow_is_added_and_changed():
 
 
 def test_what_is_refused():
-    """Bodies, a particle that is lost, and contacts of other particles: one sentence each."""
-    with pytest.raises(SceneError, match=r'bodies: numerics\.method = "particles" moves no bodies'):
-        neve.Simulation(
-            neve.Scene.model_validate(
-                {
-                    "numerics": {"method": "particles"},
-                    "sources": [{"shape": "sphere", "radius": 0.2}],
-                    "bodies": [{"shape": "sphere", "radius": 0.1, "density": 100}],
-                }
-            )
-        )
+    """A particle that is lost, and contacts of other particles: one sentence each."""
     sim = particles([{"shape": "sphere", "radius": 0.1}])
     sim.state.x[3] = np.nan
     with pytest.raises(Blowup, match="is lost"):

@@ -1,0 +1,57 @@
+// Contact of particles with one solid (docs/particles.md).
+#pragma once
+
+#include "coupling/body_response.hpp"
+#include "cpu/fields.hpp"
+
+namespace neve {
+
+// How fast a particle that lies inside a solid is set out of it: the share of the depth per step.
+inline constexpr double set_out = 0.1;
+
+// A pack of particles of radius r at one solid. A particle that would sink in moves to the surface in this step, with the
+// laws of contact of the material point method; one that lies inside is set out, without a velocity.
+template <class R>
+struct SolidContact {
+  using T = scalar_t<R>;
+  using Mask = decltype(R{} < R{});
+  const Solid<T>* solid;
+  Mask here, held;    // which lanes count, and which of them touch the solid or lie inside
+  Vec3<R> x, n, arm;  // position [m], the solid's normal there, place from the solid's centre [m]
+  R room;             // speed along -n with which a particle just arrives in this step [m/s]
+  R depth;            // how far particles lie inside [m]
+
+  static SolidContact at(const Solid<T>& solid, const Vec3<R>& x, const R& r, const Mask& here, T dt) {
+    const R zero = splat<R>(0);
+    const Surface<R> surface = neve::surface(solid, x);
+    const R gap = surface.phi - r;
+    return {&solid,
+            here,
+            here & (gap <= T(0)),
+            x,
+            surface.normal,
+            x - spread<R>(solid.centre),
+            R(max(gap, zero) * (T(1) / dt)),
+            R(max(R(-gap), zero))};
+  }
+  // What snow that lies at the surface does there: friction with play would need a memory of how far it has left.
+  ContactMode mode() const {
+    return has_play(solid->mode, solid->mu_c) ? ContactMode::separate : solid->mode;
+  }
+  // The velocity less that with which a particle just arrives.
+  Vec3<R> sped(const Vec3<R>& v) const { return v + n * room; }
+  Mask met(const Vec3<R>& v, const Vec3<R>& v_co) const {
+    return here & ((dot(sped(v) - v_co, n) < T(0)) | held);
+  }
+  // The velocity after contact at a surface that moves with v_co, of the lanes that meet it.
+  Vec3<R> after(const Vec3<R>& v, const Facing<R>& facing, const Vec3<R>& v_co) const {
+    const Vec3<R> u = sped(v);
+    const Vec3<R> leaves = after_contact(u, facing, v_co, ContactMode::separate, solid->mu_c);
+    const Vec3<R> holds = after_contact(u, facing, v_co, mode(), solid->mu_c);
+    return select(met(v, v_co), select(held, holds, leaves) - n * room, v);
+  }
+  // How far the solid sets particles out in this step [m].
+  Vec3<R> way_out() const { return n * select(here, R(depth * T(set_out)), splat<R>(0)); }
+};
+
+}  // namespace neve
