@@ -6,6 +6,17 @@
 
 namespace neve {
 
+// How many packs before their use columns are asked for. A step walks along some forty columns at once, more than the
+// processor follows by itself; one pack ahead is too late for particles to grid, which takes half as long a pack.
+inline constexpr std::size_t packs_ahead = 3;
+
+// Ask for the cache lines of columns that belong to the particle p and its pack, to be read or also written.
+enum class Access { read, write };
+template <Access A, class T>
+NEVE_INLINE void prefetch(const Columns<T>& f, std::size_t p) {
+  for (int k = 0; k < f.components(); ++k) __builtin_prefetch(f.column(k) + p, A == Access::write);
+}
+
 template <class R>
 NEVE_INLINE Vec3<R> load_vector(const Columns<scalar_t<R>>& f, std::size_t p, int count, int first = 0) {
   return {load<R>(f.column(first) + p, count), load<R>(f.column(first + 1) + p, count),

@@ -65,6 +65,7 @@ class HomeGather {
   void advance_pack(std::size_t p, int count) {
     const Pack pack{state_, p, count, load_vector<R>(state_.x, p, count)};
     stencils_.template fill<typename Transfer::GatherWeights>(frame_, pack.at);
+    fetch_ahead(p + packs_ahead * L);
     gather(count);
     Advanced<R> now = advance<Transfer>(
         pack, gathered(), step_, solids_,
@@ -80,6 +81,16 @@ class HomeGather {
       add_ice(model_, state_, p, count, J, step_.cells.dx / step_.dt, now.material.stress);
     check(pack, now);
     if (exchange_) keep(p, count, now);
+  }
+
+  void fetch_ahead(std::size_t p) const {
+    prefetch<Access::write>(state_.x, p), prefetch<Access::write>(state_.v, p);
+    prefetch<Access::write>(state_.F_E, p), prefetch<Access::write>(state_.tau, p);
+    prefetch<Access::write>(state_.J_P, p), prefetch<Access::read>(state_.m, p);
+    prefetch<Access::read>(state_.V0, p), prefetch<Access::read>(state_.stiffness, p);
+    prefetch<Access::read>(state_.strength, p);
+    if constexpr (Transfer::keeps_C) prefetch<Access::write>(state_.C, p);
+    if constexpr (Transfer::modes > 4) prefetch<Access::write>(state_.modes, p);
   }
 
   void gather(int count) {

@@ -60,6 +60,15 @@ NEVE_INLINE void scatter_modes(const Stencils<T, Spline, Q>& st, const Carried<T
   }
 }
 
+template <class Transfer, class T>
+NEVE_INLINE void fetch_ahead(const State<T>& state, std::size_t p) {
+  prefetch<Access::read>(state.x, p), prefetch<Access::read>(state.v, p);
+  prefetch<Access::read>(state.m, p), prefetch<Access::read>(state.V0, p);
+  prefetch<Access::read>(state.tau, p);
+  if constexpr (Transfer::keeps_C) prefetch<Access::read>(state.C, p);
+  if constexpr (Transfer::modes > 4) prefetch<Access::read>(state.modes, p);
+}
+
 template <class T, class Spline, class Transfer>
 void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const Home& home, double dt) {
   using R = Lanes<T>;
@@ -74,6 +83,7 @@ void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const
   for (std::uint32_t done = 0; done < home.count; done += width<R>) {
     const std::size_t p = home.begin + done;
     const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
+    fetch_ahead<Transfer>(state, p + packs_ahead * width<R>);
     st.template fill<typename Transfer::ScatterWeights>(frame, load_vector<R>(state.x, p, count));
     const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
     const Contribution<R> given =
