@@ -55,23 +55,41 @@ struct BlockResponse {
   }
 };
 
-// Let the solids near its block act on a node of mass m whose velocity before contact is v, if the bodies move with s.bodies.velocity;
-// visit(solid, normal, arm, play, v_co, v before, v after) for each contact.
-template <class C, class T, class F>
-inline void meet_all(const Node<C>& node, const NearSolids<T>& solids, T m, Vec3<T>& v, Lift<T>& lift,
-                     F&& visit) {
-  const Step<T>& s = node.s;
-  const Vec3<T> v_free = v, x = node.x();
-  const T skin = node.step.skin;
-  each_holding(solids, x, m, skin, [&](const Solid<T>& solid, const Vec3<T>& normal, bool inside) {
-    const Facing<T> there = facing_before(solid, x, normal, v_free, lift.dt);
-    const Vec3<T> arm = x - solid.centre, before = v;
-    const Vec3<T> v_co = surface_velocity(solid, s.bodies.velocity, arm, normal);
-    const Play<T> play = lift.play(normal);
-    v = meet(solid, inside, there, v_co, v, lift);
-    visit(solid, normal, arm, play, v_co, before, v);
-  });
-}
+// A block of nodes that waits, and what its threads' nodes bring: all threads of the block must come to make one.
+template <class C>
+struct Waiting {
+  using T = typename C::T;
+  const Node<C> node;
+  const NearSolids<T> solids;  // after a barrier
+  const T m;
+  const Vec3<T> v_free;  // before contact
+  Vec3<T> v;
+  Lift<T> lift;
+
+  Waiting(const Step<T>& s, Marks& marks)
+      : node{s, std::size_t(s.bodies.waiting[blockIdx.x])},
+        solids(node.near(marks)),
+        m(node.m()),
+        v_free(node.v()),
+        v(v_free),
+        lift(node.lift(m)) {}
+
+  // Let the solids near the block act on the node, if the bodies move with s.bodies.velocity;
+  // visit(solid, normal, arm, play, v_co, v before, v after) for each contact.
+  template <class F>
+  void meet_all(F&& visit) {
+    const Vec3<T> x = node.x();
+    each_holding(solids, x, m, node.step.skin,
+                 [&](const Solid<T>& solid, const Vec3<T>& normal, bool inside) {
+                   const Facing<T> there = facing_before(solid, x, normal, v_free, lift.dt);
+                   const Vec3<T> arm = x - solid.centre, before = v;
+                   const Vec3<T> v_co = surface_velocity(solid, node.s.bodies.velocity, arm, normal);
+                   const Play<T> play = lift.play(normal);
+                   v = meet(solid, inside, there, v_co, v, lift);
+                   visit(solid, normal, arm, play, v_co, before, v);
+                 });
+  }
+};
 
 // What the snow of the waiting blocks does to each body: a block of threads per block of nodes.
 template <class C>
@@ -81,23 +99,19 @@ inline void body_response(const Step<typename C::T>& s) {
   if constexpr (C::has_solids) {
     __shared__ Marks marks;
     __shared__ BlockResponse<N> shared;
-    const Node<C> node{s, std::size_t(s.bodies.waiting[blockIdx.x])};
     shared.clear();
-    const NearSolids<T> solids = node.near(marks);
-    const T m = node.m();
-    Vec3<T> v = node.v();
-    Lift<T> lift = node.lift(m);
+    Waiting<C> here{s, marks};
+    if (!here.node.counts()) return;
     N* all = static_cast<N*>(s.bodies.response);
-    meet_all(node, solids, m, v, lift,
-             [&](const Solid<T>& solid, const Vec3<T>& normal, const Vec3<T>& arm, const Play<T>& play,
-                 const Vec3<T>& v_co, const Vec3<T>& before, const Vec3<T>& after) {
-               if (solid.body < 0) return;
-               BodyResponse one;
-               add_response(one, solid, true, m, normal, arm, play, v_co, before, after);
-               N* to = shared.of(solid.body, all);
-               for (int k = 0; k < 6; ++k) to[k].add(one.impulse[k]);
-               for (int k = 0; k < 36; ++k) to[6 + k].add(one.slope[k]);
-             });
+    here.meet_all([&](const Solid<T>& solid, const Vec3<T>& normal, const Vec3<T>& arm, const Play<T>& play,
+                      const Vec3<T>& v_co, const Vec3<T>& before, const Vec3<T>& after) {
+      if (solid.body < 0) return;
+      BodyResponse one;
+      add_response(one, solid, true, here.m, normal, arm, play, v_co, before, after);
+      N* to = shared.of(solid.body, all);
+      for (int k = 0; k < 6; ++k) to[k].add(one.impulse[k]);
+      for (int k = 0; k < 36; ++k) to[6 + k].add(one.slope[k]);
+    });
     __syncthreads();
     shared.publish(all);
   }
@@ -111,23 +125,17 @@ inline void meet_bodies(const Step<typename C::T>& s) {
   if constexpr (C::has_solids) {
     __shared__ Marks marks;
     __shared__ BlockExchange<N> exchange;
-    const Node<C> node{s, std::size_t(s.bodies.waiting[blockIdx.x])};
     exchange.clear();
-    const NearSolids<T> solids = node.near(marks);
-    const T m = node.m();
-    const Vec3<T> v_free = node.v();
-    Vec3<T> v = v_free;
-    Lift<T> lift = node.lift(m);
-    const Vec3<T> lift_before = lift.s;
-    const Recorder<T, N> recorder{exchange, exchanged_of<C>(s), m, true};
-    meet_all(node, solids, m, v, lift,
-             [&](const Solid<T>& solid, const Vec3<T>&, const Vec3<T>& arm, const Play<T>&,
-                 const Vec3<T>& v_co, const Vec3<T>& before,
-                 const Vec3<T>& after) { recorder(solid, true, arm, v_co, before, after); });
-    const Vec3<T> change = node.change() + (v - v_free);
-    node.store(v, change, m);
-    node.store_lift(lift.s - lift_before);
-    node.bound(v, change, m);
+    Waiting<C> here{s, marks};
+    const Vec3<T> lift_before = here.lift.s;
+    const Recorder<T, N> recorder{exchange, exchanged_of<C>(s), here.m, here.node.counts()};
+    here.meet_all([&](const Solid<T>& solid, const Vec3<T>&, const Vec3<T>& arm, const Play<T>&,
+                      const Vec3<T>& v_co, const Vec3<T>& before,
+                      const Vec3<T>& after) { recorder(solid, true, arm, v_co, before, after); });
+    const Vec3<T> change = here.node.change() + (here.v - here.v_free);
+    here.node.store(here.v, change, here.m);
+    here.node.store_lift(here.lift.s - lift_before);
+    here.node.bound(here.v, change, here.m);
     __syncthreads();
     exchange.publish(exchanged_of<C>(s), s.solid_count);
   }

@@ -65,7 +65,8 @@ inline void grid_update(const Step<typename C::T>& s) {
       return;
     }
     if (!solids.empty()) {
-      collide_with(node, solids, m, v, change, Recorder<T, N>{exchange, exchanged_of<C>(s), m, true});
+      collide_with(node, solids, m, v, change,
+                   Recorder<T, N>{exchange, exchanged_of<C>(s), m, node.counts()});
       __syncthreads();
       exchange.publish(exchanged_of<C>(s), s.solid_count);
     } else {

@@ -1,7 +1,7 @@
 // The kernels by name, each with the threads of its blocks: for whoever makes entry points of them.
 #pragma once
 
-#include "cuda/grid/sort.hpp"
+#include "cuda/grid/domain.hpp"
 #include "cuda/grid_update.hpp"
 #include "cuda/p2g.hpp"
 #include "cuda/passes.hpp"
@@ -10,6 +10,8 @@
 // each(name, threads, function): the function takes a Step; C is a Choice, T its precision.
 // clang-format off
 #define NEVE_KERNELS(each)                                  \
+  each(find_owners, sort_threads, find_owners<C>)           \
+  each(part_particles, sort_threads, part_particles<T>)     \
   each(find_homes, sort_threads, find_homes<C>)             \
   each(sort_homes, sort_threads, sort_homes<T>)             \
   each(rank_homes, sort_threads, rank_homes<T>)             \
@@ -25,6 +27,8 @@
   each(clear_nodes, block_nodes, clear_nodes<C>)            \
   each(judge_step, pace_threads, judge_step<C>)             \
   each(p2g, home_threads, p2g<C>)                           \
+  each(pack_halo, block_nodes, pack_halo<C>)                \
+  each(unpack_halo, block_nodes, unpack_halo<C>)            \
   each(grid_update, block_nodes, grid_update<C>)            \
   each(body_response, block_nodes, body_response<C>)        \
   each(meet_bodies, block_nodes, meet_bodies<C>)            \

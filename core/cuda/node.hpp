@@ -20,6 +20,8 @@ struct Node {
   Node(const Step<T>& all, std::size_t b)
       : s(all), step(constants_of(all)), block(b), i(b * block_nodes + threadIdx.x) {}
 
+  // Whether it is here, and in no other domain, that what solids do to the block's nodes is summed.
+  bool counts() const { return s.nodes.ghosts == nullptr || s.nodes.ghosts[block] == 0; }
   Vec3<T> v() const { return {s.nodes.node[i].x, s.nodes.node[i].y, s.nodes.node[i].z}; }
   T m() const { return s.nodes.node[i].w; }
   Vec3<T> change() const {

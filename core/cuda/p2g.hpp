@@ -21,6 +21,12 @@ NEVE_INLINE void each_warp(const Home& home, F&& f) {
   }
 }
 
+// The home that a block of threads is for.
+template <class T>
+inline const Home& home_of_launch(const Step<T>& s) {
+  return s.nodes.homes[s.nodes.some == nullptr ? int(blockIdx.x) : s.nodes.some[blockIdx.x]];
+}
+
 // Whether a home may add to its nodes now. Of one colour, the parities of the block's coordinates, no two homes share
 // nodes: if one colour follows another and a home has one warp, sums are made in an order that is always the same.
 template <class T>
@@ -41,7 +47,7 @@ inline void p2g(const Step<typename C::T>& s) {
   __shared__ Quad<T> tile[tile_nodes], force_tile[C::has_change ? tile_nodes : 1];
   __shared__ Given given[slots * home_threads / warp];
   __shared__ Force forces[C::has_change ? slots * home_threads / warp : 1];
-  const Home& home = s.nodes.homes[blockIdx.x];
+  const Home& home = home_of_launch(s);
   if (halted(s) || !is_turn_of(s, home)) return;
   clear_tile(tile);
   if constexpr (C::has_change) clear_tile(force_tile);
@@ -82,7 +88,7 @@ inline void scatter_lift(const Step<typename C::T>& s) {
   constexpr int first = 3 * (C::Transfer::modes - 4), slots = slots_of<Given, T>;
   __shared__ Quad<T> tile[tile_nodes];
   __shared__ Given given[slots * home_threads / warp];
-  const Home& home = s.nodes.homes[blockIdx.x];
+  const Home& home = home_of_launch(s);
   if (halted(s) || !is_turn_of(s, home)) return;
   clear_tile(tile);
   __syncthreads();

@@ -95,10 +95,19 @@ inline void add_up(const Step<typename C::T>& s) {
     sum[6] = double(material.energy(particle.F_E(), particle.J_P())) * double(particle.V0());
     sum[7] = -m * gx;
   }
-  block_sum<sum_threads>(sum);
-  if (threadIdx.x == 0) {
-    auto* to = reinterpret_cast<typename C::Number*>(s.sums->number);
-    for (int k = 0; k < 8; ++k) to[k].add(sum[k]);
+  auto* to = reinterpret_cast<typename C::Number*>(s.sums->number);
+  if constexpr (C::is_deterministic) {  // whichever particles a block of threads has
+    __shared__ typename C::Number of_block[8];
+    if (threadIdx.x < 8) of_block[threadIdx.x].clear();
+    __syncthreads();
+    for (int k = 0; k < 8; ++k) of_block[k].add(sum[k]);
+    __syncthreads();
+    if (threadIdx.x < 8) to[threadIdx.x].add(of_block[threadIdx.x]);
+  } else {
+    block_sum<sum_threads>(sum);
+    if (threadIdx.x == 0) {
+      for (int k = 0; k < 8; ++k) to[k].add(sum[k]);
+    }
   }
 }
 

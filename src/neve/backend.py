@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from neve import _core
-from neve.registry import DEVICES
+from neve.registry import DEVICES, FIRST
 
 if TYPE_CHECKING:
     from neve._core import Precision
@@ -16,10 +17,13 @@ _default_threads = _core.threads()
 class Backend(Protocol):
     """Give the compiled stages of a device (see `numerics.device`)."""
 
-    def kernels(self, precision: str, deterministic: bool = False) -> Precision:
+    def kernels(
+        self, precision: str, deterministic: bool = False, devices: Sequence[int] = FIRST
+    ) -> Precision:
         """Return the compiled stages for numbers of `precision`, "float32" or "float64".
 
         deterministic: whether runs must repeat bit for bit (see `numerics.deterministic`)
+        devices: numbers of those that share the run (see `numerics.devices`)
         """
         ...
 
@@ -31,7 +35,9 @@ class Backend(Protocol):
 class Cpu:
     """Run on the processor, with vectors and threads."""
 
-    def kernels(self, precision: str, deterministic: bool = False) -> Precision:
+    def kernels(
+        self, precision: str, deterministic: bool = False, devices: Sequence[int] = FIRST
+    ) -> Precision:
         """Return the compiled stages for numbers of `precision`; they always repeat."""
         return {"float32": _core.f32, "float64": _core.f64}[precision]
 

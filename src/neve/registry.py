@@ -60,3 +60,6 @@ DEVICES = Registry(
     },
 )
 """Where a solver's stages run: classes with the methods of `neve.backend.Backend`."""
+
+FIRST = (0,)
+"""The number of the first device of its kind."""

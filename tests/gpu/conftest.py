@@ -24,6 +24,23 @@ def gpu(library):
 
 
 @pytest.fixture
+def gpus(library):
+    """Three of them, each with memory that no other can touch; the first."""
+    gc.collect()
+    stand_ins = [StandIn(library, number, devices=3) for number in range(3)]
+    with plugged_in(*stand_ins) as first:
+        yield first
+    first.set()
+    first.fail()
+
+
+@pytest.fixture
+def some_gpus(request):
+    """The three stand-ins, as `gpus`; or with NEVE_TEST_GPU=1 the GPU of this machine."""
+    return None if REAL else request.getfixturevalue("gpus")
+
+
+@pytest.fixture
 def some_gpu(request):
     """The stand-in; or with NEVE_TEST_GPU=1 the GPU of this machine."""
     return None if REAL else request.getfixturevalue("gpu")

@@ -8,6 +8,8 @@ import neve
 from neve.scene.reading.load import scene_from
 
 LUMP = {"shape": "box", "size": [0.2, 0.2, 0.2], "center": [0, 0, 0.12], "velocity": [1, 0.5, -4]}
+WIDE = {**LUMP, "size": [0.7, 0.2, 0.2]}
+"""Across several blocks."""
 FLOOR = {"shape": "plane", "mu_c": 0.3, "mode": "separate"}
 SECONDS = 2e-3
 REAL = bool(os.environ.get("NEVE_TEST_GPU"))
@@ -24,6 +26,17 @@ def scene(*colliders, source=LUMP, **numerics):
         "sources": [source],
         "colliders": list(colliders),
     }
+
+
+def several(document, devices, **more):
+    """The document, to be run on these GPUs; all of them are the first where tests run on a real one."""
+    numbers = [0 if REAL else device for device in devices]
+    return {**document, "numerics": {**document["numerics"], "devices": numbers, **more}}
+
+
+def parts(sim):
+    """How many particles each domain has."""
+    return [part.count for part in sim.state.parts]
 
 
 def advanced(document, device, calls=2):

@@ -49,13 +49,17 @@ def build(folder):
 class StandIn(Driver):
     """The stand-in as a GPU, and what only it can do."""
 
-    def __init__(self, library):
-        super().__init__(str(library))
-        self.set()
+    def __init__(self, library, number=0, devices=1):
+        ctypes.CDLL(str(library)).shim_set(ctypes.c_size_t(MEMORY), 0, 13010, devices, 0)
+        super().__init__(number, str(library))
+        self._devices = devices
 
-    def set(self, memory=MEMORY, order=0, version=13010, devices=1):
-        """Choose its memory [bytes], the order of threads and blocks, its driver's version, and its GPUs."""
-        self._library.shim_set(ctypes.c_size_t(memory), order, version, devices)
+    def set(self, memory=MEMORY, order=0, version=13010, late=0):
+        """Choose its memory [bytes], the order of threads and blocks, and its driver's version.
+
+        late: which streams work as late as they may: 0 none, 1 the lanes, 2 the usual ones
+        """
+        self._library.shim_set(ctypes.c_size_t(memory), order, version, self._devices, late)
 
     def fail(self, kernel=""):
         """Let a kernel fail, or none."""
@@ -64,12 +68,17 @@ class StandIn(Driver):
     def used(self, most=False):
         """Return how many bytes are allocated, or the most that ever were."""
         self._library.shim_used.restype = ctypes.c_size_t
-        return self._library.shim_used(most)
+        return self._library.shim_used(self.number, most)
 
     def graphs(self, launches=False):
         """Return how many graphs there are, or how often one was launched."""
         self._library.shim_graphs.restype = ctypes.c_size_t
         return self._library.shim_graphs(launches)
+
+    def lanes(self):
+        """Return how many streams there are beside the usual ones."""
+        self._library.shim_lanes.restype = ctypes.c_size_t
+        return self._library.shim_lanes()
 
     def overrun(self):
         """Tell whether something has been written beyond the end of an allocation."""
@@ -83,11 +92,11 @@ def code_of(choice, *_):
 
 
 @contextmanager
-def plugged_in(stand_in):
-    """Let `numerics.device = "cuda"` find the stand-in."""
+def plugged_in(*stand_ins):
+    """Let `numerics.device = "cuda"` find stand-ins, GPU 0, 1, ...; the first of them."""
     with (
-        mock.patch("neve.cuda.backend.driver", return_value=stand_in),
+        mock.patch("neve.cuda.backend.driver", lambda number=0: stand_ins[number]),
         mock.patch("neve.cuda.backend.compiler"),
         mock.patch("neve.cuda.model.cubin", code_of),
     ):
-        yield stand_in
+        yield stand_ins[0]

@@ -46,6 +46,15 @@ def test_info_names_the_gpu(found, capsys):
     assert "gpus: shim (compute capability 9.0, 4 GB, 4 GB free)" in told(capsys, "info").splitlines()
 
 
+def test_info_numbers_several(gpus, monkeypatch, capsys):
+    """As numerics.devices takes them."""
+    monkeypatch.setattr(devices, "driver", lambda: gpus)
+    monkeypatch.setattr(devices, "compiler", lambda newest: SimpleNamespace(version=(12, 9)))
+    line = next(line for line in told(capsys, "info").splitlines() if line.startswith("gpus: "))
+    assert line.startswith("gpus: 0: shim (")
+    assert ", 2: shim (compute capability 9.0" in line
+
+
 def test_info_says_why_there_is_none(monkeypatch, capsys):
     """In the words of the error, and the command succeeds."""
 

@@ -145,8 +145,10 @@ def agreement() -> dict[str, Any]:
     return found
 
 
-STAGES = [f"tests/gpu/test_{name}.py" for name in ("same_as_cpu", "bodies_on_device", "each_preset")]
-"""Tests that compare the real GPU with the processor."""
+STAGES = [
+    f"tests/gpu/test_{name}.py" for name in ("same_as_cpu", "bodies_on_device", "several", "each_preset")
+]
+"""Tests that compare the real GPU with the processor, and a run in several domains with one in one."""
 VERIFIED = ["-m", "gpu", "tests/verification"]
 """Tests with known answers, run on the GPU."""
 

@@ -105,10 +105,10 @@ def measured(cells: tuple[int, int, int]) -> dict[str, Any]:
     stepped(sim, WARM)
     walls = [stepped(sim, STEPS) for _ in range(BATCHES)]
     stages = sim.solver.model.core
-    clock = Clock(stages._driver)
+    clock = Clock(stages.driver)
     with mock.patch.object(CudaStages, "launch", lambda *arguments: clock.launch(*arguments)):
         stepped(sim, STEPS, most=1)
-        stages._driver.synchronize()
+        stages.driver.synchronize()
         kernels = clock.milliseconds(STEPS)
     real = np.dtype(sim.scene.numerics.precision).itemsize
     bandwidth = {
@@ -116,8 +116,8 @@ def measured(cells: tuple[int, int, int]) -> dict[str, Any]:
         for name in PARTICLE_NUMBERS
         if kernels.get(name, 0) > 0
     }
-    free, total = stages._driver.memory()
-    rate, peak = count / float(np.median(walls)), peaks(stages._driver)
+    free, total = stages.driver.memory()
+    rate, peak = count / float(np.median(walls)), peaks(stages.driver)
     return {
         "particles": count,
         "homes": sim.solver.grid.homes,

@@ -56,6 +56,27 @@ struct Nodes {
   BlockCoord* at;  // of each block
   Quad<T>*node, *change, *lift;
   Bounds<T>* bounds;
+  const int* some;    // the homes of a launch of p2g; null: all
+  const int* ghosts;  // of each block: whether another domain counts what solids do there; null: none
+};
+
+// What this device has of a run on several: domain d owns the homes whose coordinate along `axis` is at least
+// cuts[d - 1] and below cuts[d].
+struct Domain {
+  const int* cuts;         // ascending [blocks]
+  unsigned* counts;        // of each domain: particles here that belong there
+  const unsigned* begins;  // where they begin when the rows are parted by domain
+  unsigned axis, number, domains, unused;
+};
+
+// Blocks of nodes that several domains have, for one of the others.
+enum class Meeting { copy, take, add };
+template <class T>
+struct Halo {
+  const int* blocks;
+  Quad<T>* values;  // of their nodes, all of one kind after all of another
+  unsigned count;
+  int meeting;
 };
 
 // Block keys -> numbers 0, 1, ..., in the order in which they came. `capacity` is a power of two.
@@ -176,6 +197,8 @@ struct Step {
   Results* results;
   Sums* sums;
   Bodies bodies;
+  Domain domain;
+  Halo<T> halo;
   Control<T>* control;  // of steps that are taken without the host; null: the host's constants count
   void* accepted;       // as `exchanged`, of the steps that were taken
   unsigned particle_count, home_count, block_count, solid_count, snow_count;

@@ -30,14 +30,17 @@ def facts() -> dict[str, Any]:
 
 def in_text(found: dict[str, Any]) -> dict[str, str]:
     """Return the same as text."""
+    several = len(found["gpus"]) > 1
     gpus = [
-        f"{gpu['name']} (compute capability {gpu['compute_capability']}, {in_words(gpu['memory'])}"
+        (f"{number}: " if several else "")
+        + f"{gpu['name']} (compute capability {gpu['compute_capability']}, {in_words(gpu['memory'])}"
         + (f", {in_words(gpu['memory_free'])} free)" if "memory_free" in gpu else ")")
-        for gpu in found["gpus"]
+        for number, gpu in enumerate(found["gpus"])
     ]
     return {
         "gpus": ", ".join(gpus) or "none",
         "cuda_of_driver": found["cuda_of_driver"] or "none",
         "cuda_of_compiler": found["cuda_of_compiler"] or "none",
-        "gpu_advice": found["gpu_advice"] or 'none: numerics.device = "cuda" uses the first',
+        "gpu_advice": found["gpu_advice"]
+        or 'none: numerics.device = "cuda" uses the first, or those that numerics.devices names',
     }

@@ -8,31 +8,36 @@ import functools
 import sys
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from neve.cuda.errors import OUT_OF_MEMORY, DriverError, NoDevice
+from neve.cuda.errors import OUT_OF_MEMORY, DriverError, NoDevice, NoSuchDevice
 
 LIBRARY = "nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1"
 """What the driver of the GPU installs; no wheel brings it."""
 
 _MAJOR, _MINOR = 75, 76  # CUdevice_attribute: of the compute capability
 _RELAXED = 2  # CUstreamCaptureMode: other threads may go on meanwhile
+_WITHOUT_TIME, _BESIDE = 2, 1  # CU_EVENT_DISABLE_TIMING, CU_STREAM_NON_BLOCKING
+_here = threading.local()
+"""The context that each thread of the host has said it means."""
 
 
 class Driver:
-    """The first GPU, as the driver library gives it.
+    """A GPU, as the driver library gives it.
 
-    Addresses are whole numbers. Calls follow one another on one stream; a kernel that fails is told of by a
-    later call. Errors: DriverError in all methods.
+    Addresses are whole numbers. Calls follow one another on one stream, but for those inside `on`; a kernel
+    that fails is told of by a later call. Errors: DriverError in all methods.
 
     Attributes:
-        name: of the GPU; architecture: 90 for compute capability 9.0; version: of the CUDA that the driver
-        knows, (13, 1)
+        number: of the GPU, from 0 on; name: of the GPU
+        architecture: 90 for compute capability 9.0
+        version: of the CUDA that the driver knows, (13, 1)
     """
 
-    def __init__(self, library: str = LIBRARY) -> None:
-        """Open the library and the GPU. Errors: NoDevice."""
+    def __init__(self, number: int = 0, library: str = LIBRARY) -> None:
+        """Open the library and the GPU. Errors: NoDevice if there is none, NoSuchDevice for its number."""
+        self.number = number
         self._thread, self._context = threading.local(), ctypes.c_void_p()
         try:
             self._library = ctypes.CDLL(library)
@@ -48,7 +53,10 @@ class Driver:
         number, device, context = ctypes.c_int(), ctypes.c_int(), ctypes.c_void_p()
         self._call("cuDriverGetVersion", ctypes.byref(number))
         self.version = (number.value // 1000, number.value % 1000 // 10)
-        self._call("cuDeviceGet", ctypes.byref(device), ctypes.c_int(0))
+        count = self._count()
+        if self.number >= max(count, 1):
+            raise NoSuchDevice(self.number, count)
+        self._call("cuDeviceGet", ctypes.byref(device), ctypes.c_int(self.number))
         self.name = self._name(device)
         self._device = device
         self.architecture = 10 * self.attribute(_MAJOR) + self.attribute(_MINOR)
@@ -70,8 +78,8 @@ class Driver:
         return value.value
 
     def _call(self, function: str, *arguments: Any) -> None:
-        if self._context and not getattr(self._thread, "has_context", False):
-            self._thread.has_context = True  # each thread of the host says that it means this GPU
+        if self._context and getattr(_here, "context", None) is not self._context:
+            _here.context = self._context  # each thread of the host says which GPU it means
             self._call("cuCtxSetCurrent", self._context)
         code = getattr(self._library, function)(*arguments)
         if code != 0:
@@ -81,15 +89,19 @@ class Driver:
 
     def devices(self) -> list[dict[str, Any]]:
         """Return of each GPU its name, its compute capability, such as "9.0", and its memory [bytes]."""
-        count, out = ctypes.c_int(), []
-        self._call("cuDeviceGetCount", ctypes.byref(count))
-        for i in range(count.value):
+        out = []
+        for i in range(self._count()):
             device, memory = ctypes.c_int(), ctypes.c_size_t()
             self._call("cuDeviceGet", ctypes.byref(device), ctypes.c_int(i))
             self._call("cuDeviceTotalMem_v2", ctypes.byref(memory), device)
             capability = f"{self._attribute(_MAJOR, device)}.{self._attribute(_MINOR, device)}"
             out.append({"name": self._name(device), "compute_capability": capability, "memory": memory.value})
         return out
+
+    def _count(self) -> int:
+        count = ctypes.c_int()
+        self._call("cuDeviceGetCount", ctypes.byref(count))
+        return count.value
 
     # Memory
 
@@ -126,6 +138,68 @@ class Driver:
         if size:
             self._call("cuMemsetD8_v2", ctypes.c_uint64(address), ctypes.c_ubyte(byte), ctypes.c_size_t(size))
 
+    def copy(self, target: int, source: int, size: int) -> None:
+        """Copy `size` bytes from one place on the GPU to another."""
+        if size:
+            self._call(
+                "cuMemcpyDtoD_v2", ctypes.c_uint64(target), ctypes.c_uint64(source), ctypes.c_size_t(size)
+            )
+
+    def send(self, receiver: Driver, target: int, source: int, size: int, lane: ctypes.c_void_p) -> None:
+        """Copy `size` bytes to another GPU, or to this one, in turn with what is on the stream `lane`."""
+        there, here, length = ctypes.c_uint64(target), ctypes.c_uint64(source), ctypes.c_size_t(size)
+        if size and receiver is self:
+            self._call("cuMemcpyDtoDAsync_v2", there, here, length, lane)
+        elif size:
+            self._call("cuMemcpyPeerAsync", there, receiver._context, here, self._context, length, lane)
+
+    def meet(self, other: Driver) -> None:
+        """Let copies between this GPU and another go the direct way, if there is one."""
+        can = ctypes.c_int()
+        self._call("cuDeviceCanAccessPeer", ctypes.byref(can), self._device, other._device)
+        if can.value:
+            with contextlib.suppress(DriverError):  # of GPUs that have met before
+                self._call("cuCtxEnablePeerAccess", other._context, ctypes.c_uint(0))
+
+    # Streams
+
+    def lane(self) -> ctypes.c_void_p:
+        """Return a new stream, which runs beside the usual one and all others."""
+        made = ctypes.c_void_p()
+        self._call("cuStreamCreate", ctypes.byref(made), ctypes.c_uint(_BESIDE))
+        return made
+
+    def destroy_lane(self, lane: ctypes.c_void_p) -> None:
+        """Give a stream back."""
+        self._call("cuStreamDestroy_v2", lane)
+
+    @contextlib.contextmanager
+    def on(self, lane: ctypes.c_void_p) -> Iterator[None]:
+        """Start the kernels of the `with` block, those of this thread of the host, on the stream `lane`."""
+        self._thread.lane = lane
+        try:
+            yield
+        finally:
+            self._thread.lane = None
+
+    def fence(self) -> ctypes.c_void_p:
+        """Return a mark that can be set in a stream, for others to wait for."""
+        made = ctypes.c_void_p()
+        self._call("cuEventCreate", ctypes.byref(made), ctypes.c_uint(_WITHOUT_TIME))
+        return made
+
+    def destroy_fence(self, fence: ctypes.c_void_p) -> None:
+        """Give a mark back."""
+        self._call("cuEventDestroy_v2", fence)
+
+    def set_fence(self, fence: ctypes.c_void_p, lane: ctypes.c_void_p | None = None) -> None:
+        """Set a mark after all that is on the stream `lane` now; None: on the usual one."""
+        self._call("cuEventRecord", fence, lane)
+
+    def wait_for(self, fence: ctypes.c_void_p, lane: ctypes.c_void_p | None = None) -> None:
+        """Let what comes next on the stream `lane` wait for a mark, of this GPU or another."""
+        self._call("cuStreamWaitEvent", lane, fence, ctypes.c_uint(0))
+
     # Kernels
 
     def load(self, image: bytes) -> Module:
@@ -147,8 +221,8 @@ class Driver:
         arguments = (ctypes.c_void_p * 1)(ctypes.addressof(step))
         one, none = ctypes.c_uint(1), ctypes.c_uint(0)
         grid = (ctypes.c_uint(blocks), one, one, ctypes.c_uint(threads), one, one)
-        stream = getattr(self._thread, "captures", None)
-        self._call("cuLaunchKernel", function, *grid, none, stream, arguments, None)
+        lane = getattr(self._thread, "lane", None)
+        self._call("cuLaunchKernel", function, *grid, none, lane, arguments, None)
 
     def captured(self, launches: Callable[[], None]) -> Graph | None:
         """Return what `launches` would start, to be started at once; None if the driver is too old for it."""
@@ -158,11 +232,10 @@ class Driver:
         self._call("cuStreamCreate", ctypes.byref(stream), ctypes.c_uint(0))
         try:
             self._call("cuStreamBeginCapture_v2", stream, ctypes.c_int(_RELAXED))
-            self._thread.captures = stream  # of this thread of the host only
             try:
-                launches()
+                with self.on(stream):
+                    launches()
             finally:
-                self._thread.captures = None
                 self._call("cuStreamEndCapture", stream, ctypes.byref(graph))
             self._call("cuGraphInstantiateWithFlags", ctypes.byref(ready), graph, ctypes.c_ulonglong(0))
             self._call("cuGraphDestroy", graph)
@@ -234,6 +307,6 @@ def _pointer(source: int | bytes) -> Any:
 
 
 @functools.cache
-def driver() -> Driver:
-    """Return the GPU of this process. Errors: NoDevice."""
-    return Driver()
+def driver(number: int = 0) -> Driver:
+    """Return a GPU of this process. Errors: NoDevice, NoSuchDevice."""
+    return Driver(number)

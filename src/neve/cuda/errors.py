@@ -11,6 +11,14 @@ class NoDevice(DeviceError):
     """Raised where there is no GPU, or no library to use it."""
 
 
+class NoSuchDevice(DeviceError):
+    """Raised for the number of a GPU that is not there."""
+
+    def __init__(self, number: int, count: int) -> None:
+        there = "the only GPU here is 0" if count == 1 else f"the GPUs here are 0 to {count - 1}"
+        super().__init__(f"numerics.devices has GPU {number}, and {there}, as `neve info` lists them")
+
+
 class DriverError(DeviceError):
     """A call of the driver library that failed, by the name of its error.
 

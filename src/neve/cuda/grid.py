@@ -13,7 +13,7 @@ from neve.cuda.layout import (
     BLOCK_NODES,
     COORD_BYTES,
     EXCHANGE_NUMBERS,
-    HOME_BYTES,
+    HOME,
     RESULTS,
     Nodes,
     Sorting,
@@ -62,6 +62,7 @@ class DeviceGrid:
         current: no particle has left its home since the last sort
         homes: blocks that own particles; blocks: of 64 nodes
         count: particles sorted; lightest: mass of the lightest [kg]
+        ghosts: address of a flag for each block, whether another domain counts it; 0: none does
     """
 
     def __init__(self, driver: Driver, precision: str, deterministic: bool = False) -> None:
@@ -69,6 +70,7 @@ class DeviceGrid:
         self._bytes = 4 if precision == "float32" else 8
         self._bounds_bytes = bounds_bytes(precision)
         self.current, self.homes, self.blocks, self.count, self.lightest = False, 0, 0, 0, 0.0
+        self.ghosts = 0
         self.home_table, self.block_table = BlockTable(driver), BlockTable(driver)
         self._results = Buffer(driver, RESULTS.itemsize)
         self._parts: dict[str, Buffer] = {}
@@ -91,7 +93,7 @@ class DeviceGrid:
 
     def fill_homes(self, to: Nodes) -> None:
         """Give room for the homes."""
-        to.homes = self._part("homes", HOME_BYTES * self.homes)
+        to.homes = self._part("homes", HOME.itemsize * self.homes)
 
     def fill_nodes(self, to: Nodes, has_change: bool, has_lift: bool) -> None:
         """Give room for the nodes of all blocks."""
@@ -100,6 +102,7 @@ class DeviceGrid:
         to.node = self._part("node", self.node_bytes)
         to.change = self._part("change", self.node_bytes) if has_change else 0
         to.lift = self._part("lift", self.node_bytes) if has_lift else 0
+        to.ghosts = self.ghosts
 
     @property
     def node_bytes(self) -> int:
@@ -150,12 +153,21 @@ class DeviceGrid:
 
     def accept_attempt(self) -> None:
         """Count what this attempt has exchanged."""
-        self._count(self._exchanged)
+        self.count_exchange(self.attempt())
 
-    def _count(self, sums: Buffer) -> None:
-        if len(self._taken):
-            raw = np.zeros(self._exchanged_bytes // 8, np.uint64)
+    def attempt(self) -> NDArray[np.uint64]:
+        """Return what this attempt has exchanged, as words of `Sum`, when it is done."""
+        return self._read(self._exchanged)
+
+    def _read(self, sums: Buffer) -> NDArray[np.uint64]:
+        raw = np.zeros(self._exchanged_bytes // 8, np.uint64)
+        if len(raw):
             self._driver.download(raw.ctypes.data, sums.address, raw.nbytes)
+        return raw
+
+    def count_exchange(self, raw: NDArray[np.uint64]) -> None:
+        """Add what `attempt` returned to what is taken."""
+        if len(raw):
             self._taken += summed(raw, self._deterministic).reshape(self._taken.shape)
 
     def begin_ahead(self) -> int:
@@ -167,7 +179,7 @@ class DeviceGrid:
 
     def end_ahead(self) -> None:
         """Count what these steps have exchanged."""
-        self._count(self._accepted)
+        self.count_exchange(self._read(self._accepted))
 
     def take_exchanged(self, solids: int) -> NDArray[np.float64]:
         """Return what snow and each solid exchanged since the last call, (solids, 7)."""
@@ -175,14 +187,27 @@ class DeviceGrid:
         self._taken = np.zeros_like(self._taken)
         return taken
 
+    def block_coords(self) -> NDArray[np.int32]:
+        """Return the coordinates of the blocks of nodes, (n, 3)."""
+        at = np.zeros((self.blocks, 3), np.int32)
+        if self.blocks:
+            self._driver.download(at.ctypes.data, self._parts["at"].address, at.nbytes)
+        return at
+
+    def home_nodes(self) -> NDArray[np.int32]:
+        """Return the numbers of the eight blocks of nodes that each home covers, (n, 8)."""
+        homes = np.zeros(self.homes, HOME)
+        if self.homes:
+            self._driver.download(homes.ctypes.data, self._parts["homes"].address, homes.nbytes)
+        return np.asarray(homes["nodes"])
+
     def nodes(self) -> tuple[NDArray[np.int32], NDArray[Any], NDArray[Any]]:
         """Return the nodes that carry mass: indices (n, 3), mass (n,), the three other numbers (n, 3)."""
         real = np.float32 if self._bytes == 4 else np.float64
         values = np.zeros((self.blocks * BLOCK_NODES, 4), real)
-        at = np.zeros((self.blocks, 3), np.int32)
         if self.blocks:
             self._driver.download(values.ctypes.data, self._parts["node"].address, values.nbytes)
-            self._driver.download(at.ctypes.data, self._parts["at"].address, at.nbytes)
+        at = self.block_coords()
         n = np.arange(BLOCK_NODES)
         inside = np.stack([n // 16, n // 4 % 4, n % 4], axis=1).astype(np.int32)
         ijk = (4 * at[:, None, :] + inside[None]).reshape(-1, 3)

@@ -61,8 +61,10 @@ SUMS = np.dtype(
 )
 """`Sums`: over all particles."""
 
-HOME_BYTES, COORD_BYTES = 52, 12
-"""Sizes of `Home` and `BlockCoord`."""
+HOME = np.dtype([("at", np.int32, 3), ("begin", np.uint32), ("count", np.uint32), ("nodes", np.int32, 8)])
+"""`Home`: a block that owns particles."""
+COORD_BYTES = 12
+"""Size of `BlockCoord`."""
 EXCHANGE_NUMBERS, RESPONSE_NUMBERS = 7, 42
 """Numbers of an `Exchange` and of a `BodyResponse`."""
 ALL_COLOURS = 8
@@ -84,7 +86,9 @@ class Particles(ctypes.Structure):
 class Nodes(ctypes.Structure):
     """Where homes and blocks of nodes are."""
 
-    _fields_ = tuple((name, _pointer) for name in ("homes", "at", "node", "change", "lift", "bounds"))
+    _fields_ = tuple(
+        (name, _pointer) for name in ("homes", "at", "node", "change", "lift", "bounds", "some", "ghosts")
+    )
 
 
 class Table(ctypes.Structure):
@@ -117,6 +121,25 @@ class Bodies(ctypes.Structure):
         ("count", _word),
         ("unused", _word),
     )
+
+
+class Domain(ctypes.Structure):
+    """What this device has of a run on several."""
+
+    _fields_ = (
+        *((name, _pointer) for name in ("cuts", "counts", "begins")),
+        *((name, _word) for name in ("axis", "number", "domains", "unused")),
+    )
+
+
+COPY, TAKE, ADD = range(3)
+"""`Meeting`: what becomes of the nodes that several domains have."""
+
+
+class Halo(ctypes.Structure):
+    """Blocks of nodes that several domains have."""
+
+    _fields_ = (("blocks", _pointer), ("values", _pointer), ("count", _word), ("meeting", _whole))
 
 
 HALTS = ("none", "finished", "trial", "drifted", "broken", "unusual")
@@ -157,6 +180,8 @@ def step_of(precision: str) -> type[Any]:
             ("sorting", Sorting),
             *((name, _pointer) for name in ("snows", "solids", "exchanged", "results", "sums")),
             ("bodies", Bodies),
+            ("domain", Domain),
+            ("halo", Halo),
             ("control", _pointer),
             ("accepted", _pointer),
             *((f"{name}_count", _word) for name in ("particle", "home", "block", "solid", "snow")),

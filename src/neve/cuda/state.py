@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from neve.cuda.driver import Driver
 from neve.cuda.errors import DeviceError
 from neve.cuda.layout import MODE_COLUMNS, NUMBERS, VECTORS, Particles
-from neve.cuda.memory import Buffer
+from neve.cuda.memory import SLACK, Buffer
 from neve.system.memory import in_words
 
 if TYPE_CHECKING:
@@ -32,26 +33,27 @@ class DeviceState:
     follow it: ask for the field again.
 
     Attributes:
+        count: particles here: all of `host`, or as many of its rows from `first` on
         sorted: how often the columns have changed their places
     """
 
-    def __init__(self, driver: Driver, host: State) -> None:
-        """Take over `host`. Errors: DeviceError if the GPU has not enough memory."""
+    def __init__(self, driver: Driver, host: State, first: int = 0, count: int | None = None) -> None:
+        """Take over `host`, or a part of it. Errors: DeviceError if the GPU has not enough memory."""
         self.host = host
-        self.count = host.count
+        self.first = first
+        self.count = host.count if count is None else count
         self.sorted = 0
         self._driver = driver
         self._newer_here = set(FIELDS)  # or perhaps written to
         self._newer_there: set[str] = set()
         self._real = host.x.dtype.itemsize
         self._columns = {name: len(self._host_columns(name)) for name in FIELDS}
-        self._stride = -(-self.count // LINE) * LINE
-        self._places: dict[int, list[Any]] = {}
         self._spare: dict[int, int] = {}
-        self._buffers = self._allocate()
+        self._buffers = self._allocate(self.count)
 
-    def _allocate(self) -> list[Buffer]:
-        """Give each column its place, and one more for each width of numbers, for sorting."""
+    def _allocate(self, room: int) -> list[Buffer]:
+        """Give each column a place for `room` rows, and one more for each width of numbers, for sorting."""
+        self._stride = -(-room // LINE) * LINE
         if self._columns["modes"] > MODE_COLUMNS:
             raise DeviceError(f"a particle has {self._columns['modes']} numbers of velocity modes")
         widths = {name: self._width(name) for name in FIELDS}
@@ -59,7 +61,7 @@ class DeviceState:
         sizes = {
             w: (sum(self._columns[n] for n in names) + 1) * w * self._stride for w, names in columns.items()
         }
-        self._require(sum(sizes.values()))
+        self._require(sum(sizes.values()), room)
         self._at: dict[str, list[int]] = {}
         buffers = []
         for width, names in columns.items():
@@ -72,16 +74,16 @@ class DeviceState:
             buffers.append(buffer)
         return buffers
 
-    def _require(self, size: int) -> None:
+    def _require(self, size: int, room: int) -> None:
         """Refuse more particles than there is memory for, and say how many fit."""
         free, _ = self._driver.memory()
-        needed = SPARE * (size + SORTING_BYTES * self.count)
+        needed = SPARE * (size + SORTING_BYTES * room)
         if needed <= free:
             return
-        fits = int(self.count * free / needed)
-        finer = (self.count / max(fits, 1)) ** (1 / 3)
+        fits = int(room * free / needed)
+        finer = (room / max(fits, 1)) ** (1 / 3)
         raise DeviceError(
-            f"{self.count} particles need about {in_words(needed)} on {self._driver.name}, where "
+            f"{room} particles need about {in_words(needed)} on {self._driver.name}, where "
             f"{in_words(free)} are free: about {fits} fit, so raise numerics.dx {finer:.3g} times"
         )
 
@@ -90,7 +92,7 @@ class DeviceState:
 
     def _host_columns(self, name: str) -> list[Any]:
         """Return the columns of a field of the core's state, each one piece of memory, as addresses."""
-        array = getattr(self.host, name)
+        array = self._rows(name)
         if array.ndim == 1:
             return [array.ctypes.data]
         if name == "modes":
@@ -98,6 +100,51 @@ class DeviceState:
         if array.ndim == 2:
             return [array[:, k].ctypes.data for k in range(array.shape[1])]
         return [array[:, k % 3, k // 3].ctypes.data for k in range(9)]
+
+    def _rows(self, name: str) -> Any:
+        """Return the rows of a field that are here, in the core's state."""
+        array = getattr(self.host, name)
+        return array[self.first : self.first + self.count]
+
+    # Particles that come and go
+
+    def reserve(self, room: int) -> None:
+        """Have room for `room` rows; those that are here are kept. Errors: DeviceError."""
+        if room <= self._stride:
+            return
+        before, there, kept = self._buffers, self._at, self.count
+        self._buffers = self._allocate(room)
+        for name, columns in there.items():
+            for old, new in zip(columns, self._at[name], strict=True):
+                self._driver.copy(new, old, self._width(name) * kept)
+        del before  # not earlier: it was read
+        self.sorted += 1
+
+    @property
+    def row_bytes(self) -> int:
+        """Memory of a particle [bytes]."""
+        return sum(self._width(name) * count for name, count in self._columns.items())
+
+    def take(self, to: int, first: int, count: int) -> None:
+        """Copy rows from `first` on to the address `to`, one column after another."""
+        for width, column in self._each_place():
+            self._driver.copy(to, column + width * first, width * count)
+            to += width * count
+
+    def append(self, source: int, count: int) -> None:
+        """Add rows that `take` has copied, after all others. Errors: DeviceError."""
+        if self.count + count > self._stride:
+            self.reserve(int(SLACK * (self.count + count)))
+        for width, column in self._each_place():
+            self._driver.copy(column + width * self.count, source, width * count)
+            source += width * count
+        self.count += count
+
+    def _each_place(self) -> Iterator[tuple[int, int]]:
+        """Yield the width [bytes] and the address of each column, the wider ones first."""
+        for name in sorted(FIELDS, key=lambda name: -self._width(name)):
+            for column in self._at[name]:
+                yield self._width(name), column
 
     # Copies
 
@@ -161,6 +208,10 @@ class DeviceState:
     def __getattr__(self, name: str) -> Any:
         if name not in FIELDS:
             raise AttributeError(name)
+        return self.field(name)
+
+    def field(self, name: str) -> Any:
+        """Return the rows of a field that are here, to be looked at or written to until the next `upload`."""
         self.download(name)
         self._newer_here.add(name)
-        return getattr(self.host, name)
+        return self._rows(name)

@@ -25,8 +25,8 @@ class DeviceTotals(NamedTuple):
 class Sums:
     """Where kernels sum up."""
 
-    def __init__(self, driver: Driver, deterministic: bool) -> None:
-        self._driver, self._deterministic = driver, deterministic
+    def __init__(self, driver: Driver) -> None:
+        self._driver = driver
         self._buffer = Buffer(driver, SUMS.itemsize)
 
     def clear(self) -> int:
@@ -40,18 +40,19 @@ class Sums:
         self._driver.download(out.ctypes.data, self._buffer.address, SUMS.itemsize)
         return out[0]
 
-    def totals(self) -> DeviceTotals:
-        """Return the sums of `add_up`."""
-        numbers = summed(self.read()["number"], self._deterministic)[:8]
-        mass, px, py, pz, kinetic, affine, elastic, potential = numbers.tolist()
-        return DeviceTotals(mass, [px, py, pz], kinetic, affine, elastic, potential)
 
-    def densest(self) -> tuple[int, float] | None:
-        """Return the row of the densest particle and its density over that of ice; None in case of doubt."""
-        found = self.read()
-        if found["doubtful"]:
-            return None
-        key = int(found["densest"])
-        if key == 0:
-            return -1, 0.0
-        return ~key & 0xFFFFFFFF, float(np.uint32(key >> 32).view(np.float32))
+def totals_of(found: Any, deterministic: bool) -> DeviceTotals:
+    """Return the sums of `add_up`."""
+    numbers = summed(found["number"], deterministic)[:8]
+    mass, px, py, pz, kinetic, affine, elastic, potential = numbers.tolist()
+    return DeviceTotals(mass, [px, py, pz], kinetic, affine, elastic, potential)
+
+
+def densest_of(found: Any) -> tuple[int, float] | None:
+    """Return the row of the densest particle and its density over that of ice; None in case of doubt."""
+    if found["doubtful"]:
+        return None
+    key = int(found["densest"])
+    if key == 0:
+        return -1, 0.0
+    return ~key & 0xFFFFFFFF, float(np.uint32(key >> 32).view(np.float32))

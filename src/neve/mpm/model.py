@@ -67,7 +67,7 @@ class Model(PlacedSolids):
 def _stages(numerics: Numerics) -> Precision:
     """Return the compiled stages of the scene's device. Errors: SceneError if it cannot be used."""
     try:
-        return backend(numerics.device).kernels(numerics.precision, numerics.deterministic)
+        return backend(numerics.device).kernels(numerics.precision, numerics.deterministic, numerics.devices)
     except DeviceError as error:
         raise SceneError(str(error)) from None
 

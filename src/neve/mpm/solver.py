@@ -45,7 +45,16 @@ class MpmSolver(Solver):
 
     fields = FIELDS
     stages = STAGES
-    fixed = (*Solver.fixed, "deterministic", "dx", "particles_per_cell", "sampling", "seed", "initial_volume")
+    fixed = (
+        *Solver.fixed,
+        "devices",
+        "deterministic",
+        "dx",
+        "particles_per_cell",
+        "sampling",
+        "seed",
+        "initial_volume",
+    )
     log_columns = (
         "mass",  # [kg]
         "momentum_x",  # [kg m/s]

@@ -15,6 +15,7 @@ FREE = (
     "light",
     "numerics.deterministic",
     "numerics.device",
+    "numerics.devices",
     "run.duration",
     "run.film",
     "run.fragments",

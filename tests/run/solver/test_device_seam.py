@@ -14,7 +14,7 @@ class Counting(Cpu):
 
     asked = None
 
-    def kernels(self, precision, deterministic=False):
+    def kernels(self, precision, deterministic=False, devices=(0,)):
         """Return the stages of the processor."""
         self.asked.append(precision)
         return super().kernels(precision, deterministic)

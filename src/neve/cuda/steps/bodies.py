@@ -32,10 +32,14 @@ class DeviceBodies:
         self._driver.upload(self._velocity.address, np.ascontiguousarray(U).tobytes(), U.nbytes)
         self._driver.fill(self._response.address, 0, self._response_bytes)
 
-    def response(self) -> NDArray[np.float64]:
-        """Return what the snow does to each body, (b, 42): see `neve._core.Model.solve_bodies`."""
+    def raw(self) -> NDArray[np.uint64]:
+        """Return what the snow here does to each body, as words of `Sum`."""
         raw = np.zeros(self._response_bytes // 8, np.uint64)
         self._driver.download(raw.ctypes.data, self._response.address, raw.nbytes)
+        return raw
+
+    def response(self, raw: NDArray[np.uint64]) -> NDArray[np.float64]:
+        """Return what the snow does to each body, (b, 42): see `neve._core.Model.solve_bodies`."""
         return summed(raw, self._deterministic).reshape(self._count, RESPONSE_NUMBERS)
 
     @property

@@ -24,6 +24,9 @@ FACTORS = ("stiffness", "strength", "density")
 def unused(scene: Scene) -> Iterator[str]:
     """Yield a sentence for each key that is set but has no effect, with what would use it."""
     yield from _of_transfer(scene.numerics)
+    if scene.numerics.device == "cpu":
+        why = 'device = "cpu"'
+        yield from _without_effect(scene.numerics, "numerics", "devices", why, 'numerics.device = "cuda"')
     for i, source in enumerate(scene.sources):
         if source.variation:
             yield from _of_variation(source.variation, f"sources.{i}.variation")

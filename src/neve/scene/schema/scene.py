@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import model_validator
 
-from neve.registry import DEVICES, METHODS
+from neve.registry import DEVICES, FIRST, METHODS
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
 from neve.scene.schema.camera import Camera, CameraKeyframe, unknown
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
@@ -33,6 +33,7 @@ from neve.scene.values.fields import (
     Color,
     Damping,
     Device,
+    DeviceNumbers,
     Method,
     Modes,
     Part,
@@ -65,10 +66,15 @@ class Numerics(Part):
 
     method: Method = entry(METHODS.names()[0], f"How snow is simulated. {METHODS.meaning()}.", "")
     device: Device = entry(DEVICES.names()[0], f"Where the step is computed. {DEVICES.meaning()}.", "")
+    devices: DeviceNumbers = entry(
+        FIRST,
+        "Numbers of the GPUs that share the run, as `neve info` lists them: each has a part of the snow.",
+        "",
+    )
     deterministic: Switch = entry(
         False,
-        "Whether runs on one GPU repeat bit for bit: all sums are made in a fixed order, which takes time. "
-        "On the processor runs always repeat.",
+        "Whether runs on GPUs repeat bit for bit, on one or several: all sums are made in a fixed order, "
+        "which takes time. On the processor runs always repeat.",
         "",
     )
     dx: Real = entry(

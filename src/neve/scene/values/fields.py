@@ -53,6 +53,12 @@ Damping = Annotated[float, Strict(), Field(ge=0, le=1e6), NoTrace]
 Method = Annotated[str, OneOf(METHODS)]
 Device = Annotated[str, OneOf(DEVICES)]
 
+MOST_DEVICES = 64
+DeviceNumbers = Annotated[
+    tuple[Annotated[int, Strict(), Field(ge=0, lt=MOST_DEVICES)], ...],
+    Field(min_length=1, max_length=MOST_DEVICES),
+]
+
 Length = Annotated[float, Strict(), Field(ge=SHORTEST, le=1e6)]
 Coordinate = Annotated[float, Strict(), Field(ge=-1e6, le=1e6), NoTrace]
 FarCoordinate = Annotated[float, Strict(), Field(ge=-1e12, le=1e12), NoTrace]
