@@ -19,6 +19,7 @@ from neve.scene.schema.scene import (
     CameraKeyframe,
     Collider,
     Control,
+    Heat,
     Keyframe,
     Light,
     Motor,
@@ -85,6 +86,12 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ("[world]", "Surroundings.", World),
     ("[numerics]", "Grid, time step and particles.", Numerics),
     ("[snow]", "The snow of every source that does not say otherwise in `snow`.", Snow),
+    (
+        "[heat]",
+        "Warming, melting, freezing and sintering ([particles.md](particles.md#heat)); a scene without this "
+        "table knows no heat.",
+        Heat,
+    ),
     (
         "[[sources]]",
         "Where snow is at the start. Each source has these keys, and those of its shape.",

@@ -110,7 +110,9 @@ struct SharedPainter {
 };
 
 auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volume, float cell_size,
-          const std::vector<Solid>& solids, int threads) {
+          const std::vector<Solid>& solids, int threads, const Numbers& water) {
+  if (water.shape(0) != 0 && water.shape(0) != x.shape(0))
+    throw nb::value_error("water has one number per particle");
   if (J_P.shape(0) != 0 && J_P.shape(0) != x.shape(0))
     throw nb::value_error("J_P has one number per particle");
   if (!(volume > 0 && cell_size > 0)) throw nb::value_error("volume and cell_size are above zero");
@@ -122,7 +124,9 @@ auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volu
     nb::gil_scoped_release release;
     const std::lock_guard lock(shared.busy);
     const Threads use(threads);
-    shared.painter.draw({points, {J_P.data(), J_P.shape(0)}, volume, cell_size}, solids, rgb.data());
+    shared.painter.draw(
+        {points, {J_P.data(), J_P.shape(0)}, {water.data(), water.shape(0)}, volume, cell_size}, solids,
+        rgb.data());
   }
   return array(std::move(rgb), {std::size_t(camera.height), std::size_t(camera.width), 3});
 }
@@ -240,6 +244,6 @@ NB_MODULE(_render, m) {
             new (self) SharedPainter{Painter(camera, light, leaf), {}};
           },
           "camera"_a, "light"_a, "leaf"_a = neve::BvhBuilder::leaf_most)
-      .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "solids"_a, "threads"_a = 0,
+      .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "solids"_a, "threads"_a, "water"_a,
            "Draw particles and solids; return height x width x 3 bytes.");
 }

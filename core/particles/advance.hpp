@@ -36,8 +36,9 @@ class Advance {
     const R rate = dt_ / pack.m;
     for (int k = 0; k < 3; ++k)
       pack.v[k] += pack.sums[std::size_t(Sums::force + k)] * rate + world_.gravity[k] * dt_;
+    const auto runs = here & (load<R>(s.liquid.column(0) + p, count) >= one);
     for (const Solid<T>* solid : near(pack.x, pack.r, here)) {
-      const auto contact = SolidContact<R>::at(*solid, pack.x, pack.r, here, dt_);
+      const auto contact = SolidContact<R>::at(*solid, pack.x, pack.r, here, runs, dt_);
       if (solid->body < 0) {
         meet(contact, pack, exchange);
       } else if (any(here & (contact.room * dt_ < pack.r * T(2)))) {

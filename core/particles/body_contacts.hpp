@@ -44,13 +44,15 @@ Vec3<Lanes<T>> touch_bodies(const BodyContacts<T>& all, const typename BodyConta
 template <class T>
 void add_to_response(BodyResponse& sum, const SolidContact<Lanes<T>>& contact, const Lanes<T>& m,
                      const Vec3<Lanes<T>>& v_co, const Vec3<Lanes<T>>& before, const Vec3<Lanes<T>>& after) {
-  const auto met = contact.met(before, v_co), leaves = met & negated(contact.held);
+  const auto met = contact.met(before, v_co), dry = met & negated(contact.runs);
   const Vec3<Lanes<T>> from = contact.sped(before), to = contact.sped(after);
   Solid<T> solid = *contact.solid;
   solid.mode = contact.mode();
-  add_response(sum, solid, met & contact.held, m, contact.n, contact.arm, {}, v_co, from, to);
+  add_response(sum, solid, dry & contact.held, m, contact.n, contact.arm, {}, v_co, from, to);
   solid.mode = ContactMode::separate;
-  add_response(sum, solid, leaves, m, contact.n, contact.arm, {}, v_co, from, to);
+  add_response(sum, solid, dry & negated(contact.held), m, contact.n, contact.arm, {}, v_co, from, to);
+  solid.mu_c = 0;
+  add_response(sum, solid, met & contact.runs, m, contact.n, contact.arm, {}, v_co, from, to);
 }
 
 }  // namespace detail

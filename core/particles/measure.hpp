@@ -1,6 +1,7 @@
 // Sums over all particles and their contacts.
 #pragma once
 
+#include "particles/enthalpy.hpp"
 #include "particles/step.hpp"
 
 namespace neve {
@@ -9,9 +10,10 @@ struct ParticleTotals {
   double mass = 0, momentum[3] = {0, 0, 0}, kinetic = 0, potential = 0;
   double elastic = 0;  // of bonds, contacts and their friction [J]
   double bonds = 0, contacts = 0;
+  double heat = 0, water = 0;  // enthalpy [J], liquid mass [kg]
   void add(const ParticleTotals& o) {
     mass += o.mass, kinetic += o.kinetic, potential += o.potential, elastic += o.elastic;
-    bonds += o.bonds, contacts += o.contacts;
+    bonds += o.bonds, contacts += o.contacts, heat += o.heat, water += o.water;
     for (int k = 0; k < 3; ++k) momentum[k] += o.momentum[k];
   }
 };
@@ -48,7 +50,7 @@ ParticleTotals totals(const ContactLaw<T>& law, const Vec3<T>& gravity, const Pa
     ParticleTotals& sum = parts[part];
     for (std::size_t p = part * chunk; p < std::min(s.count, (part + 1) * chunk); ++p) {
       const double m = s.m.column(0)[p];
-      sum.mass += m;
+      sum.mass += m, sum.heat += s.enthalpy[p], sum.water += m * heat::liquid(s.enthalpy[p], m);
       for (int k = 0; k < 3; ++k) {
         const double v = s.v.column(k)[p];
         sum.momentum[k] += m * v;

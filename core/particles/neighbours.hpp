@@ -133,7 +133,7 @@ void carry_over(const Neighbours<T>& old, const std::vector<std::uint32_t>& orde
 // Move every column into the new order: addresses stay valid.
 template <class T>
 void reorder(ParticleState<T>& s, const std::vector<std::uint32_t>& order) {
-  std::vector<T> spare(s.count);
+  std::vector<double> spare(s.count);  // wide enough for every column
   s.each_column([&](auto* column) {
     auto* to = reinterpret_cast<decltype(column)>(spare.data());
     each_chunk(s.count, [&](int, std::size_t begin, std::size_t end) {

@@ -17,17 +17,20 @@ struct SolidContact {
   using Mask = decltype(R{} < R{});
   const Solid<T>* solid;
   Mask here, held;    // which lanes count, and which of them touch the solid or lie inside
+  Mask runs;          // which are water, which runs along any surface
   Vec3<R> x, n, arm;  // position [m], the solid's normal there, place from the solid's centre [m]
   R room;             // speed along -n with which a particle just arrives in this step [m/s]
   R depth;            // how far particles lie inside [m]
 
-  static SolidContact at(const Solid<T>& solid, const Vec3<R>& x, const R& r, const Mask& here, T dt) {
+  static SolidContact at(const Solid<T>& solid, const Vec3<R>& x, const R& r, const Mask& here,
+                         const Mask& runs, T dt) {
     const R zero = splat<R>(0);
     const Surface<R> surface = neve::surface(solid, x);
     const R gap = surface.phi - r;
     return {&solid,
             here,
             here & (gap <= T(0)),
+            here & runs,
             x,
             surface.normal,
             x - spread<R>(solid.centre),
@@ -48,7 +51,9 @@ struct SolidContact {
     const Vec3<R> u = sped(v);
     const Vec3<R> leaves = after_contact(u, facing, v_co, ContactMode::separate, solid->mu_c);
     const Vec3<R> holds = after_contact(u, facing, v_co, mode(), solid->mu_c);
-    return select(met(v, v_co), select(held, holds, leaves) - n * room, v);
+    Vec3<R> then = select(held, holds, leaves);
+    if (any(runs)) then = select(runs, after_contact(u, facing, v_co, ContactMode::separate, T(0)), then);
+    return select(met(v, v_co), then - n * room, v);
   }
   // How far the solid sets particles out in this step [m].
   Vec3<R> way_out() const { return n * select(here, R(depth * T(set_out)), splat<R>(0)); }

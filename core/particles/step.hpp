@@ -102,8 +102,8 @@ class ParticleForces {
   auto touch(std::size_t p, const std::int32_t* rows, const Pair<R>& pair, const R& radii,
              const auto& touching, Memory<R>& memory, R& across, Vec3<R>& force) {
     const R zero = splat<R>(0);
-    const R mu = (s_.mu.column(0)[p] + gather<R>(s_.mu.column(0), rows)) * T(0.5);
-    const R bond = (s_.bond.column(0)[p] + gather<R>(s_.bond.column(0), rows)) * T(0.5) * radii;
+    const R mu_q = gather<R>(s_.mu.column(0), rows), bond_q = gather<R>(s_.bond.column(0), rows);
+    const R mu = mean_of(s_.mu.column(0)[p], mu_q), bond = mean_of(s_.bond.column(0)[p], bond_q) * radii;
     const auto was = memory.hold < T(0);
     R gap = max(R(-memory.hold), splat<R>(loose<T>));  // that is bridged
     gap = select(pair.overlap > bond, max(gap, bond), gap);
@@ -116,6 +116,12 @@ class ParticleForces {
     memory.a = select(touching, select(holds, spring, Vec3<R>{zero, zero, zero}), memory.a);
     memory.hold = select(touching, select(holds, R(-gap), zero), memory.hold);
     return holds;
+  }
+
+  // Friction or cohesion of a pair: the mean, none where one of them has none.
+  static R mean_of(T a, const R& b) {
+    const R zero = splat<R>(0);
+    return a > T(0) ? select(b > zero, R((b + a) * T(0.5)), zero) : zero;
   }
 
   const ParticleState<T>& s_;

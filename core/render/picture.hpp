@@ -9,10 +9,11 @@
 namespace neve::render {
 
 struct Particles {
-  std::span<const Vec3f> x;    // [m]
-  std::span<const float> J_P;  // empty, or one per particle: loose snow is drawn looser
-  float volume;                // of one particle [m3]
-  float cell_size;             // of the density grid [m]
+  std::span<const Vec3f> x;      // [m]
+  std::span<const float> J_P;    // empty, or one per particle: loose snow is drawn looser
+  std::span<const float> water;  // empty, or the liquid share of each particle
+  float volume;                  // of one particle [m3]
+  float cell_size;               // of the density grid [m]
 };
 
 // Draw one frame after the other with the same camera and light. A frame depends on its own input only;
@@ -46,6 +47,7 @@ class Painter {
     backdrop_.place(solids, meshes_, moving);
     backdrop_.illuminate(snow, samples_);
     light_visible(snow, particles.x);
+    water_ = particles.water;
     develop(rgb);
   }
 
@@ -91,6 +93,8 @@ class Painter {
     const Vec3f round = camera_.right * a + camera_.down * b - camera_.forward * up;
     const Vec3f ray = camera_.through(pixel * (float(c) + 0.5f), pixel * (float(r) + 0.5f));
     Vec3f color = grain_light(lit, light_, round, -normalize(ray), grain.seed);
+    if (!water_.empty() && water_[grain.particle] > 0)
+      color = wet_light(color, behind(), lit, light_, round, -normalize(ray), water_[grain.particle]);
     const float far = haze(grain.depth, camera_.reach);
     if (far > 0) color = mix(color, backdrop_.sky().horizon, far);
     const float small = grain.wide / least_radius;
@@ -143,6 +147,7 @@ class Painter {
   Samples samples_;
   bool known_ = false;  // whether there is anything in the two
   std::vector<Grain> grains_;
+  std::span<const float> water_;  // of the particles that are drawn
   std::vector<Lit> lit_;
 };
 

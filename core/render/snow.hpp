@@ -77,4 +77,20 @@ inline Vec3f grain_light(const Lit& lit, const Light& light, Vec3f round, Vec3f 
   return color;
 }
 
+// Light of a grain of which the share `water` is liquid: wet snow throws back less, and bluer light, until it is water that
+// lets what is behind through and mirrors sky and sun.
+inline Vec3f wet_light(Vec3f dry, Vec3f behind, const Lit& lit, const Light& light, Vec3f round, Vec3f to_eye,
+                       float water) {
+  const Vec3f wet = dry * Vec3f{0.66f, 0.76f, 0.86f};
+  const float facing = saturate(dot(round, to_eye));
+  const float mirror = 0.02f + 0.98f * std::pow(1.0f - facing, 5.0f);  // Schlick 1994, water in air
+  const Vec3f half = normalize(light.sun + to_eye);
+  const float glint = std::pow(saturate(dot(half, normalize(round + Vec3f{0, 0, 0.5f}))), 60.0f);
+  const Vec3f under =
+      mix(behind * Vec3f{0.50f, 0.58f, 0.64f}, wet, lit.solid);  // ground, or the heap it runs on
+  const Vec3f clear = under + lit.around * Vec3f{0.05f, 0.08f, 0.11f} * (1.0f - lit.solid) +
+                      light.sky_color * (0.6f * mirror) + lit.sun * (0.8f * glint);
+  return water < 1 ? mix(dry, wet, water) : clear;
+}
+
 }  // namespace neve::render

@@ -548,6 +548,20 @@ class ParticleTotals:
     """Number of bonds."""
     contacts: float
     """Number of contacts."""
+    heat: float
+    """Enthalpy above that of ice at the melting point [J]."""
+    water: float
+    """Mass that is liquid [kg]."""
+
+class HeatReport:
+    """What a pass over the heat of particles found."""
+
+    taken: float
+    """Heat from air and sun [J]."""
+    rounds: int
+    """Rounds in which the heat flowed."""
+    finite: bool
+    """Every particle has finite heat."""
 
 class Particles(Protocol):
     """Particles of the discrete element method, and what is remembered of their pairs.
@@ -571,6 +585,10 @@ class Particles(Protocol):
     """Factors on the modulus (n,) [1]."""
     strength: Reals
     """Factors on the strain that bonds bear and on the yield pressure (n,) [1]."""
+    liquid: Reals
+    """Shares of water that size and strength follow (n,) [1]."""
+    enthalpy: Array64
+    """Heat above that of ice at the melting point (n,) [J], in double precision."""
     k: Reals
     """Modulus times radius at birth (n,) [N/m]; from `set_materials`."""
     bond: Reals
@@ -604,6 +622,24 @@ class Particles(Protocol):
 
         Errors: ValueError if a particle names a row that is not there.
         """
+    def set_heat(
+        self,
+        air: float,
+        exchange: float,
+        sun: float,
+        towards: list[float],
+        conductivity: float,
+        speed: float,
+        sinters: bool,
+    ) -> None:
+        """Set what is said of heat.
+
+        air: its temperature [deg C]; exchange with it [W/(m2 K)]; sun: power that is absorbed where snow
+        faces it [W/m2]; towards: the sun, a unit vector; conductivity, 0: as density and phase say [W/(m K)];
+        speed: seconds of heat in one of motion; sinters: contacts at rest grow stronger.
+        """
+    def pass_heat(self, dt: float) -> HeatReport:
+        """Let heat flow for dt [s] of motion, and change phases, sizes and bonds; needs `set_materials`."""
     def rebuild(self, near: float, dt: float) -> None:
         """Sort the particles by cell and list all pairs within `near` [m] and some spare for steps of dt [s].
 

@@ -108,12 +108,14 @@ class Painter:
         volume: float,
         cell_size: float,
         solids: list[Solid],
-        threads: int = 0,
+        threads: int,
+        water: NDArray[np.float32],
     ) -> NDArray[np.uint8]:
         """Draw particles and solids; return the picture (height, width, 3), sRGB, the top row first.
 
         x (n, 3) [m], those that are not finite are left out; J_P (n,) or (0,) [1]; volume: of one particle
-        [m3]; cell_size: of the density that light passes through [m]; threads: 0 leaves the choice to OpenMP.
+        [m3]; cell_size: of the density that light passes through [m]; threads: 0 leaves the choice to OpenMP;
+        water: the liquid share of each particle (n,), or (0,) [1].
         Errors: ValueError for sizes that do not fit or are not above zero, or more than 1.6e7 solids.
         """
 

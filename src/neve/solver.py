@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from neve.build import PlacedSolids
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
+from neve.registry import METHODS
 from neve.rigid.coupled_bodies import LostBody
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
+from neve.scene.values.allowed import words
 from neve.stage_timer import StageTimer
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -75,6 +77,8 @@ class Solver(ABC):
     """Names of the stages that `timer` measures; each has a column `seconds_NAME` in the log."""
     fixed: ClassVar[tuple[str, ...]] = ("method", "device", "precision")
     """Keys of [numerics] that say how a state was made, or how its arrays look: no run can change them."""
+    has_heat: ClassVar[bool] = False
+    """Whether the method knows the heat of a scene."""
     log_columns: ClassVar[tuple[str, ...]] = ()
     """Columns of the log that `log_values` fills, between those of the clock and the seconds. "excess" is
     filled by the run, from `diagnostics` with the members of `neve.diagnostics.Balance`."""
@@ -84,6 +88,7 @@ class Solver(ABC):
 
     @abstractmethod
     def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
+        _require_heat(self, scene)
         self.scene = scene
         self.timer = StageTimer(self.stages)
 
@@ -239,8 +244,21 @@ def _getter(state: Any, name: str) -> Callable[[], Any]:
     return lambda: getattr(state, name)
 
 
+def _require_heat(solver: Solver, scene: Scene) -> None:
+    """Refuse a scene with heat for a method that knows none. Errors: SceneError."""
+    if scene.heat is None or solver.has_heat:
+        return
+    able = [name for name in METHODS.names() if METHODS.get(name).has_heat]
+    method = scene.numerics.method
+    raise SceneError(
+        f'heat: numerics.method = "{method}" knows no heat; use {words(able)}, or leave [heat] out'
+    )
+
+
 def check_fixed(solver: Solver, new_scene: Scene) -> None:
     """Refuse a new scene for `solver` that differs in one of its `fixed` keys. Errors: SceneError."""
     for key in solver.fixed:
         if getattr(new_scene.numerics, key) != getattr(solver.scene.numerics, key):
             raise SceneError(f"numerics.{key} cannot change while a run goes on; start it anew")
+    if (solver.scene.heat is None) != (new_scene.heat is None):
+        raise SceneError("heat cannot come or go while a run goes on; start it anew")

@@ -19,6 +19,7 @@ LAYERS = [
     {"render"},  # what draws
     {"cpu", "surface", "cuda"},  # the stages of the step over all of them
     {"cpu/passes", "particles"},  # what is asked of all of them besides; the discrete element method
+    {"particles/heat"},  # its heat
     {"bind/device"},  # what is handed to a GPU
     {"bind"},  # Python
     {"bind/particles"},  # Python, for the discrete element method

@@ -1,9 +1,11 @@
 // The discrete element method: neve._core.f32.Particles and neve._core.f64.Particles.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/vector.h>
 
 #include "bind/arrays.hpp"
 #include "bind/solids.hpp"
 #include "particles/advance.hpp"
+#include "particles/heat/phase.hpp"
 #include "particles/measure.hpp"
 #include "particles/relax.hpp"
 
@@ -15,6 +17,8 @@ template <class T>
 struct Particles {
   explicit Particles(std::size_t n) { state.resize(n); }
   ParticleModel<T> model;
+  HeatModel heat;
+  std::vector<ContactMaterial> table;
   ParticleState<T> state;
   Neighbours<T> lists;
   PairSums<T> sums;
@@ -90,6 +94,8 @@ void bind_columns(nb::class_<Particles<T>>& c) {
   NEVE_FIELD(J_P);
   NEVE_FIELD(stiffness);
   NEVE_FIELD(strength);
+  NEVE_FIELD(liquid);
+  NEVE_FIELD(enthalpy);
   NEVE_FIELD(k);
   NEVE_FIELD(bond);
   NEVE_FIELD(material);
@@ -118,9 +124,30 @@ void bind_constants(nb::class_<Particles<T>>& c) {
               if (p.state.material[i] >= table.size())
                 throw nb::value_error("a particle names a material that is not there");
             }
+            p.table = table;
             derive(p.state, table);
           },
           nb::arg("rows"), "(n, 4): modulus [Pa], friction [1], bond_strain [1], yield [Pa].");
+}
+
+template <class T>
+void bind_heat(nb::class_<Particles<T>>& c) {
+  using P = Particles<T>;
+  c.def(
+       "set_heat",
+       [](P& p, double air, double exchange, double sun, std::array<double, 3> towards, double conductivity,
+          double speed,
+          bool sinters) { p.heat = {air, exchange, sun, towards, conductivity, speed, sinters}; },
+       nb::arg("air"), nb::arg("exchange"), nb::arg("sun"), nb::arg("towards"), nb::arg("conductivity"),
+       nb::arg("speed"), nb::arg("sinters"))
+      .def(
+          "pass_heat",
+          [](P& p, double dt) {
+            p.require_lists();
+            if (p.table.empty()) throw nb::value_error("call set_materials() first");
+            return pass_heat(p.heat, p.state, p.lists, p.table, dt);
+          },
+          nb::arg("dt"), nb::call_guard<nb::gil_scoped_release>());
 }
 
 template <class T>
@@ -131,6 +158,7 @@ void bind_of(nb::module_& m) {
                   "Particles of the discrete element method, and what is remembered of their pairs.");
   bind_columns(c);
   bind_constants(c);
+  bind_heat(c);
   c.def(nb::init<std::size_t>(), nb::arg("count"))
       .def_prop_ro("count", [](const P& p) { return p.state.count; })
       .def_prop_ro("bytes", [](P& p) { return p.state.bytes() + p.lists.bytes() + p.sums.values.bytes(); })
@@ -186,7 +214,13 @@ void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64) {
       .def_ro("elastic", &ParticleTotals::elastic)
       .def_ro("potential", &ParticleTotals::potential)
       .def_ro("bonds", &ParticleTotals::bonds)
-      .def_ro("contacts", &ParticleTotals::contacts);
+      .def_ro("contacts", &ParticleTotals::contacts)
+      .def_ro("heat", &ParticleTotals::heat)
+      .def_ro("water", &ParticleTotals::water);
+  nb::class_<HeatReport>(m, "HeatReport", "What a pass over the heat found.")
+      .def_ro("taken", &HeatReport::taken)
+      .def_ro("rounds", &HeatReport::rounds)
+      .def_ro("finite", &HeatReport::finite);
   bind_of<float>(f32);
   bind_of<double>(f64);
 }

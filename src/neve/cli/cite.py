@@ -30,6 +30,8 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "clods": ("worley1996",),
     "mesh": ("jacobson2013", "barill2018"),
     "bodies": ("todorov2012",),
+    "heat": ("calonne2011",),
+    "heat.sintering": ("szabo2007",),
     "camera.keyframes": ("fritsch1984",),
     "camera.follow": ("cleveland1979",),
 }
@@ -52,6 +54,8 @@ def methods(scene: Scene) -> list[str]:
         names.append("mesh")
     if scene.bodies or scene.robots:
         names.append("bodies")
+    if scene.heat:
+        names += ["heat", *(["heat.sintering"] if scene.heat.sintering else [])]
     names += [f"camera.{key}" for key in ("keyframes", "follow") if getattr(scene.camera, key)]
     return list(dict.fromkeys(names))
 

@@ -26,6 +26,10 @@ _OPTIONAL = ("J_P", "material")
 """Arrays that a frame has only if the solver has these columns."""
 
 
+HEAT = ("temperature", "phase")
+"""Fields that a frame has unasked where the solver has these columns."""
+
+
 class Frame(NamedTuple):
     """What a frame file holds; particles in the order of their id, a row is the same one in every frame."""
 
@@ -115,10 +119,10 @@ def _short(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def fields_of(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
-    """Return the further fields of a frame: those of `run.fields`, and the source where there are several."""
-    named = scene.run.fields
-    several = len(scene.sources) > 1 and "source" in columns and "source" not in named
-    return (*named, "source") if several else named
+    """Return the further fields of a frame: of `run.fields`, the source where there are several, of heat."""
+    asked = scene.run.fields
+    unasked = (*(("source",) if len(scene.sources) > 1 else ()), *HEAT)
+    return (*asked, *(name for name in unasked if name in columns and name not in asked))
 
 
 def frame_of(

@@ -21,6 +21,7 @@ from neve.particles.constants import (
     contact_constants,
     radius_at_birth,
 )
+from neve.particles.heat import enthalpy_at, set_heat
 from neve.sampling import Samples
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene
@@ -38,6 +39,8 @@ FIELDS = (
     Field("J_P", (), "1", "real", "volume over that at birth"),
     Field("stiffness", (), "1", "real", "factor on E0"),
     Field("strength", (), "1", "real", "factor on the thresholds of bonds and compaction"),
+    Field("liquid", (), "1", "real", "share of water that size and strength follow"),
+    Field("enthalpy", (), "J", "float64", "heat; zero for ice at the melting point"),
     Field("material", (), "", "uint16", "row of the material table"),
     Field("source", (), "", "uint16", "number of the source"),
     Field("id", (), "", "uint32", "number in the order of birth"),
@@ -124,11 +127,13 @@ def _columns(
         "J_P": np.ones(count),
         "stiffness": s.stiffness,
         "strength": s.strength,
+        "liquid": np.zeros(count),
     }
     columns: dict[str, NDArray[Any]] = {
         name: np.asarray(values, dtype=real) for name, values in reals.items()
     }
     return columns | {
+        "enthalpy": enthalpy_at(scene, columns["m"]),
         "material": np.full(count, row, dtype=np.uint16),
         "source": np.full(count, source, dtype=np.uint16),
     }
@@ -142,7 +147,7 @@ def from_arrays(scene: Scene, arrays: Mapping[str, NDArray[Any]]) -> Particles:
 
 
 def set_constants(scene: Scene, particles: Particles) -> None:
-    """Give the core the constants of the scene's snows, and of all contacts.
+    """Give the core the constants of the scene's snows, of all contacts, and of heat.
 
     The damper of a contact is its stiffness times one time for all, so that no contact of a particle has more
     than the damping ratio DAMPING: c = 2 DAMPING k min_p sqrt(m_p / (2 k_p)).
@@ -153,6 +158,7 @@ def set_constants(scene: Scene, particles: Particles) -> None:
     m = np.asarray(particles.m, dtype=np.float64)
     damping = 2.0 * DAMPING * float(np.sqrt(np.min(m / (2.0 * k)))) if len(k) else 0.0
     particles.set_law(damping, TANGENTIAL, ICE, HARDENING)
+    set_heat(scene, particles)
 
 
 def reach(particles: Particles) -> float:

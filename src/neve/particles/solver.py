@@ -15,6 +15,7 @@ from neve.colliders.solid import Solid
 from neve.diagnostics import row_of
 from neve.geometry.pose import Pose
 from neve.particles.constants import BOND_GAP
+from neve.particles.heat import INTERVAL, liquid, temperature
 from neve.particles.initial import (
     FIELDS,
     from_arrays,
@@ -43,7 +44,8 @@ class ParticleDiagnostics:
     mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic, elastic (of bonds, contacts and the springs of
     their friction), potential (-m g . x); affine is none. `work` [J]: of the colliders on the snow so far.
     bonds, contacts: how many there are. Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic
-    and bodies_potential [J].
+    and bodies_potential [J]. heat: enthalpy above that of ice at the melting point, heat_taken: from air and
+    sun so far [J]; water: liquid mass [kg]; heat_speed [1], 0 without heat.
     """
 
     mass: float
@@ -55,6 +57,10 @@ class ParticleDiagnostics:
     particles: int
     bonds: int
     contacts: int
+    heat: float
+    heat_taken: float
+    water: float
+    heat_speed: float
     affine: float = 0.0
     bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
     bodies_kinetic: float = 0.0
@@ -69,7 +75,8 @@ class ParticleSolver(Solver):
     """
 
     fields = FIELDS
-    stages = ("neighbours", "step", "bodies")
+    has_heat = True
+    stages = ("neighbours", "step", "bodies", "heat")
     fixed = (*Solver.fixed, "dx", "particles_per_cell", "sampling", "seed")
     log_columns = (
         "mass",  # [kg]
@@ -90,12 +97,17 @@ class ParticleSolver(Solver):
         "particles",
         "bonds",
         "contacts",
+        "heat",  # above that of ice at the melting point [J]
+        "heat_taken",  # from air and sun since the start [J]
+        "water",  # mass that is liquid [kg]
+        "heat_speed",  # seconds of heat in a second of motion; 0 without heat
     )
     state: Particles
 
     def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
         """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""
         super().__init__(scene, saved)
+        self._heat_due = self._heat_taken = 0.0
         self.placed = place_solids(scene)
         if saved is None:
             self.state = from_arrays(scene, snow_of(scene, self.placed, range(len(scene.sources))))
@@ -106,6 +118,7 @@ class ParticleSolver(Solver):
             self._derive()
             self.state.set_contacts(*(np.asarray(saved[name]) for name in CONTACTS))
             self.state.last_dt = float(saved["last_dt"])
+            self._heat_due, self._heat_taken = map(float, saved["heat_clock"])
             if self.placed.rigid:
                 self.placed.rigid.restore(saved)
 
@@ -176,6 +189,8 @@ class ParticleSolver(Solver):
     def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
         """Check the particles, renew used lists of neighbours, move the bodies. Errors: Blowup."""
         self._require_finite(self._report, steps, time)
+        if self.scene.heat is not None:
+            self._pass_heat(dt, steps, time)
         if not self.state.current:
             self._rebuild()
         if self.placed.rigid is None:
@@ -184,6 +199,18 @@ class ParticleSolver(Solver):
             exchanged = self.take_exchanged()
             advance_bodies(self.placed, dt, exchanged, time)
         return exchanged
+
+    def _pass_heat(self, dt: float, steps: int, time: float) -> None:
+        """Let heat flow, once it is due: `dt` [s] of motion later than at the last call. Errors: Blowup."""
+        self._heat_due += dt
+        if self._heat_due < INTERVAL * (1.0 - 1e-9):
+            return
+        with self.timer.stage("heat"):
+            report = self.state.pass_heat(self._heat_due)
+        self._heat_due = 0.0
+        self._heat_taken += report.taken
+        if not report.finite:
+            raise Blowup(f"a particle has no finite heat after step {steps} (t = {time:.6g} s): check [heat]")
 
     def _require_finite(self, report: ParticleReport, steps: int, time: float) -> None:
         if report.finite:
@@ -210,6 +237,10 @@ class ParticleSolver(Solver):
             particles=self.count,
             bonds=round(t.bonds),
             contacts=round(t.contacts),
+            heat=t.heat if self.scene.heat else 0.0,
+            heat_taken=self._heat_taken,
+            water=t.water if self.scene.heat else 0.0,
+            heat_speed=self.scene.heat.heat_speed if self.scene.heat else 0.0,
             **self.placed.totals_of_bodies(),
         )
 
@@ -221,7 +252,9 @@ class ParticleSolver(Solver):
         """Return the state, its contacts, the last dt, by which these are old, and the bodies."""
         contacts = dict(zip(CONTACTS, map(np.array, self.state.contacts()), strict=True))
         bodies = self.placed.rigid.save() if self.placed.rigid else {}
-        return {**super().save(), **contacts, "last_dt": np.array(self.state.last_dt), **bodies}
+        clock = np.array([self._heat_due, self._heat_taken])
+        last = {"last_dt": np.array(self.state.last_dt), "heat_clock": clock}
+        return {**super().save(), **contacts, **last, **bodies}
 
     @property
     def count(self) -> int:
@@ -239,9 +272,16 @@ class ParticleSolver(Solver):
         return np.asarray(self.state.radius)
 
     def columns(self) -> dict[str, Callable[[], Any]]:
-        """Return the fields of the state, and the density."""
+        """Return the fields of the state, the density, and with heat the temperature [deg C] and the phase.
+
+        phase (n,) [1]: the share of water, 0 snow and ice, 1 water.
+        """
         state = self.state
-        return super().columns() | {"density": lambda: np.asarray(state.m / (state.V0 * state.J_P))}
+        more: dict[str, Callable[[], Any]] = {"density": lambda: np.asarray(state.m / (state.V0 * state.J_P))}
+        if self.scene.heat is not None:
+            more["temperature"] = lambda: temperature(state.enthalpy, state.m)
+            more["phase"] = lambda: liquid(state.enthalpy, state.m)
+        return super().columns() | more
 
     @property
     def solids(self) -> Sequence[Solid]:

@@ -21,10 +21,8 @@ _SKY = 0.5
 
 
 def sun_direction(light: Light) -> Triple:
-    """Return the unit vector towards the sun; the azimuth turns from x to y."""
-    elevation, azimuth = math.radians(light.sun_elevation), math.radians(light.sun_azimuth)
-    flat = math.cos(elevation)
-    return flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation)
+    """Return the unit vector towards the sun."""
+    return light.towards_sun
 
 
 def sun_color(light: Light) -> Triple:

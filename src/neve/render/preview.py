@@ -66,20 +66,23 @@ class Preview:
         solids: Sequence[tuple[Solid, Pose]],
         J_P: npt.NDArray[np.floating[Any]] | None = None,
         view: View | None = None,
+        water: npt.NDArray[np.floating[Any]] | None = None,
     ) -> npt.NDArray[np.uint8]:
         """Draw one frame.
 
         x: positions (n, 3) [m], of any float type and layout; particles that are not finite are left out.
         solids: colliders and bodies, and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow
-        is drawn looser. view: of the camera; without it that of the scene's at the start.
+        is drawn looser. view: of the camera; without it that of the scene's at the start. water: share of
+        each particle that is liquid (n,) [1]; wet snow is drawn darker, and water clear.
         Returns the picture (height, width, 3), sRGB.
         """
         painter = self._seen_from(view or self._start)
         places = np.ascontiguousarray(x, dtype=np.float32)
         ratio = np.ones(0, np.float32) if J_P is None else np.ascontiguousarray(J_P, dtype=np.float32)
+        wet = np.zeros(0, np.float32) if water is None else np.ascontiguousarray(water, dtype=np.float32)
         drawn = [self._drawn(solid, pose) for solid, pose in solids if solid.visible]
         picture: npt.NDArray[np.uint8] = painter.draw(
-            places, ratio, self.volume, self.cell_size, drawn, self.threads
+            places, ratio, self.volume, self.cell_size, drawn, self.threads, wet
         )
         return picture
 

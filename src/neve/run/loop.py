@@ -150,6 +150,8 @@ def _run(
             progress = stack.enter_context(follow(folder.path.name, done or 0, last, quiet))
             stack.enter_context(warnings_to(Warnings() if quiet else progress))
             scheduled = _begin(context, made, stack)
+            if scene.caption:
+                progress.say(f"{folder.path.name}: {scene.caption}")
             if checkpoint is not None:
                 _warn_of_version(folder.path, checkpoint.neve)
             interrupt = stack.enter_context(Interrupt(quiet))

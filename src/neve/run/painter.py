@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from neve.geometry.pose import Pose
 from neve.io.frames import Frame
+from neve.render.caption import captioned
 from neve.render.shot import Shot, View
 
 if TYPE_CHECKING:
@@ -62,7 +63,8 @@ class Painter:
         """Return the image of a frame, (height, width, 3)."""
         self.look(content)
         view = self.shot.at(content.time, ahead=False)
-        return self.draw_arrays(content.x, content.J_P, content.solid_position, content.solid_rotation, view)
+        poses = content.solid_position, content.solid_rotation
+        return self.draw_arrays(content.x, content.J_P, *poses, view, content.more.get("phase"))
 
     def look(self, content: Frame) -> None:
         """Let the camera see a frame that is not drawn."""
@@ -81,12 +83,15 @@ class Painter:
         positions: Iterable[NDArray[np.floating]],
         rotations: Iterable[NDArray[np.floating]],
         view: View | None = None,
+        water: NDArray[np.float32] | None = None,
     ) -> NDArray[np.uint8]:
         """Return the image (height, width, 3) of particles at `x` [m], (n, 3), with J_P (n,), if it is known.
 
         positions, rotations: of each solid, (3,) [m] and (3, 3); those of further solids are left out.
-        view: of the camera; without it that of the scene's at the start
+        view: of the camera; without it that of the scene's at the start. water: share of each particle that
+        is liquid (n,), if it is known. What the scene must say of itself is written into the picture.
         """
         places = zip(self._solids, positions, rotations, strict=False)
         solids = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in places]
-        return self._preview.draw(x, solids, J_P=J_P, view=view)
+        image = self._preview.draw(x, solids, J_P=J_P, view=view, water=water)
+        return captioned(image, self._scene.caption)

@@ -24,6 +24,7 @@ Palette = tuple[tuple[int, int, int], ...]
 
 ICE: Palette = ((34, 60, 122), (36, 104, 160), (58, 160, 190), (160, 222, 205), (250, 250, 210))
 FIRE: Palette = ((58, 34, 104), (122, 34, 104), (190, 54, 68), (246, 132, 42), (252, 236, 150))
+THAW: Palette = ((244, 248, 252), (196, 222, 240), (120, 180, 224), (52, 120, 196), (16, 60, 140))
 DIVERGING: Palette = ((26, 62, 140), (110, 160, 214), (238, 238, 238), (232, 150, 96), (150, 34, 28))
 
 MOST_FRAGMENTS = 400_000
@@ -146,6 +147,10 @@ MODES: Mapping[str, Mode] = {
     "J_P": Mode("compaction J_P", "1", ("J_P",), _column("J_P"), (0.7, 1.3), DIVERGING),
     "density": Mode("density", "kg/m3", ("density",), _column("density"), (0.0, 1000.0)),
     "stress": Mode("von Mises stress", "Pa", ("tau", "F_E"), _von_mises, None, FIRE),
+    "temperature": Mode(
+        "temperature", "deg C", ("temperature",), _column("temperature"), (-15.0, 5.0), DIVERGING
+    ),
+    "phase": Mode("liquid share", "1", ("phase",), _column("phase"), (0.0, 1.0), THAW),
     "material": Mode(
         "material", "", ("material",), _column("material"), (0.0, 65535.0), names=_material_names
     ),

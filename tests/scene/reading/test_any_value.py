@@ -105,7 +105,7 @@ def test_every_number_has_finite_bounds_and_no_trace_passes(attempt):
                 unbounded.append(".".join(path))
             if low <= 0 <= top and field.annotation is float:
                 with pytest.raises(SceneError, match=r"not nearer to it than|is empty in this scene"):
-                    attempt(path, head, f"{LEAST / 2}")
+                    attempt(path, head, f"{LEAST / 2 if top > 0 else -LEAST / 2}")
     assert unbounded == []
     assert NoTrace.func(-LEAST) == -LEAST
     assert NoTrace.func(0.0) == 0.0

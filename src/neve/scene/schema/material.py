@@ -1,4 +1,4 @@
-"""Describe snow: its law and the constants of all laws, with the rules between them.
+"""Describe snow: its law and the constants of all laws, with the rules between them; and its heat.
 
 The constants, their ranges and the limits between them are the laws' own (`neve.scene.values.choices`).
 """
@@ -9,12 +9,12 @@ import math
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import ModelWrapValidatorHandler, create_model, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, Strict, create_model, model_validator
 from pydantic.fields import FieldInfo
 
 from neve.scene.schema.snow_kinds import DEFAULT_KIND, SNOWS, Kind
 from neve.scene.values.choices import DEFAULT_LAW, LAWS, LawWord, listed, meanings, sources
-from neve.scene.values.fields import Part, Real, entry, rounded_down, wrong
+from neve.scene.values.fields import NoTrace, Part, Real, Switch, entry, rounded_down, wrong
 
 if TYPE_CHECKING:
     from neve._core import Constant
@@ -263,3 +263,55 @@ def _filled(given: Mapping[str, Any]) -> dict[str, Any]:
     own = kind.constants if _family(kind.law) == _family(law) else {}
     defaults = {c.name: c.usual for c in LAWS[law].constants} | dict(own)
     return {"law": law} | {name: value for name, value in defaults.items() if name in here} | dict(given)
+
+
+CONDUCTIVITY = Annotated[float, Strict(), Field(ge=1e-3, le=1e3), NoTrace]
+
+
+class Heat(Part):
+    """Let snow warm, melt, freeze and sinter; a scene without this table knows no heat."""
+
+    snow_temperature: Real = entry(-2.0, "Temperature of all snow at birth.", "deg C", ge=-100, le=0)
+    air_temperature: Real = entry(5.0, "Temperature of the air.", "deg C", ge=-100, le=100)
+    air_exchange: Real = entry(
+        15.0,
+        "Heat that a surface of snow takes from the air per area and kelvin; 10 to 25 in light wind.",
+        "W/(m2 K)",
+        "from memory",
+        ge=0,
+        le=1e4,
+    )
+    sun: Real = entry(
+        0.0,
+        "Power of the sun, which stands where [light] has it, on an area that faces it; 800 on a clear day.",
+        "W/m2",
+        ge=0,
+        le=1e5,
+    )
+    albedo: Real = entry(
+        0.8,
+        "Share of the sun's power that snow throws back; 0.9 when fresh, 0.5 when old and wet.",
+        "1",
+        "from memory",
+        ge=0,
+        le=1,
+    )
+    conductivity: Literal["density"] | CONDUCTIVITY = entry(
+        "density",
+        'Conductivity of heat, or "density" for that of snow of the particle\'s density and of water.',
+        "W/(m K)",
+        "Calonne et al. 2011, 2.5e-6 rho^2 - 1.23e-4 rho + 0.024 (formula from memory)",
+    )
+    heat_speed: Real = entry(
+        1.0,
+        "Seconds that pass for heat in a second of motion: melting takes hours. The film says so.",
+        "1",
+        ge=1e-3,
+        le=1e6,
+    )
+    sintering: Switch = entry(
+        False,
+        "Whether contacts and bonds at rest grow stronger with time, the faster the warmer.",
+        "",
+        "power of time 0.21: Szabo and Schneebeli 2007 (from memory)",
+    )

@@ -12,7 +12,7 @@ from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Targe
 from neve.scene.schema.camera import Camera, CameraKeyframe, unknown
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.file_shapes import Layer
-from neve.scene.schema.material import Overrides, Snow, most_strength, problem, strength_rule
+from neve.scene.schema.material import Heat, Overrides, Snow, most_strength, problem, strength_rule
 from neve.scene.schema.outputs import OutputEntry, conflict
 from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.schema.sources import AnySource, Profile, Source, Variation
@@ -48,8 +48,9 @@ from neve.scene.values.fields import (
 )
 
 __all__ = [
-    "Body", "Camera", "CameraKeyframe", "Collider", "Control", "Keyframe", "Light", "Motor", "Numerics",
-    "Overrides", "Part", "Profile", "Robot", "Run", "Scene", "Snow", "Source", "Target", "Variation", "World",
+    "Body", "Camera", "CameraKeyframe", "Collider", "Control", "Heat", "Keyframe", "Light", "Motor",
+    "Numerics", "Overrides", "Part", "Profile", "Robot", "Run", "Scene", "Snow", "Source", "Target",
+    "Variation", "World",
 ]  # fmt: skip
 
 
@@ -194,6 +195,13 @@ class Light(Part):
     sun_color: Color = entry((1.0, 0.94, 0.85), "Red, green and blue of the sun.", "1")
     sky_color: Color = entry((0.62, 0.76, 1.0), "Red, green and blue of the sky.", "1")
 
+    @property
+    def towards_sun(self) -> tuple[float, float, float]:
+        """Return the unit vector towards the sun; the azimuth turns from x to y."""
+        elevation, azimuth = math.radians(self.sun_elevation), math.radians(self.sun_azimuth)
+        flat = math.cos(elevation)
+        return flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation)
+
 
 class Run(Part):
     """Say how long to simulate and what to keep."""
@@ -222,6 +230,7 @@ class Scene(Part):
     world: World = entry(World(), "Surroundings.", "")
     numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
     snow: Snow = entry(Snow(), "Snow of all sources.", "")
+    heat: Heat | None = entry(None, "Heat: warming, melting, freezing, sintering; left out, none.", "")
     sources: tuple[AnySource, ...] = entry((), "Where snow is at the start: one or more.", "")
     colliders: tuple[AnyCollider, ...] = entry((), "Solids that snow meets.", "")
     bodies: tuple[AnyBody, ...] = entry((), "Bodies: solids that snow and other forces move.", "")
@@ -280,6 +289,13 @@ class Scene(Part):
                 )
                 raise wrong(f"sources.{i}.{key}", f"{sentence}{whose}")
         return self
+
+    @property
+    def caption(self) -> str:
+        """Return what films and logs must say of the scene, so that nobody is misled; "" for nothing."""
+        if self.heat is None or self.heat.heat_speed == 1.0:
+            return ""
+        return f"heat x {self.heat.heat_speed:g} real time"
 
     def snow_of(self, source: Source) -> Snow:
         """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""

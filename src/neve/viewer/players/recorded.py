@@ -133,7 +133,7 @@ class Recorded(Player):
             columns["material"] = lambda: material
         if J_P is not None and material is not None:
             columns["density"] = lambda: self._rho0[np.minimum(material, len(self._rho0) - 1)] / J_P
-        return columns
+        return {name: _same(values) for name, values in frame.more.items()} | columns
 
     def _frame(self, number: int) -> Frame:
         """Return a frame from memory or from its file. Errors: RunError."""
@@ -175,3 +175,7 @@ class Recorded(Player):
 def _size(frame: Frame) -> int:
     arrays = (frame.x, frame.v, frame.J_P, frame.id, frame.material)
     return sum(array.nbytes for array in arrays if array is not None)
+
+
+def _same(values: Any) -> Callable[[], Any]:
+    return lambda: values

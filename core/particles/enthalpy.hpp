@@ -1,0 +1,90 @@
+// Heat of particles: what a scene says of it, and the state of one particle (docs/particles.md, Heat).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace neve {
+
+namespace heat {
+
+inline constexpr double latent = 3.34e5;          // heat of fusion [J/kg]
+inline constexpr double c_ice = 2100;             // specific heat of ice and snow [J/(kg K)]
+inline constexpr double c_water = 4182;           // and of water
+inline constexpr double k_water = 0.6;            // conductivity of water [W/(m K)]
+inline constexpr double water = 1000, ice = 917;  // densities [kg/m3]
+inline constexpr double melting = 273.15;         // [K]
+
+// Temperature [deg C] of mass m [kg] with enthalpy e [J], which is zero for ice at the melting point: below zero solid, up
+// to m latent a mush at the melting point, water above.
+inline double temperature(double e, double m) {
+  if (e < 0) return e / (m * c_ice);
+  return std::max(e - m * latent, 0.0) / (m * c_water);
+}
+
+// Share of the mass that is liquid [1].
+inline double liquid(double e, double m) { return std::clamp(e / (m * latent), 0.0, 1.0); }
+
+// Conductivity of snow of density rho [W/(m K)]: Calonne et al. 2011.
+inline double k_snow(double rho) { return std::max(2.5e-6 * rho * rho - 1.23e-4 * rho + 0.024, 0.01); }
+
+// Volume over that at birth of what is all ice, and of what is all water, for snow of density `born` [kg/m3].
+inline double ratio_of_ice(double born) { return std::min(born / ice, 1.0); }
+inline double ratio_of_water(double born) { return std::min(born / water, ratio_of_ice(born)); }
+
+// Volume ratio J after the liquid share went from f to `now`. What melts loses its pores; what freezes is ice.
+inline double ratio_after(double J, double f, double now, double born) {
+  const double J_water = ratio_of_water(born), J_ice = ratio_of_ice(born);
+  if (now <= f) return J + (f - now) * (J_ice - J_water);
+  const double solid = f < 1 ? (J - f * J_water) / (1 - f) : J_ice;
+  return (1 - now) * solid + now * J_water;
+}
+
+}  // namespace heat
+
+// What a scene says of heat.
+struct HeatModel {
+  double air = 0;                          // temperature [deg C]
+  double exchange = 0;                     // of a surface with air [W/(m2 K)]
+  double sun = 0;                          // that snow absorbs where it faces the sun [W/m2]
+  std::array<double, 3> towards{0, 0, 1};  // the sun
+  double conductivity = 0;                 // of all phases; zero: as density and phase say [W/(m K)]
+  double speed = 1;                        // seconds of heat in a second of motion [1]
+  bool sinters = false;                    // contacts and bonds at rest grow stronger
+
+  double conductivity_of(double rho, double liquid) const {
+    if (conductivity > 0) return conductivity;
+    return (1 - liquid) * heat::k_snow(std::min(rho, heat::ice)) + liquid * heat::k_water;
+  }
+};
+
+// What a pass found.
+struct HeatReport {
+  double taken = 0;  // from air and sun [J]
+  int rounds = 0;    // in which it was made
+  bool finite = true;
+};
+
+// Directions in which the surface of a particle is looked at: the corners of an icosahedron and of a dodecahedron.
+inline constexpr int facet_count = 32;
+inline const std::array<std::array<double, 3>, facet_count>& facets() {
+  static const auto all = [] {
+    const double g = (1 + std::sqrt(5.0)) / 2, far = std::sqrt(1 + g * g), root = std::sqrt(3.0);
+    std::array<std::array<double, 3>, facet_count> out{};
+    std::size_t n = 0;
+    for (int signs = 0; signs < 4; ++signs) {
+      const double a = signs & 1 ? 1 : -1, b = signs & 2 ? 1 : -1;
+      for (std::size_t k = 0; k < 3; ++k) {
+        out[n][k] = 0, out[n][(k + 1) % 3] = a / far, out[n][(k + 2) % 3] = b * g / far, ++n;
+        out[n][k] = 0, out[n][(k + 1) % 3] = a / g / root, out[n][(k + 2) % 3] = b * g / root, ++n;
+      }
+      for (const double c : {-1.0, 1.0}) out[n++] = {a / root, b / root, c / root};
+    }
+    return out;
+  }();
+  return all;
+}
+
+}  // namespace neve

@@ -1,0 +1,139 @@
+// What heat makes of particles and their bonds: melting, freezing, sintering.
+#pragma once
+
+#include "particles/heat/conduction.hpp"
+
+namespace neve {
+
+// Sintering (docs/particles.md): a contact or bond at rest bears a stretch that grows as a power of time.
+namespace sintering {
+
+inline constexpr double power = 0.21;   // of time [1]
+inline constexpr double unit = 1.0;     // time after which a contact bears what a bond does at birth [s]
+inline constexpr double warm = 268.15;  // temperature at which this holds [K]
+inline constexpr double activation = 5.86e4;  // energy that slows it in the cold [J/mol]
+inline constexpr double gas = 8.314;          // [J/(mol K)]
+inline constexpr double at_rest = 0.1;        // speed of a pair past each other over its radii's sum [1/s]
+
+// The stretch that a pair bears after dt [s] at `celsius`, if it bears `hold` now and `young` when it is as old as the law's
+// unit of time; never above `most`.
+inline double grown(double hold, double young, double most, double celsius, double dt) {
+  const double K = std::min(celsius, 0.0) + heat::melting;
+  const double pace = std::exp(-activation / gas * (1 / K - 1 / warm));
+  const double age = unit * std::pow(hold / young, 1 / power);
+  return std::max(hold, std::min(young * std::pow((age + pace * dt) / unit, power), most));
+}
+
+}  // namespace sintering
+
+namespace detail {
+
+inline constexpr double phase_step =
+    2e-3;  // change of the liquid share that changes a particle's size and strength
+
+// A pass over phases and bonds after heat has flowed.
+template <class T>
+class PhaseChange {
+ public:
+  PhaseChange(const HeatModel& model, ParticleState<T>& s, Neighbours<T>& lists)
+      : model_(model), s_(s), lists_(lists), grown_(s.count), freezes_(s.count) {}
+
+  // `derive`: called for a particle whose liquid share has changed. dt: of the heat's own time [s].
+  template <class F>
+  void apply(double dt, F&& derive) {
+    each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        if (change(p)) derive(p);
+      }
+    });
+    each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        for (std::uint32_t e = lists_.begin[p]; e < lists_.begin[p + 1]; ++e) pair(p, e, dt);
+      }
+    });
+  }
+
+ private:
+  // Take over the liquid share of the enthalpy, once it differs enough.
+  bool change(std::size_t p) {
+    const double m = s_.m.column(0)[p], f = s_.liquid.column(0)[p];
+    const double now = heat::liquid(s_.enthalpy[p], m);
+    if (now == f || (std::abs(now - f) < phase_step && now > 0 && now < 1)) return false;
+    T &J = s_.J_P.column(0)[p], &r = s_.radius.column(0)[p], &liquid = s_.liquid.column(0)[p];
+    const double after = heat::ratio_after(J, f, now, m / double(s_.V0.column(0)[p]));
+    const T before = r;
+    r = T(double(r) * std::cbrt(after / double(J)));
+    J = T(after), liquid = T(now);
+    grown_[p] = r - before;
+    freezes_[p] = now < f;
+    return true;
+  }
+
+  // Bonds keep their stretch while particles change their size; water has none; what freezes is bonded to what it touches.
+  void pair(std::size_t p, std::uint32_t e, double dt) {
+    const auto q = std::size_t(lists_.row[e]);
+    T &hold = lists_.hold[e], &rest = lists_.a[e];
+    const T radii = s_.radius.column(0)[p] + s_.radius.column(0)[q];
+    const T overlap = T(double(radii) - distance(s_, p, q));
+    const T limit = T(0.5) * (s_.bond.column(0)[p] + s_.bond.column(0)[q]) * radii;
+    const bool is_water = s_.liquid.column(0)[p] >= T(1) || s_.liquid.column(0)[q] >= T(1);
+    const bool changes = grown_[p] != T(0) || grown_[q] != T(0) || freezes_[p] || freezes_[q];
+    if (hold > T(0)) {
+      rest += grown_[p] + grown_[q];
+      if (changes) hold = is_water ? T(0) : std::min(hold, std::max(limit, rest));
+      if (hold == T(0)) rest = T(0);
+    } else if (changes) {
+      if (!is_water && (freezes_[p] || freezes_[q]) && (hold < T(0) || overlap > T(0)) && limit > T(0)) {
+        hold = std::max(limit, overlap), rest = std::min(overlap, T(0));
+        lists_.b[e] = lists_.c[e] = T(0);
+      } else if (hold < T(0)) {
+        hold = -std::max(std::min(-hold, limit), loose<T>);
+      }
+    }
+    if (model_.sinters && !is_water && (hold != T(0) || overlap > T(0))) sinter(p, q, e, overlap, limit, dt);
+  }
+
+  void sinter(std::size_t p, std::size_t q, std::uint32_t e, T overlap, T limit, double dt) {
+    double v2 = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double v = double(s_.v.column(k)[p]) - double(s_.v.column(k)[q]);
+      v2 += v * v;
+    }
+    const double radii = double(s_.radius.column(0)[p]) + double(s_.radius.column(0)[q]);
+    const double slow = sintering::at_rest * radii;
+    if (v2 > slow * slow || !(limit > T(0)) || limit > T(radii)) return;
+    const double m_p = s_.m.column(0)[p], m_q = s_.m.column(0)[q];
+    const double celsius =
+        0.5 * (heat::temperature(s_.enthalpy[p], m_p) + heat::temperature(s_.enthalpy[q], m_q));
+    const double rho = 0.5 * (density(p) + density(q));
+    const double most = double(limit) * std::max(std::pow(heat::ice / rho, 2.44), 1.0);
+    T& hold = lists_.hold[e];
+    const double now = std::max(std::abs(double(hold)), double(loose<T>));
+    const T grown = T(sintering::grown(now, limit, most, celsius, dt));
+    if (hold == T(0) && !(overlap > T(0))) return;
+    hold = hold > T(0) ? grown : -grown;
+  }
+  double density(std::size_t p) const {
+    return double(s_.m.column(0)[p]) / (double(s_.V0.column(0)[p]) * double(s_.J_P.column(0)[p]));
+  }
+
+  const HeatModel& model_;
+  ParticleState<T>& s_;
+  Neighbours<T>& lists_;
+  std::vector<T> grown_;
+  std::vector<char> freezes_;
+};
+
+}  // namespace detail
+
+// Let heat flow for dt [s] of motion, and change particles and bonds as it makes them.
+template <class T>
+HeatReport pass_heat(const HeatModel& model, ParticleState<T>& s, Neighbours<T>& lists,
+                     const std::vector<ContactMaterial>& table, double dt) {
+  const double own = dt * model.speed;
+  const HeatReport report = detail::HeatFlow<T>(model, s, lists).flow(own);
+  detail::PhaseChange<T>(model, s, lists).apply(own, [&](std::size_t p) { derive(s, table, p); });
+  return report;
+}
+
+}  // namespace neve
