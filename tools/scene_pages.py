@@ -19,6 +19,7 @@ from neve.scene.schema.scene import (
     CameraKeyframe,
     Collider,
     Control,
+    Emitter,
     Heat,
     Keyframe,
     Light,
@@ -28,6 +29,7 @@ from neve.scene.schema.scene import (
     Robot,
     Run,
     Scene,
+    Sink,
     Snow,
     Source,
     Target,
@@ -37,7 +39,13 @@ from neve.scene.schema.scene import (
 from neve.scene.schema.snow_tables import as_table
 from neve.scene.values.allowed import allowed, choices, part, source, unit
 
-LISTS = {"source": "sources", "collider": "colliders", "body": "bodies"}
+LISTS = {
+    "source": "sources",
+    "emitter": "emitters",
+    "sink": "sinks",
+    "collider": "colliders",
+    "body": "bodies",
+}
 PATH = Path("docs") / "scene_format.md"  # from the root of the checkout
 SNOWS_PATH = Path("docs") / "snows.md"
 BEGIN, END = (
@@ -52,7 +60,7 @@ INTRODUCTION = """\
 
 A scene is a TOML file. Units are SI (metres, seconds, kilograms; angles in degrees, spins in radians per
 second), and z points up. Every key may be left out, except `shape` and the `kind` of an output, and a scene
-needs at least one source.
+needs at least one source or emitter.
 An unknown key, a value outside its range or a misspelled word is an error that says what is allowed.
 Every number has finite limits, and none may be nearer to 0 than 1e-30 without being 0. A source may take
 2.7e8 particles (points of the box around it); about 260 bytes for each must be free, in the container if
@@ -103,6 +111,18 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         Variation,
     ),
     ("[sources.profile]", "Snow that differs with depth or height: a crust, a soft core, layers.", Profile),
+    (
+        "[[emitters]]",
+        "Where snow comes in during the run ([recipes](recipes.md#snow-that-comes-and-goes)). It leaves "
+        "through a section of the shape: of a plane across `velocity`, through the middle of the shape, what "
+        "lies in the shape. Each has these keys, and those of its shape.",
+        Emitter,
+    ),
+    (
+        "[[sinks]]",
+        "Where snow is taken out during the run. Each has these keys, and those of its shape.",
+        Sink,
+    ),
     (
         "[[colliders]]",
         "Solids that snow meets, at rest or moved by a script. Each has these keys, and those of its shape.",

@@ -161,6 +161,7 @@ NB_MODULE(_core, m) {
       .def_ro("drifted", &neve::Report::drifted)
       .def_ro("offending_id", &neve::Report::offending_id,
               "Lowest birth number among the particles that make the step unacceptable.")
+      .def("merge", &neve::Report::merge, nb::arg("other"))
       .def_prop_ro("rejected", &neve::Report::rejected, "The step must not be taken.");
   nb::class_<neve::GridReport>(m, "GridReport", "What the nodes' velocities would do to the particles.")
       .def_ro("speed", &neve::GridReport::speed, "Largest speed of a node [m/s].")

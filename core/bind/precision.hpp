@@ -18,6 +18,7 @@
 #include "cpu/passes/refresh.hpp"
 #include "cpu/passes/totals.hpp"
 #include "cpu/passes/volumes.hpp"
+#include "mpm/population.hpp"
 
 namespace neve::bind {
 
@@ -77,6 +78,40 @@ void bind_model(nb::module_& m) {
   bind_device<T>(m, c);
 }
 
+// Particles that come and go. Views of the arrays keep the rows that they had.
+template <class T>
+void bind_population(nb::class_<State<T>>& c) {
+  using S = State<T>;
+  c.def_prop_ro("capacity", &S::capacity)
+      .def("with_room", &with_room<T>, nb::arg("capacity"))
+      .def(
+          "append",
+          [](S& s, std::size_t n) {
+            if (n > s.capacity() - s.count) throw nb::value_error("there is no room: see with_room()");
+            s.resize(s.count + n);
+          },
+          nb::arg("n"))
+      .def(
+          "rows_in_box",
+          [](const S& s, const In<double, nb::shape<3>>& low, const In<double, nb::shape<3>>& high) {
+            std::vector<std::uint32_t> rows = rows_in_box(s, low.data(), high.data());
+            const std::size_t n = rows.size();
+            return array(std::move(rows), {n});
+          },
+          nb::arg("low"), nb::arg("high"))
+      .def(
+          "drop",
+          [](S& s, const In<std::uint32_t, nb::shape<-1>>& rows) {
+            const std::size_t n = rows.shape(0);
+            for (std::size_t k = 0; k < n; ++k) {
+              if (rows(k) >= s.count || (k > 0 && rows(k) <= rows(k - 1)))
+                throw nb::value_error("rows must rise, each a row of a particle");
+            }
+            drop(s, rows.data(), n);
+          },
+          nb::arg("rows"));
+}
+
 template <class T>
 void bind_state(nb::module_& m) {
   using S = State<T>;
@@ -92,6 +127,7 @@ void bind_state(nb::module_& m) {
       nb::arg("count"), nb::arg("more_modes") = 0);
   c.def_ro("count", &S::count);
   c.def_prop_ro("bytes", &S::bytes);
+  bind_population<T>(c);
 #define NEVE_FIELD(name)                     \
   c.def_prop_ro(#name, [](nb::handle self) { \
     S& s = nb::cast<S&>(self);               \

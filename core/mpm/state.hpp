@@ -100,10 +100,21 @@ struct State {
     f(id.data());
   }
 
-  void resize(std::size_t n) {
+  // How many particles there is room for.
+  std::size_t capacity() const { return id.size(); }
+
+  // Make room for n particles: columns move to other addresses.
+  void reserve(std::size_t n) {
     each_field([&](auto& field) { field.resize(n); });
     material.resize(n);
     id.resize(n);
+  }
+
+  // Have n particles; new ones are at rest, not deformed, and without mass.
+  void resize(std::size_t n) {
+    if (n > capacity()) reserve(n);
+    if (n > count)
+      each_column([&](auto* column) { std::memset(column + count, 0, (n - count) * sizeof(*column)); });
     for (std::size_t p = count; p < n; ++p) {
       J_P.column(0)[p] = stiffness.column(0)[p] = strength.column(0)[p] = T(1);
       for (int k : {0, 4, 8}) F_E.column(k)[p] = T(1);

@@ -46,6 +46,8 @@ class Report:
     """Lowest id among the particles that make the step unacceptable; 2^32 - 1 if there is none."""
     rejected: bool
     """Not finite, or beyond `displacement_limit` or `volume_ratio_limit`."""
+    def merge(self, other: Report) -> None:
+        """Take in what another pass found: the larger of each rate, and whatever is wrong."""
 
 class StepLimits:
     """What the scene and its snow allow a step (see neve.mpm.time_step)."""
@@ -487,6 +489,23 @@ class State(Protocol):
     @property
     def id(self) -> NDArray[np.uint32]:
         """Number in the order of birth, (n,); rows change places in `sort`."""
+    @property
+    def capacity(self) -> int:
+        """Number of particles that there is room for."""
+    def with_room(self, capacity: int) -> _State:
+        """Return a copy that has room for so many particles; views of this one stay as they are."""
+    def append(self, n: int) -> None:
+        """Add n particles after the others: at rest, not deformed, without mass, their ids the rows.
+
+        Arrays that were handed out before do not show them. Errors: ValueError without room for them.
+        """
+    def rows_in_box(self, low: Array64, high: Array64) -> NDArray[np.uint32]:
+        """Return the rows of the particles in the closed box from `low` to `high` (3,) [m], rising."""
+    def drop(self, rows: NDArray[np.uint32]) -> None:
+        """Drop the particles at `rows`, which rise; the last ones take their places.
+
+        Errors: ValueError for rows that are none, or do not rise.
+        """
 
 class Grid(Protocol):
     """The sparse grid: scratch, laid out anew by `sort`."""

@@ -53,8 +53,8 @@ def solids(scene: Scene) -> tuple[Solid, ...]:
 
 
 def material_table(scene: Scene) -> list[Snow]:
-    """Return the different snows of the scene, in the order of their first source."""
-    return list(dict.fromkeys(scene.snow_of(source) for source in scene.sources))
+    """Return the different snows of the scene, in the order of their first source or emitter."""
+    return list(dict.fromkeys(scene.snow_of(source) for source in scene.bearers))
 
 
 def with_one_more(scene: Scene, source: Source) -> Scene:
@@ -171,6 +171,8 @@ def samples_of(scene: Scene, placed: PlacedSolids, indices: Sequence[int]) -> li
     particles than there is memory for.
     """
     sources = [scene.sources[i] for i in indices]
+    if not sources:
+        return []
     if len(sources) > 1:
         require_room_for_all(sum(expected(s, scene.numerics) for s in sources), scene.numerics)
     with joined_warnings():

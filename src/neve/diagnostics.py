@@ -17,6 +17,7 @@ class Diagnostics:
     (-m g . x); numbers of particles and of allocated blocks. `work` [J] is what
     colliders have done on the snow so far: impulse times the velocity of the collider's surface.
     Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic and bodies_potential [J].
+    Of all snow that emitters added and sinks took out so far: mass [kg], momentum (3,) [kg m/s], energy [J].
     """
 
     mass: float
@@ -31,6 +32,12 @@ class Diagnostics:
     bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
     bodies_kinetic: float = 0.0
     bodies_potential: float = 0.0
+    emitted_mass: float = 0.0
+    emitted_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    emitted_energy: float = 0.0
+    removed_mass: float = 0.0
+    removed_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    removed_energy: float = 0.0
 
 
 def number(cell: str) -> float:
@@ -54,23 +61,28 @@ def row_of(totals: Any, columns: Sequence[str]) -> dict[str, float]:
 
 
 class Balance(NamedTuple):
-    """Energies of the snow and work of the colliders [J] at one moment, by the names of the log's columns."""
+    """Energies of the snow, work of the colliders, and energy that snow brought and took away so far [J].
+
+    The names are those of the log's columns.
+    """
 
     kinetic: float
     affine: float
     elastic: float
     potential: float
     work: float
+    emitted_energy: float = 0.0
+    removed_energy: float = 0.0
 
     @classmethod
-    def of(cls, now: Diagnostics) -> Balance:
-        """Take the balance from the diagnostics of one time."""
-        return cls(now.kinetic, now.affine, now.elastic, now.potential, now.work)
+    def of(cls, now: Any) -> Balance:
+        """Take the balance from the diagnostics of one time, whose attributes have its names."""
+        return cls(*(getattr(now, name, 0.0) for name in cls._fields))
 
     @classmethod
     def of_row(cls, row: Mapping[str, str]) -> Balance:
-        """Read the balance from a row of the log; an empty cell is NaN."""
-        return cls(*(number(row[name]) for name in cls._fields))
+        """Read the balance from a row of the log; an empty cell is NaN, and a column that is not there 0."""
+        return cls(*(number(row.get(name, "0")) for name in cls._fields))
 
     @property
     def kinetic_and_elastic(self) -> float:
@@ -83,5 +95,12 @@ class Balance(NamedTuple):
         return self.kinetic_and_elastic + self.potential
 
     def growth(self, before: Balance) -> float:
-        """Return what the snow gained since `before` beyond the colliders' work; a loss is below zero."""
-        return (self.total - before.total) - (self.work - before.work)
+        """Return what the snow gained since `before` beyond the colliders' work and what came with snow.
+
+        A loss is below zero.
+        """
+        return self._unaccounted - before._unaccounted
+
+    @property
+    def _unaccounted(self) -> float:
+        return self.total - self.work - (self.emitted_energy - self.removed_energy)

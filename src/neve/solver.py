@@ -229,15 +229,14 @@ def fill_columns(state: Any, fields: Sequence[Field], arrays: Arrays) -> None:
         column[...] = given
 
 
-def joined(there: Arrays, fresh: Arrays) -> tuple[dict[str, NDArray[Any]], int]:
+def joined(there: Arrays, fresh: Arrays, first: int) -> dict[str, NDArray[Any]]:
     """Return the columns of the particles that are there, and of fresh ones after them.
 
-    The fresh ones are named (id) on from the others; the second value is the id of the first.
+    The fresh ones are named (id) on from `first`.
     """
-    first = int(there["id"].max()) + 1 if len(there["id"]) else 0
     ids = np.arange(first, first + len(fresh["id"]), dtype=there["id"].dtype)
     named = {**fresh, "id": ids}
-    return {name: np.concatenate([there[name], named[name]]) for name in named}, first
+    return {name: np.concatenate([there[name], named[name]]) for name in named}
 
 
 def _getter(state: Any, name: str) -> Callable[[], Any]:

@@ -36,7 +36,7 @@ def page():
     return (ROOT / "docs/recipes.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", ["conveyor", "drum", "container"])
+@pytest.mark.parametrize("name", ["conveyor", "drum", "container", "cannon"])
 def test_the_page_has_the_scene(name):
     """Word for word, and its command."""
     scenes = re.findall(r"```toml\n(.*?)```", page(), flags=re.DOTALL)
@@ -101,3 +101,17 @@ def test_the_bin_fills_keeps_and_is_tipped():
     assert (x[:, 0] > 0.3).mean() > 0.99
     assert np.quantile(x[:, 2], 0.99) < 0.5
     assert np.linalg.norm(v, axis=1).mean() < 0.1
+
+
+def test_the_cannon_hits_where_it_aims():
+    """At 7 m/s, 40 degrees up from 1.34 m, snow lands 5.5 m on, round x = 2.9 m; the books close."""
+    sim = Simulation(load(FOLDER / "cannon.toml", ["numerics.dx=0.1"]))
+    sim.advance(1.6)
+    now = sim.diagnostics()
+    assert now.emitted_mass == pytest.approx(1.6 * 30.0, rel=0.02)
+    assert now.mass == pytest.approx(now.emitted_mass - now.removed_mass, rel=1e-9)
+    x = np.asarray(sim.state.x, np.float64)
+    landed = x[x[:, 2] < 0.1]
+    assert len(landed) > 0.1 * len(x)
+    assert np.median(landed[:, 0]) == pytest.approx(2.9, abs=0.7)
+    assert x[:, 2].max() < 1.34 + 4.5**2 / (2 * 9.81) + 1.5

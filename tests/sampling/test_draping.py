@@ -86,7 +86,7 @@ def test_overlaps_are_those_of_the_lifted_layer(load_text):
     with pytest.warns(SceneWarning, match=r"overlaps sources\.0 in 0\.1 m3"):
         build(load_text(layer, half + SLOPE))
     _, state, births = build(load_text(layer, f'{half}overlap = "cut"\n{SLOPE}'))
-    x = np.asarray(state.x, np.float64)[births[1] :]
+    x = np.asarray(state.x, np.float64)[births.table[1, 0] :]
     assert (x[:, 2] - (0.3 + 0.5 * x[:, 0])).min() > 0.2 - 3e-6
 
 

@@ -39,7 +39,7 @@ METHODS: Mapping[str, tuple[str, ...]] = {
 
 def methods(scene: Scene) -> list[str]:
     """Return the names of the methods that `scene` uses, in the order of the data path."""
-    snows = [scene.snow_of(source) for source in scene.sources]
+    snows = [scene.snow_of(source) for source in scene.bearers]
     laws: list[str] = [snow.law for snow in snows]
     if any(LAWS[snow.law].has_elastic_option and snow.plasticity == "snow" for snow in snows):
         laws.append("snow")

@@ -11,37 +11,19 @@ from numpy.typing import NDArray
 
 from neve.export.axes import Axes
 from neve.io.errors import RunError
-from neve.io.frames import Frame
+from neve.io.frames import Frame, Life
 from neve.spelling import hint, nearest
 
 Floats = NDArray[np.float32]
 
 USUAL = ("v", "J_P", "id", "material")
 """Fields of a frame that an export has unless others are asked for, as far as the run has them."""
-FOR_LIFE = ("m", "V0")
-"""Fields that a particle keeps for life, which stand in the checkpoint."""
 _LENGTHS = ("v",)
 """Vector fields that are lengths, or lengths in a time."""
 _SHAPES = ((), (3,), (6,), (3, 3))
 """Of a row of a field: a number, a vector, a symmetric matrix, a matrix."""
 _SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
 """Where the numbers xx, yy, zz, xy, xz, yz of a symmetric matrix stand in it."""
-
-
-@dataclass(frozen=True)
-class Life:
-    """Hold what particles keep for life: `id` (n,) and other columns (n,), by name."""
-
-    id: NDArray[Any]
-    columns: Mapping[str, NDArray[Any]]
-
-    def of(self, name: str, id: NDArray[Any]) -> NDArray[Any]:
-        """Return the column `name` of the particles `id`. Errors: RunError."""
-        order = np.argsort(self.id)
-        mine = order[np.searchsorted(self.id, id, sorter=order).clip(max=len(order) - 1)]
-        if not np.array_equal(self.id[mine], id):
-            raise RunError("a frame and the checkpoint have other particles: they are of different runs.")
-        return np.asarray(self.columns[name][mine])
 
 
 @dataclass(frozen=True)
@@ -98,9 +80,16 @@ def moment_of(
         fields["v"] if "v" in fields else axes.lengths(content.v),
         content.id,
         fields,
-        life.of("m", content.id) if weigh and life is not None else np.zeros(0),
+        _mass(have, content, life) if weigh else np.zeros(0),
         [axes.pose(position, rotation) for position, rotation in poses],
     )
+
+
+def _mass(have: Mapping[str, NDArray[Any]], content: Frame, life: Life | None) -> NDArray[Any]:
+    """Return the mass of the particles of a frame (n,), its own or the checkpoint's. Errors: RunError."""
+    if "m" in have:
+        return have["m"]
+    return np.zeros(0) if life is None else life.of("m", content.id)
 
 
 def turned(name: str, values: NDArray[Any], axes: Axes) -> NDArray[Any]:

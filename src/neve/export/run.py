@@ -13,11 +13,11 @@ from neve.export.axes import Axes, Up
 from neve.export.camera import FilmCamera
 from neve.export.folder import ExportFolder
 from neve.export.format import Format, Job
-from neve.export.moment import FOR_LIFE, Life, check_names, columns_of, moment_of
+from neve.export.moment import check_names, columns_of, moment_of
 from neve.export.registry import FORMATS
 from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError, cannot_read
-from neve.io.frames import Frame, chosen_frames, frame_numbers, frame_path, read_frame
+from neve.io.frames import FOR_LIFE, Frame, Life, chosen_frames, frame_numbers, frame_path, read_frame
 from neve.io.npz import mark_of
 from neve.io.run_folder import RunFolder
 

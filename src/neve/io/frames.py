@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from types import MappingProxyType
@@ -44,6 +45,23 @@ class Frame(NamedTuple):
     more: Mapping[str, NDArray[Any]] = MappingProxyType(
         {}
     )  # what `run.fields` names, a row for each particle
+
+
+@dataclass(frozen=True)
+class Life:
+    """Hold what particles keep for life: `id` (n,) and other columns (n,), by name."""
+
+    id: NDArray[Any]
+    columns: Mapping[str, NDArray[Any]]
+
+    def of(self, name: str, id: NDArray[Any]) -> NDArray[Any]:
+        """Return the column `name` of the particles `id`. Errors: RunError."""
+        order = np.argsort(self.id)
+        place = np.searchsorted(self.id, id, sorter=order).clip(max=len(order) - 1)
+        mine = order[place] if len(order) else order
+        if not np.array_equal(self.id[mine], id):
+            raise RunError("a frame and the checkpoint have other particles: they are of different runs.")
+        return np.asarray(self.columns[name][mine])
 
 
 def frame_path(folder: Path, frame: int) -> Path:
@@ -118,11 +136,20 @@ def _short(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(np.float32, copy=False) if values.dtype.kind == "f" else values
 
 
+FOR_LIFE = ("m", "V0")
+"""Fields that a particle keeps for life, which stand in the checkpoint."""
+
+
 def fields_of(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
-    """Return the further fields of a frame: of `run.fields`, the source where there are several, of heat."""
-    asked = scene.run.fields
-    unasked = (*(("source",) if len(scene.sources) > 1 else ()), *HEAT)
-    return (*asked, *(name for name in unasked if name in columns and name not in asked))
+    """Return the further fields of a frame.
+
+    These are those of `run.fields`, the source where there are several, emitters among them, and where there
+    are sinks what a particle keeps for life: no checkpoint has it of a particle that is gone; and heat.
+    """
+    known = {*columns}
+    unasked = ["source"] if len(scene.bearers) > 1 else []
+    unasked += [*(FOR_LIFE if scene.sinks else ()), *HEAT]
+    return tuple(dict.fromkeys([*scene.run.fields, *(name for name in unasked if name in known)]))
 
 
 def frame_of(

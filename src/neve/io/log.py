@@ -27,15 +27,34 @@ def stages(method: str) -> tuple[str, ...]:
     return (*METHODS.get(method).stages, *OUTSIDE)
 
 
-def columns(method: str) -> tuple[str, ...]:
-    """Return the columns of the log of a run with `numerics.method`: CLOCK, the solver's own, the seconds."""
-    return (*CLOCK, *METHODS.get(method).log_columns, *(f"seconds_{stage}" for stage in stages(method)))
+FLOW = (
+    "emitted_mass",  # of all snow that emitters added so far [kg]
+    "emitted_momentum_x",  # with which it came [kg m/s]
+    "emitted_momentum_y",
+    "emitted_momentum_z",
+    "emitted_energy",  # kinetic and potential [J]
+    "removed_mass",  # the same of what sinks took out, at that time
+    "removed_momentum_x",
+    "removed_momentum_y",
+    "removed_momentum_z",
+    "removed_energy",  # kinetic, affine, elastic and potential [J]
+)
+"""Columns of a run in which snow comes or goes, after the solver's own."""
 
 
-def read_log(path: Path, method: str) -> list[dict[str, str]]:
-    """Return the whole rows of the log of a run with `numerics.method` as text, by column.
+def columns(method: str, is_open: bool = False) -> tuple[str, ...]:
+    """Return the columns of the log of a run with `numerics.method`: CLOCK, the solver's own, the seconds.
+
+    is_open: whether snow comes or goes during the run: then FLOW comes before the seconds
+    """
+    own = METHODS.get(method).log_columns
+    return (*CLOCK, *own, *(FLOW if is_open else ()), *(f"seconds_{stage}" for stage in stages(method)))
+
+
+def read_log(path: Path, method: str, is_open: bool = False) -> list[dict[str, str]]:
+    """Return the whole rows of the log of a run with `numerics.method` as text, by column (see `columns`).
 
     A last line cut short by a crash is left out. Errors: RunError if the file cannot be read, has other
     columns, or is damaged.
     """
-    return read_table(path, columns(method))
+    return read_table(path, columns(method, is_open))

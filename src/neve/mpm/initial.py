@@ -6,23 +6,22 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from neve.build import coupled, material_table, samples_of
+from neve.mpm.births import Births
 from neve.mpm.model import Model
 from neve.sampling import Samples
+from neve.sampling.fineness import particles_of
+from neve.sampling.room import require_room_for_all
+from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene
 
 if TYPE_CHECKING:
     from neve._core import State
 
 
-Births = NDArray[np.int64]
-"""The id of the first particle of each source of a scene, (s,); those of a source follow each other."""
-
-
 def build(scene: Scene) -> tuple[Model, State, Births]:
-    """Sample the sources and assemble the material table; the third value is that of `snow_of`.
+    """Sample the sources and assemble the material table; the third value says whose a particle is.
 
     Each particle has rest volume V0, its share of its source's volume, factors on stiffness and strength, and
     mass m = rho0 f V0 with its factor f on density; F_E = I and J_P = 1; with an affine transfer the
@@ -33,13 +32,16 @@ def build(scene: Scene) -> tuple[Model, State, Births]:
     Errors: SceneError for a source, a mesh or a height map that cannot be used.
     """
     model = make_model(scene)
-    return model, *snow_of(scene, model, range(len(scene.sources)))
+    if scene.emitters and not scene.sinks:
+        require_room_for_all(particles_of(scene), scene.numerics)
+    state, sizes = snow_of(scene, model, range(len(scene.sources)))
+    return model, state, Births.of_sources(sizes)
 
 
-def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, Births]:
+def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, list[int]]:
     """Return the particles of the sources of these indices, without those inside a solid of `model`.
 
-    The second value is the first row of each source, (s,).
+    The second value is how many each source has.
 
     Errors: SceneError for a source that cannot be used, or that starts wholly inside solids, and for more
     particles than there is memory for.
@@ -57,14 +59,28 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, 
         if model.native.keeps_C:
             state.C[rows] = _spin_matrix(source.spin)
         begin = rows.stop
-    sizes = [len(s.x) for s in samples]
-    return state, np.cumsum([0, *sizes[:-1]], dtype=np.int64)
+    return state, [len(s.x) for s in samples]
 
 
 def make_model(scene: Scene) -> Model:
-    """Return the constants of the scene's run, without sampling any snow."""
+    """Return the constants of the scene's run, without sampling any snow.
+
+    Errors: SceneError for emitters or sinks where the device has none.
+    """
+    if scene.is_open and scene.numerics.device != "cpu":
+        scene = _on_the_processor(scene)
     solids, rigid = coupled(scene)
     return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, solids, rigid)
+
+
+def _on_the_processor(scene: Scene) -> Scene:
+    """Return a scene in which snow comes or goes for the processor, if its device may be that."""
+    if scene.numerics.device == "auto":
+        return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"device": "cpu"})})
+    name = "emitters" if scene.emitters else "sinks"
+    raise SceneError(
+        f'{name}: numerics.device = "{scene.numerics.device}" adds and removes no snow; use "cpu"'
+    )
 
 
 def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) -> None:

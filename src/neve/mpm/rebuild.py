@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.build import material_table, require_same_sources, with_one_more
-from neve.mpm.initial import Births, make_model, snow_of
+from neve.mpm.births import Births
+from neve.mpm.initial import make_model, snow_of
 from neve.mpm.model import Model
 from neve.mpm.state import fit_modes, from_arrays, to_arrays
 from neve.rigid.going_on import going_on
@@ -27,10 +28,12 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
     source has in `new_scene`. Where the transfer has other modes of the velocity, the new ones are zero.
     Rigid bodies go on as `neve.rigid.going_on.going_on` says.
 
-    Errors: SceneError if a run cannot change so: the number of sources, or
-    the snow of one of several sources that shared theirs.
+    Errors: SceneError if a run cannot change so: the number of sources, emitters that go, or
+    the snow of one of several sources or emitters that shared theirs.
     """
     require_same_sources(scene, new_scene)
+    if len(new_scene.emitters) < len(scene.emitters):
+        raise SceneError("emitters cannot go while a run goes on; set their end, or start it anew")
     rows = _rows(scene, new_scene)
     fresh = going_on(scene, new_scene, model, make_model)
     old, new = ((m.native.more_modes, m.native.has_play) for m in (model, fresh))
@@ -59,17 +62,24 @@ def with_source(
     more = going_on(scene, new_scene, model, make_model)
     more.place_solids(time)
     fresh = to_arrays(snow_of(new_scene, more, [len(scene.sources)])[0])
-    both, first = joined(to_arrays(state), fresh)
-    return new_scene, more, from_arrays(more.core, both), np.append(births, np.int64(first))
+    both = joined(to_arrays(state), fresh, births.count)
+    births = births.copy()
+    births.add(len(scene.sources), len(fresh["id"]))
+    return new_scene, more, from_arrays(more.core, both), births
 
 
 def _rows(scene: Scene, new_scene: Scene) -> NDArray[Any]:
     """Return for each row of the material table of `scene` the row in that of `new_scene`."""
     before, after = material_table(scene), material_table(new_scene)
     rows = np.full(len(before), -1, dtype=np.int64)
-    for i, (old, new) in enumerate(zip(scene.sources, new_scene.sources, strict=True)):
+    pairs = [
+        (f"{name}.{i}", old, new)
+        for name in ("sources", "emitters")
+        for i, (old, new) in enumerate(zip(getattr(scene, name), getattr(new_scene, name), strict=False))
+    ]
+    for name, old, new in pairs:
         row, to = before.index(scene.snow_of(old)), after.index(new_scene.snow_of(new))
         if rows[row] not in (-1, to):
-            raise SceneError(f"sources.{i}.snow cannot part from that of another source while a run goes on")
+            raise SceneError(f"{name}.snow cannot part from that of another source while a run goes on")
         rows[row] = to
     return rows.astype(np.uint16)

@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 from neve.colliders.solid import Solid
 from neve.diagnostics import Diagnostics, row_of
 from neve.geometry.pose import Pose
+from neve.mpm.births import Births
 from neve.mpm.failures import require_finite, require_progress
+from neve.mpm.flow import Flow
 from neve.mpm.initial import build, make_model
 from neve.mpm.rebuild import with_scene, with_source
 from neve.mpm.state import (
     FIELDS,
-    checked_births,
     density,
     fit_modes,
     from_arrays,
-    source_of,
     to_arrays,
 )
 from neve.mpm.state_checks import inspect, require_whole, warn_of_density
@@ -40,7 +40,7 @@ class MpmSolver(Solver):
 
     Attributes:
         model: constants and solids; state: the particles (see neve.mpm.state); grid: of the last step
-        births: the id of the first particle of each source, (s,)
+        births: whose a particle is. flow: snow that comes and goes
     """
 
     fields = FIELDS
@@ -91,7 +91,15 @@ class MpmSolver(Solver):
                 modes = fit_modes(modes, polynomial, native)
             self.state = from_arrays(self.model.core, saved, modes)
             require_whole(self.model, self.state)
-            self.births = checked_births(saved["births"], len(scene.sources))
+            sources, emitters = len(scene.sources), len(scene.emitters)
+            self.births = Births.of_arrays(saved["births"], saved["born"], sources, emitters)
+            if not (state_ids := np.asarray(self.state.id)).size and not scene.is_open:
+                raise ValueError("it holds no particle")
+            if state_ids.size and int(state_ids.max()) >= self.births.count:
+                raise ValueError("a particle was born later than any")
+        self.flow = Flow(scene, self.model)
+        if saved is not None:
+            self.flow.restore(saved)
         self.grid = self.model.core.Grid()
         self._warned = self._warned_of_density = False
 
@@ -102,7 +110,9 @@ class MpmSolver(Solver):
         """
         densest = inspect(self.model, self.state)
         self._stages = Stages(self.model, self.state, self.grid, self.timer)
-        self.model.limit_compression(float(np.max(self.state.strength, initial=0.0)))
+        self.flow.begin()
+        at_birth = 1.0 if self.scene.emitters else 0.0
+        self.model.limit_compression(float(np.max(self.state.strength, initial=at_birth)))
         self._report = self._stages.refresh()
         require_finite(self.model, self.state, self._report, steps, time, 0.0)
         if steps == 0 and self.scene.numerics.initial_volume == "grid":
@@ -124,6 +134,7 @@ class MpmSolver(Solver):
         self._warn_of_long_step(choice, self._report, steps)
         dt = fitted(choice.dt, remaining)
         self._report, dt, rejected = try_step(self._stages, dt, self._report, steps, time)
+        self._ends = dt >= remaining * (1 - 1e-9)
         return StepSummary(dt, "retry" if rejected else choice.bound, rejected)
 
     def take_steps(self, steps: int, time: float, remaining: float, most: int) -> Sequence[StepSummary]:
@@ -138,12 +149,28 @@ class MpmSolver(Solver):
     def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
         """Check the particles, and let the bodies feel what the snow did to them. Errors: Blowup."""
         require_finite(self.model, self.state, self._report, steps, time, dt)
+        exchanged = self._move_bodies(time, dt)
+        if self.scene.is_open:
+            self._come_and_go(time, dt)
+        return exchanged
+
+    def _move_bodies(self, time: float, dt: float) -> NDArray[np.float64] | None:
+        """Let the bodies feel what the snow did to them; return what `take_exchanged` did, if any."""
         if self.model.rigid is None:
             return None
         with self.timer.stage("bodies"):
             exchanged = self.take_exchanged()
             advance_bodies(self.model, dt, exchanged, time)
         return exchanged
+
+    def _come_and_go(self, time: float, dt: float) -> None:
+        """Let snow come and go in the step of dt [s] that ends at `time` [s]."""
+        with self.timer.stage("sort"):
+            changed = self.flow.advance(self.state, self.births, self._report, time, dt, self._ends)
+        if changed is not None:
+            self.state = changed
+            self._stages = Stages(self.model, self.state, self.grid, self.timer)
+            self._stages.sort(anew=True)
 
     def _warn_of_long_step(self, choice: Choice, report: Report, steps: int) -> None:
         """Log, once, that the scene's fixed dt [s] is longer than what is stable, and shortened."""
@@ -177,6 +204,7 @@ class MpmSolver(Solver):
             particles=int(self.state.count),
             blocks=int(self.grid.blocks),
             **self.model.totals_of_bodies(),
+            **self.flow.books(),
         )
 
     def log_values(self, totals: Diagnostics) -> Mapping[str, float]:
@@ -184,9 +212,10 @@ class MpmSolver(Solver):
         return row_of(totals, self.log_columns)
 
     def save(self) -> dict[str, NDArray[Any]]:
-        """Return the state, and that of the rigid bodies."""
+        """Return the state, whose it is, what comes and goes, and the rigid bodies."""
         rigid = self.model.rigid
-        return {**to_arrays(self.state), "births": self.births.copy(), **(rigid.save() if rigid else {})}
+        whose = self.births.arrays()
+        return {**to_arrays(self.state), **whose, **self.flow.save(), **(rigid.save() if rigid else {})}
 
     @property
     def report(self) -> Report:
@@ -215,7 +244,7 @@ class MpmSolver(Solver):
         return super().columns() | {
             "tau": lambda: state.tau,
             "density": lambda: density(state),
-            "source": lambda: source_of(state.id, self.births),
+            "source": lambda: self.births.of(state.id, len(self.scene.sources)),
         }
 
     @property
@@ -244,5 +273,7 @@ class MpmSolver(Solver):
         self._go_on_in(scene)
 
     def _go_on_in(self, scene: Scene) -> None:
-        self.scene = scene
+        flow = Flow(scene, self.model)
+        flow.take_over(self.flow)
+        self.scene, self.flow = scene, flow
         self.grid = self.model.core.Grid()

@@ -78,26 +78,6 @@ def fit_modes(modes: NDArray[Any], polynomial: int, native: Model) -> NDArray[An
     return out
 
 
-def source_of(ids: NDArray[Any], births: NDArray[np.int64]) -> NDArray[Any]:
-    """Return the index of the source that each particle came from, (n,), given its id (n,).
-
-    births: the id of the first particle of each source, (s,)
-    """
-    found = np.searchsorted(births, ids, side="right") - 1
-    return np.asarray(found.astype(np.uint16 if len(births) <= 2**16 else np.uint32))
-
-
-def checked_births(saved: Any, sources: int) -> NDArray[np.int64]:
-    """Return the births that a checkpoint holds. Errors: ValueError for what belongs to no such state."""
-    births = np.array(saved)
-    fits = births.shape == (sources,) and births.dtype == np.int64 and births[0] == 0
-    if not (fits and np.all(np.diff(births) >= 0)):
-        raise ValueError(
-            f"births is an array {births.shape} of {births.dtype}, not those of {sources} sources"
-        )
-    return births
-
-
 def density(state: State) -> NDArray[Any]:
     """Return m / (V0 det(F_E) J_P), the density of each particle [kg/m3], (n,)."""
     J = determinant(state.F_E) * state.J_P

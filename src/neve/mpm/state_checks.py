@@ -59,8 +59,6 @@ def inspect(model: Model, state: State) -> Densest:
 def require_whole(model: Model, state: State) -> None:
     """Refuse a state that no run of this model leaves. Errors: ValueError: which particle, what is wrong."""
     ids = np.asarray(state.id)
-    if not len(ids):
-        raise ValueError("it holds no particle")
     ordered = np.sort(ids)
     if len(twice := ordered[1:][ordered[1:] == ordered[:-1]]):
         raise ValueError(f"two particles have the number {twice[0]}")
@@ -80,12 +78,17 @@ def warn_of_density(scene: Scene, model: Model, state: State, densest: Densest, 
         return False
     row = densest.row
     material = int(state.material[row])
-    sources = [i for i, s in enumerate(scene.sources) if model.snows.index(scene.snow_of(s)) == material]
+    whose = [
+        f"{name}.{i}"
+        for name in ("sources", "emitters")
+        for i, s in enumerate(getattr(scene, name))
+        if model.snows.index(scene.snow_of(s)) == material
+    ]
     volume = _J_E(state, row) * float(state.J_P[row])
     logging.getLogger("neve").warning(
         "snow of %s is pressed to %.0f kg/m3 at t = %.3g s, by particle %d at (%s) m; ice has 917 kg/m3: "
         "leave it more room, press or throw it more slowly, or resolve it more finely (numerics.dx = %g m)",
-        " or ".join(f"sources.{i}" for i in sources),
+        " or ".join(whose),
         float(state.m[row]) / (float(state.V0[row]) * volume),
         time,
         int(state.id[row]),

@@ -64,6 +64,9 @@ def kernels(scene: Scene) -> Precision:
 
 def place_solids(scene: Scene) -> PlacedSolids:
     """Return the scene's solids in the core, the bodies where they start. Errors: SceneError."""
+    for name in ("emitters", "sinks"):
+        if getattr(scene, name):
+            raise SceneError(f'{name}: numerics.method = "particles" adds and removes no snow; use "mpm"')
     solids, rigid = coupled(scene)
     numerics = scene.numerics
     gravity = np.array(scene.world.gravity, dtype=np.float64)

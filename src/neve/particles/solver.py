@@ -316,7 +316,8 @@ class ParticleSolver(Solver):
         placed.place_solids(time)
         fresh = snow_of(scene, placed, [len(self.scene.sources)])
         there = self.save()
-        both, first = joined(there, fresh)
+        first = int(there["id"].max()) + 1 if len(there["id"]) else 0
+        both = joined(there, fresh, first)
         begin = np.concatenate([there["contact_begin"], np.full(len(fresh["m"]), there["contact_begin"][-1])])
         state = from_arrays(scene, both)
         self.scene, self.placed, self.state = scene, placed, state

@@ -11,7 +11,7 @@ MANY_PARTS = 1000
 """Parts of one list of a scene that take a while to make ready."""
 MANY_PARTICLES = 5e6
 """Particles that do."""
-LISTS = ("sources", "colliders", "bodies", "robots")
+LISTS = ("sources", "emitters", "sinks", "colliders", "bodies", "robots")
 
 
 def in_words(scene: Scene) -> str:
@@ -26,4 +26,4 @@ def in_words(scene: Scene) -> str:
     return f"{', '.join(parts)}, about {particles:.2g} particles"
 
 
-ONE = {"sources": "source", "colliders": "collider", "bodies": "body", "robots": "robot"}
+ONE = {name: name.removesuffix("s") for name in LISTS} | {"bodies": "body"}

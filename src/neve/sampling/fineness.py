@@ -6,6 +6,7 @@ from decimal import ROUND_FLOOR, Decimal
 
 import numpy as np
 
+from neve.sampling.emitters.stream import stream
 from neve.sampling.regions import region
 from neve.scene.schema.scene import Scene
 
@@ -16,7 +17,9 @@ ENOUGH = 1_000_000
 
 
 def particles_of(scene: Scene) -> float:
-    """Return about how many particles the sources take: volume over the cube of the particles' distance.
+    """Return about how many particles there are: those of the sources, and all that emitters add in the run.
+
+    Those of a source are its volume over the cube of the particles' distance.
 
     Errors: SceneError for a font or a mesh that cannot be used.
     """
@@ -24,7 +27,12 @@ def particles_of(scene: Scene) -> float:
     return sum(
         region(source, scene.numerics, f"sources.{i}", scene.colliders).volume
         for i, source in enumerate(scene.sources)
-    ) / (spacing**3)
+    ) / (spacing**3) + emitted_by(scene, scene.run.duration)
+
+
+def emitted_by(scene: Scene, end: float) -> float:
+    """Return about how many particles emitters add until `end` [s]. Errors: SceneError, see `stream`."""
+    return sum(stream(scene, i).expected(0.0, end) for i in range(len(scene.emitters)))
 
 
 def placed_in(scene: Scene) -> float:
@@ -33,7 +41,7 @@ def placed_in(scene: Scene) -> float:
     As `particles_of`, with the whole number of cells that a lattice has along each edge of a source's box.
     Errors: SceneError as there.
     """
-    numerics, total = scene.numerics, 0.0
+    numerics, total = scene.numerics, emitted_by(scene, scene.run.duration)
     for i, source in enumerate(scene.sources):
         space = region(source, numerics, f"sources.{i}", scene.colliders)
         edges = space.size / numerics.spacing

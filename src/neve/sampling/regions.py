@@ -17,6 +17,7 @@ from neve.sampling.lettering import Letters, letters
 from neve.scene.schema.file_shapes import Layer, Mesh, Terrain, Text
 from neve.scene.schema.scene import Collider, Numerics, Source
 from neve.scene.schema.shapes import Shape
+from neve.scene.schema.sources import Emitter, Sink
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -47,8 +48,24 @@ class Region:
     lowest: float
     middle: Array = field(default_factory=lambda: np.zeros(3))
 
+    def holds(self, x: Array) -> Mask:
+        """Return which points x of the world [m] (n, 3) are in the region, (n,)."""
+        local = product(x - self.center, self.rotation) - self.middle
+        slack = 1e-9 * self.size
+        found = np.all(np.abs(local) <= 0.5 * self.size + slack, axis=1)
+        found[found] = self.inside(local[found])
+        return np.asarray(found)
 
-def region(source: Source, numerics: Numerics, name: str, colliders: Sequence[Collider] = ()) -> Region:
+    def bounds(self) -> tuple[Array, Array]:
+        """Return the lowest and the highest corner [m] (3,) of a box along the world's axes around it."""
+        middle = self.center + product(self.rotation, self.middle)
+        half = 0.5 * product(np.abs(self.rotation), self.size)
+        return middle - half, middle + half
+
+
+def region(
+    source: Source | Emitter | Sink, numerics: Numerics, name: str, colliders: Sequence[Collider] = ()
+) -> Region:
     """Return the space that `source` fills, with details finer than the particles' distance.
 
     `name`: used in messages; `colliders`: of the scene, on whose terrain a mask may lie.

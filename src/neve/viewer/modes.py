@@ -102,7 +102,7 @@ def _material_names(scene: Scene) -> list[LegendName]:
     rows = material_table(scene)
     names: list[LegendName] = []
     for i, snow in enumerate(rows):
-        whose = [str(k) for k, source in enumerate(scene.sources) if scene.snow_of(source) == snow]
+        whose = [str(k) for k, source in enumerate(scene.bearers) if scene.snow_of(source) == snow]
         text = snow.kind if len(rows) == 1 else f"{snow.kind}, of sources {', '.join(whose[:6])}"
         names.append({"value": i, "text": text})
     return names

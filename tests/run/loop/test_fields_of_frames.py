@@ -6,7 +6,7 @@ import pytest
 from neve import Simulation
 from neve.export.run import Choices, export_run
 from neve.io.frames import read_frame
-from neve.mpm.state import source_of
+from neve.mpm.births import Births
 from neve.run import run_scene
 from neve.scene.reading.load import load
 
@@ -79,15 +79,27 @@ def test_added_snow_is_another_source(scene):
 def test_births_of_other_scenes_are_refused(scene):
     """A checkpoint whose births do not fit the sources is damaged."""
     arrays = Simulation(scene).arrays()
-    for wrong in (np.array([0]), np.array([0, -1]), np.array([1, 2]), np.array([0.0, 5.0])):
+    for wrong in (
+        [[0, 0]],
+        [[0, 0], [-1, 1]],
+        [[1, 0], [2, 1]],
+        [[0.0, 0], [5, 1]],
+        [[0, 0], [5, -1]],
+        [0, 5],
+    ):
         with pytest.raises(ValueError, match="births"):
-            Simulation.restore(scene, arrays | {"births": wrong})
+            Simulation.restore(scene, arrays | {"births": np.array(wrong)})
 
 
 def test_source_of_an_empty_source_is_nobodys():
-    """Two sources with the same first id: the earlier one has no particles."""
+    """Two sources with the same first id: the earlier one has no particles; emitters come after sources."""
     ids = np.array([3, 0, 2, 1])
-    np.testing.assert_array_equal(source_of(ids, np.array([0, 2, 2])), [2, 0, 2, 0])
+    births = Births.of_sources([2, 0, 2])
+    np.testing.assert_array_equal(births.of(ids, 3), [2, 0, 2, 0])
+    for owner, count in ((-1, 2), (-1, 1), (-2, 2), (-1, 1)):
+        births.add(owner, count)
+    assert births.table[3:].tolist() == [[4, -1], [7, -2], [9, -1]]
+    np.testing.assert_array_equal(births.of(np.arange(10), 3), [0, 0, 2, 2, 3, 3, 3, 4, 4, 3])
 
 
 def test_every_field_can_be_asked_for(scene, tmp_path):

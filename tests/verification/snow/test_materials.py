@@ -62,7 +62,7 @@ def test_table_rows_reach_their_particles():
         for name, value in arrays.items()
     }
     only["material"] = np.zeros_like(only["material"])
-    only["births"] = np.zeros(1, dtype=np.int64)
+    only["births"] = np.zeros((1, 2), dtype=np.int64)
     single = march(neve.Simulation.restore(drop(other), only, threads=1), 100)
     a, b = of_source(march(pair, 100), 1), of_source(single, 1)
     for name, value in a.items():

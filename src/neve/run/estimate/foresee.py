@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from neve.io.frames import arrays_of, fields_of, frame_of
+from neve.run.estimate.crowd import crowd
 from neve.run.estimate.trial import Trial, likeness, pace, silence, trial
 from neve.run.loop import last_frame
 from neve.run.outputs.registry import entries, kinds, schedule_of
@@ -30,6 +31,8 @@ LIKENESS = 3_000
 COARSEST = 8.0
 """Factor on dx of a likeness at most."""
 
+ROOM = 1.5
+"""Memory of particles that are added to, over that of those that are there."""
 PROGRAM, DRAWING = 100e6, 200e6
 """Memory of the program with its libraries, and of drawing films and pictures [bytes]; measured on Linux."""
 SAMPLE_BYTES = 240
@@ -65,7 +68,7 @@ class Estimate:
     """Hold what a run takes.
 
     Attributes:
-        particles: at the start
+        particles: at the start; where snow comes or goes, the most at any time
         frames: number of the last frame
         steps: in all
         seconds: wall time on this machine
@@ -117,12 +120,15 @@ def estimate(
     with silence():
         near = Simulation(likeness(scene, coarser) if coarser > 1.0 else scene, threads=threads)
     times = placed_in(scene) / placed_in(near.scene) if coarser > 1.0 else 1.0
-    foreseen = _trial(scene, near.count * times, last, 0.7 * seconds, threads)
+    there = expected if scene.is_open else near.count * times
+    foreseen = _trial(scene, there, last, 0.7 * seconds, threads)
     frame, saved = _frame(near), _saved(near)
     drawing = _drawing(near, frame)
-    a_step = pace(near, min(0.2 * seconds, 2.0))
+    a_step = pace(near, min(0.2 * seconds, 0.3 if scene.is_open else 2.0))
     if foreseen is None:
         raise Blowup("the scene fails within its first steps: neve run says how")
+    if scene.is_open:
+        return _open(scene, last, foreseen, near, drawing, threads, begin)
     particles = near.count * times
     frame_bytes = _archive(arrays_of(frame)) * times
     need, unknown = _needs(scene, last, Sizes(frame_bytes, saved * times, len(near.solids()) * ROW_BYTES))
@@ -160,6 +166,8 @@ def guess(scene: Scene, frames: int | None = None, threads: int | None = None) -
     foreseen = _trial(scene, expected, last, 1.0, threads)
     if foreseen is None:
         return None
+    if scene.is_open:
+        return _open(scene, last, foreseen, None, PICTURE_SECONDS, threads, begin)
     particles = foreseen.particles * placed_in(scene) / placed_in(likeness(scene, foreseen.coarser))
     frame_bytes = particles * FRAME_BYTES
     solids = len(scene.colliders) + len(scene.bodies)
@@ -174,6 +182,45 @@ def guess(scene: Scene, frames: int | None = None, threads: int | None = None) -
         memory=PROGRAM + DRAWING + 2 * SAMPLE_BYTES * particles,
         disk=need.bytes,
         frame_bytes=frame_bytes,
+        not_counted=unknown,
+        threads=threads,
+        tried=foreseen.covered,
+        trial_seconds=time.monotonic() - begin,
+    )
+
+
+def _open(
+    scene: Scene,
+    last: int,
+    foreseen: Trial,
+    near: Simulation | None,
+    drawing: float,
+    threads: int | None,
+    begin: float,
+) -> Estimate:
+    """Return the estimate of a run in which snow comes or goes: the likeness tells how much is there when.
+
+    near: the scene itself or something near it, after some steps; drawing: seconds that a picture takes
+    """
+    some = crowd(scene, foreseen, last / scene.run.fps)
+    each_frame, each_saved, each = float(FRAME_BYTES), float(SAVED_BYTES), float(SAMPLE_BYTES)
+    if near is not None and near.count:
+        each_frame, each_saved = _archive(arrays_of(_frame(near))) / near.count, _saved(near) / near.count
+        each = near.bytes / near.count
+    each_frame += 8.0 if scene.sinks and near is None else 0.0
+    solids = len(scene.colliders) + len(scene.bodies)
+    sizes = Sizes(some.mean * each_frame, some.most * each_saved, solids * ROW_BYTES)
+    need, unknown = _needs(scene, last, sizes)
+    state = some.most * (ROOM * each + each_saved + each_frame)
+    steps = _steps(foreseen, last, scene.run.fps)
+    return Estimate(
+        particles=Range(some.most, 0.9 * some.most, 1.1 * some.most),
+        frames=last,
+        steps=steps,
+        seconds=_seconds(steps, foreseen.seconds_per_work * some.mean, need.pictures * drawing),
+        memory=PROGRAM + (DRAWING if need.pictures else 0.0) + state,
+        disk=need.bytes,
+        frame_bytes=some.most * each_frame,
         not_counted=unknown,
         threads=threads,
         tried=foreseen.covered,

@@ -12,12 +12,13 @@ import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.sampling.fineness import particles_of
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.values.fields import SHORTEST
 from neve.solver import Blowup
@@ -47,6 +48,7 @@ class Trial:
         seconds_per_work: wall time for each step and particle [s]
         covered: share of the duration that it ran for [1]
         slower: wall time of its mean step over that of its first ones [1]
+        counts: particles after each of its steps, (k,)
     """
 
     coarser: float
@@ -57,6 +59,7 @@ class Trial:
     seconds_per_work: float
     covered: float
     slower: float
+    counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def steps(self, frames: int, fps: int) -> int:
         """Return how many steps the scene takes for `frames`, each of which is a whole number of steps.
@@ -117,17 +120,20 @@ def _run(scene: Scene, coarser: float, duration: float, seconds: float, threads:
     from neve.simulation import Simulation
 
     sim = Simulation(scene, threads=threads)
-    if sim.count < FEWEST and coarser > 1.0:
-        raise SceneError(f"{sim.count} particles are too few to tell of more")
+    there = particles_of(scene) if scene.emitters else sim.count
+    if there < FEWEST and coarser > 1.0:
+        raise SceneError(f"{there:.0f} particles are too few to tell of more")
     times: list[float] = []
     walls: list[float] = []
     sizes: list[int] = []
+    counts: list[int] = []
     begin = time.monotonic()
 
     def enough() -> bool:
         times.append(sim.time)
         walls.append(time.monotonic() - begin)
         sizes.append(sim.bytes)
+        counts.append(sim.count)
         return walls[-1] > seconds
 
     try:
@@ -142,10 +148,11 @@ def _run(scene: Scene, coarser: float, duration: float, seconds: float, threads:
         particles=sim.count,
         times=ends,
         dt=np.diff(ends, prepend=0.0) / coarser,
-        growth=max(sizes) / sizes[0],
-        seconds_per_work=walls[-1] / (len(times) * max(sim.count, 1)),
+        growth=max(sizes) / max(sizes[0], 1),
+        seconds_per_work=walls[-1] / max(sum(counts), 1),
         covered=min(float(ends[-1]) / duration, 1.0),
         slower=min(max(float(np.mean(each)) / early, 1.0), SLOWEST) if early > 0 else 1.0,
+        counts=np.array(counts),
     )
 
 

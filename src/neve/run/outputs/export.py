@@ -10,11 +10,11 @@ from typing import Annotated, Literal, Self
 from neve.export.axes import Up
 from neve.export.folder import ExportFolder, stem
 from neve.export.format import Format
-from neve.export.moment import FOR_LIFE, Life, moment_of
+from neve.export.moment import moment_of
 from neve.export.registry import FORMATS
 from neve.export.run import Choices
 from neve.io.errors import RunError
-from neve.io.frames import Frame, frame_path, read_frame
+from neve.io.frames import FOR_LIFE, Frame, Life, frame_path, read_frame
 from neve.io.links import refuse_link
 from neve.io.npz import mark_of
 from neve.run.outputs.context import FrameContext, RunContext, warn_of_lost

@@ -6,14 +6,13 @@ import logging
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
 from numpy.typing import NDArray
 
 from neve.fragments import COLUMNS, LEAST, LINK, TORN, Fragments, Limits, find, rows
 from neve.io.atomic import write_text
 from neve.io.checkpoint import read_checkpoint
 from neve.io.errors import RunError
-from neve.io.frames import Frame, frame_numbers, read_frame
+from neve.io.frames import FOR_LIFE, Frame, Life, frame_numbers, read_frame
 from neve.io.run_folder import RunFolder
 from neve.io.table import read_table, table_text
 from neve.registry import METHODS
@@ -162,15 +161,17 @@ def of_frame(
 ) -> Fragments:
     """Find the fragments of a frame, with the masses `m` [kg] and volumes `V0` [m3] of the particles `id`.
 
+    A frame that holds m and V0 of its own is counted with these.
     Errors: RunError for a frame without J_P, or of other particles.
     """
     if content.J_P is None:
         raise RunError("this frame has no J_P, which tells torn snow from whole: it has no fragments.")
-    order = np.argsort(id)
-    mine = order[np.searchsorted(id, content.id, sorter=order).clip(max=len(order) - 1)]
-    if not np.array_equal(id[mine], content.id):
-        raise RunError("a frame and the checkpoint have other particles: they are of different runs.")
-    return find(content.x, content.v, content.J_P, m[mine], V0[mine], spacing, limits)
+    if all(name in content.more for name in FOR_LIFE):
+        mine = [content.more[name] for name in FOR_LIFE]
+    else:
+        life = Life(id, {"m": m, "V0": V0})
+        mine = [life.of(name, content.id) for name in FOR_LIFE]
+    return find(content.x, content.v, content.J_P, mine[0], mine[1], spacing, limits)
 
 
 def _require_columns(scene: Scene) -> None:

@@ -6,8 +6,8 @@ import logging
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal
 
-from neve.diagnostics import Balance
-from neve.io.log import columns, stages
+from neve.diagnostics import Balance, row_of
+from neve.io.log import FLOW, columns, stages
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.scene.schema.outputs import Need, Scheduled, Sizes
@@ -79,7 +79,9 @@ class LogOutput:
         """Start the log, or continue it after the row of frame `done`."""
         method = run.scene.numerics.method
         self._stages = stages(method)
-        self._log = run.table(run.folder.log.name, columns(method), run.frames_done(schedule))
+        self._flow = FLOW if run.scene.is_open else ()
+        names = columns(method, run.scene.is_open)
+        self._log = run.table(run.folder.log.name, names, run.frames_done(schedule))
         watched = "excess" in self._log.columns
         self._watch = EnergyWatch(self._log.last) if watched else None
 
@@ -88,7 +90,7 @@ class LogOutput:
         sim, stats, totals = context.sim, context.sim.stats, context.sim.diagnostics()
         moved = context.frame > 0  # the initial state took no step
         seconds = {**(stats.stage_seconds if moved else {}), **context.timer.take()}
-        values: dict[str, float | None] = {**sim.solver.log_values(totals)}
+        values: dict[str, float | None] = {**sim.solver.log_values(totals), **row_of(totals, self._flow)}
         if self._watch:
             values["excess"] = self._watch.excess(totals, context.frame)
         self._log.append(

@@ -65,7 +65,7 @@ class PictureOutput:
 
     def close(self, context: FrameContext) -> None:
         """Choose the frame and draw it."""
-        folder = context.run.folder
+        folder, scene = context.run.folder, context.run.scene
         kept = frame_numbers(folder.frames)
         if not context.finished or not kept:
             return
@@ -75,7 +75,7 @@ class PictureOutput:
 
         frame = best_frame(kept, read, self._painter.fresh_shot())
         if frame is None:
-            rows = read_log(folder.log, context.run.scene.numerics.method)
+            rows = read_log(folder.log, scene.numerics.method, scene.is_open)
             wanted = telling_frame(rows) if rows else context.frame // 2
             frame = min(kept, key=lambda k: abs(k - wanted))
         draw_still(folder.path / self.name, self._painter, kept, frame, read)

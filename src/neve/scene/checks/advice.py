@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from neve.scene.checks.joined import joined
 from neve.scene.checks.unused import unused
-from neve.scene.schema.scene import Body, Collider, Scene, Source
+from neve.scene.schema.scene import Body, Collider, Scene, Snow, Source
 from neve.scene.values.elastic import p_wave_modulus
 from neve.scene.values.fields import norm, rounded_down, rounded_up
 
@@ -57,7 +57,12 @@ def fastest(scene: Scene, source: Source) -> float:
         pairs = zip(profile.stiffness or ones, profile.density or ones, strict=True)
         factor *= max(stiffness / density for stiffness, density in pairs)
     speed = norm(source.velocity) + norm(source.spin) * source.reach()
-    return math.sqrt(factor * p_wave_modulus(snow.E0, snow.nu) / snow.rho0) + speed
+    return math.sqrt(factor) * _wave(snow) + speed
+
+
+def _wave(snow: Snow) -> float:
+    """Return the speed of pressure waves in `snow` at birth [m/s]."""
+    return math.sqrt(p_wave_modulus(snow.E0, snow.nu) / snow.rho0)
 
 
 def _thinner(part: Source | Collider | Body, least: float) -> tuple[str, float] | None:
@@ -101,16 +106,19 @@ def _thin_seam(scene: Scene, source: Source, name: str) -> Iterator[str]:
 
 
 def _long_step(scene: Scene) -> Iterator[str]:
-    """Compare a fixed dt with dx / (c + |v|) of the source where that is least."""
+    """Compare a fixed dt with dx / (c + |v|) of the source or emitter where that is least."""
     numerics = scene.numerics
     if numerics.dt == "auto":
         return
-    speeds = [fastest(scene, source) for source in scene.sources]
-    limit = numerics.dx / max(speeds)
+    speeds = {f"sources.{i}": fastest(scene, source) for i, source in enumerate(scene.sources)}
+    for i, emitter in enumerate(scene.emitters):
+        speeds[f"emitters.{i}"] = _wave(scene.snow_of(emitter)) + emitter.speed
+    name, speed = max(speeds.items(), key=lambda pair: pair[1])
+    limit = numerics.dx / speed
     if numerics.dt > limit:
         yield (
             f"numerics.dt = {numerics.dt:g} exceeds {rounded_down(limit)} s, in which a wave crosses a cell "
-            f'of sources.{speeds.index(max(speeds))}: use {rounded_down(numerics.cfl * limit)} or "auto"'
+            f'of {name}: use {rounded_down(numerics.cfl * limit)} or "auto"'
         )
 
 

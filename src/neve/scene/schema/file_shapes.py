@@ -229,7 +229,7 @@ MOST_LETTERS = 10_000
 class Text(Shape):
     """Set letters: they stand upright in their own x-z plane and are `depth` thick along y."""
 
-    roles = ("source",)
+    roles = ("source", "emitter")
 
     shape: Literal["text"] = entry(
         "text", "Letters that stand upright in their own x-z plane, to be read looking along +y."

@@ -15,7 +15,16 @@ from neve.scene.schema.file_shapes import Layer
 from neve.scene.schema.material import Heat, Overrides, Snow, most_strength, problem, strength_rule
 from neve.scene.schema.outputs import OutputEntry, conflict
 from neve.scene.schema.snow_kinds import SNOWS
-from neve.scene.schema.sources import AnySource, Profile, Source, Variation
+from neve.scene.schema.sources import (
+    AnyEmitter,
+    AnySink,
+    AnySource,
+    Emitter,
+    Profile,
+    Sink,
+    Source,
+    Variation,
+)
 from neve.scene.values.choices import (
     DEFAULT_SPLINE,
     DEFAULT_TRANSFER,
@@ -48,8 +57,9 @@ from neve.scene.values.fields import (
 )
 
 __all__ = [
-    "Body", "Camera", "CameraKeyframe", "Collider", "Control", "Heat", "Keyframe", "Light", "Motor",
-    "Numerics", "Overrides", "Part", "Profile", "Robot", "Run", "Scene", "Snow", "Source", "Target",
+    "Body", "Camera", "CameraKeyframe", "Collider", "Control", "Emitter", "Heat", "Keyframe", "Light",
+    "Motor", "Numerics", "Overrides", "Part", "Profile", "Robot", "Run", "Scene", "Sink", "Snow", "Source",
+    "Target",
     "Variation", "World",
 ]  # fmt: skip
 
@@ -231,7 +241,9 @@ class Scene(Part):
     numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
     snow: Snow = entry(Snow(), "Snow of all sources.", "")
     heat: Heat | None = entry(None, "Heat: warming, melting, freezing, sintering; left out, none.", "")
-    sources: tuple[AnySource, ...] = entry((), "Where snow is at the start: one or more.", "")
+    sources: tuple[AnySource, ...] = entry((), "Where snow is at the start.", "")
+    emitters: tuple[AnyEmitter, ...] = entry((), "Where snow comes in during the run.", "")
+    sinks: tuple[AnySink, ...] = entry((), "Where snow is taken out during the run.", "")
     colliders: tuple[AnyCollider, ...] = entry((), "Solids that snow meets.", "")
     bodies: tuple[AnyBody, ...] = entry((), "Bodies: solids that snow and other forces move.", "")
     robots: tuple[Robot, ...] = entry((), "Robots and vehicles from files, which snow moves as well.", "")
@@ -268,10 +280,13 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Scene:
-        if not self.sources:
+        if not (self.sources or self.emitters):
             raise wrong(
                 "sources", 'needs at least one entry: [[sources]] with shape = "box" or another shape'
             )
+        for i, emitter in enumerate(self.emitters):
+            if found := problem(self.snow_of(emitter), emitter.snow.given()):
+                raise wrong(f"emitters.{i}.snow.{found[0]}", found[1])
         for i, source in enumerate(self.sources):
             lies = isinstance(source, Layer) and source.on == "terrain"
             if lies and not any(collider.endless for collider in self.colliders):
@@ -297,9 +312,19 @@ class Scene(Part):
             return ""
         return f"heat x {self.heat.heat_speed:g} real time"
 
-    def snow_of(self, source: Source) -> Snow:
+    def snow_of(self, source: Source | Emitter) -> Snow:
         """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""
         return self.snow.but(source.snow)
+
+    @property
+    def bearers(self) -> tuple[Source | Emitter, ...]:
+        """All that snow comes from: the sources, then the emitters."""
+        return (*self.sources, *self.emitters)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether snow comes or goes during the run."""
+        return bool(self.emitters or self.sinks)
 
     def completed(self, source: Source) -> Source:
         """Return `source` with what its snow's kind has, structure, variation, profile, where it has none."""

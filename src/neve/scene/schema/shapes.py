@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
 ROTATION = "Rotation vector (axis times angle) from the shape's own axes to the world's."
-ROLES = ("source", "collider", "body")
+ROLES = ("source", "collider", "body", "emitter", "sink")
 
 
 class Shape(Part):

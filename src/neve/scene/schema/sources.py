@@ -1,4 +1,4 @@
-"""Describe where snow is at the start, and how it differs from place to place."""
+"""Describe where snow is at the start, how it differs from place to place, and where it comes in and goes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,22 @@ from pydantic import model_validator
 
 from neve.scene.schema.material import Overrides
 from neve.scene.schema.roles import OneOfItsShapes, Role
-from neve.scene.values.fields import Distance, Factor, Length, Part, Rate3, Real, Whole, entry, wrong
+from neve.scene.values.fields import (
+    ZERO,
+    Distance,
+    Factor,
+    Length,
+    Part,
+    Rate3,
+    Real,
+    Whole,
+    entry,
+    norm,
+    wrong,
+)
+
+LEAST_SPEED = 1e-3
+"""Least speed at which snow leaves [m/s]."""
 
 
 class Variation(Part):
@@ -145,3 +160,70 @@ class Source(Role):
 
 AnySource = Annotated[Source, OneOfItsShapes()]
 """A source of any shape."""
+
+
+class _Timed(Role):
+    """Hold when a part of a scene is at work."""
+
+    start: Real = entry(0.0, "When it begins.", "s", ge=0, le=1e6)
+    end: Real | None = entry(None, "When it ends; left out, never.", "s", gt=0, le=1e6)
+
+    @model_validator(mode="after")
+    def _check_times(self) -> _Timed:
+        if self.end is not None and self.end <= self.start:
+            raise wrong("end", f"must be later than start, greater than {self.start:g} [s]")
+        return self
+
+
+class Emitter(_Timed):
+    """An emitter: snow leaves it through its section across `velocity`, at its middle."""
+
+    role = "emitter"
+
+    velocity: Rate3 = entry((0.0, 0.0, -1.0), "Velocity with which snow leaves.", "m/s")
+    mass_rate: Real | None = entry(
+        None,
+        "Mass that leaves in a second, at most what fills the section. Left out, with volume_rate, snow "
+        "fills the section as it leaves.",
+        "kg/s",
+        gt=0,
+        le=1e12,
+    )
+    volume_rate: Real | None = entry(
+        None, "Volume of snow that leaves in a second, in place of mass_rate.", "m3/s", gt=0, le=1e12
+    )
+    spread: Real = entry(
+        0.0,
+        "Largest angle between `velocity` and that of a particle; directions within it are equally likely.",
+        "degrees",
+        ge=0,
+        le=90,
+    )
+    snow: Overrides = entry(
+        Overrides(), "Snow properties of this emitter alone: any key of [snow]. It has no structure.", ""
+    )
+
+    @property
+    def speed(self) -> float:
+        """Speed with which snow leaves [m/s]."""
+        return norm(self.velocity)
+
+    @model_validator(mode="after")
+    def _check_flow(self) -> Emitter:
+        if self.velocity == ZERO or self.speed < LEAST_SPEED:
+            raise wrong("velocity", f"must be at least {LEAST_SPEED:g} m/s: snow leaves along it")
+        if self.mass_rate is not None and self.volume_rate is not None:
+            raise wrong("volume_rate", "cannot be combined with mass_rate; leave one of them out")
+        return self
+
+
+class Sink(_Timed):
+    """A sink: snow that is inside is taken out of the run."""
+
+    role = "sink"
+
+
+AnyEmitter = Annotated[Emitter, OneOfItsShapes()]
+"""An emitter of any shape."""
+AnySink = Annotated[Sink, OneOfItsShapes()]
+"""A sink of any shape."""

@@ -36,13 +36,19 @@ NAME = "neve:"
 """Before the path of a module in a replay: a name that the import map looks up."""
 IMPORT = re.compile(r'^(import\b[^;]*?from )"(\.{1,2}/[^"]+)";', re.MULTILINE)
 MOST = 120_000
-"""Particles in a replay; of more, every k-th is taken and drawn larger."""
+"""Particles in a frame of a replay; of more, every k-th is taken and drawn larger."""
+BORN = 4
+"""Places for particles in a replay, over MOST: more may come and go in a run than a frame has."""
+TURNOVER = 0.01
+"""Share of the particles that may come or go between two keys, with the least tolerance."""
 FINENESS = 6
 """Steps of the grid in a particle's distance."""
+TOLERANCE = 0.35 * FINENESS
+"""Steps of the grid by which lines between keys may pass a particle, at first."""
 LIMIT = 18_000_000
 """Bytes of a replay that are aimed at: a file that can be sent by mail."""
 HIDDEN = 65535
-"""Position, three times, of a particle that is not born yet."""
+"""Position, three times, of a particle that is not born yet, or gone."""
 
 Places = NDArray[np.uint16]
 
@@ -60,15 +66,15 @@ def replay_page(run: RunFolder, progress: Callable[[int, int], None] = lambda do
     scene = load(run.path)
     numbers = frame_numbers(run.frames)
     frames = [_thin(read_frame(run.frames, number)) for number in numbers]
-    n = max(len(frame.x) for frame in frames)
-    skip = -(-n // MOST)
-    kept = -(-n // skip)
+    born = 1 + max(int(frame.id.max(initial=0)) for frame in frames)
+    skip = max(1, -(-max(len(frame.x) for frame in frames) // MOST), -(-born // (BORN * MOST)))
+    kept = -(-born // skip)
     spacing = scene.numerics.spacing * skip ** (1.0 / 3.0)
     low, step = grid_of(frames, spacing)
     places = np.full((len(frames), 3, kept), HIDDEN, np.uint16)
     for k, frame in enumerate(frames):
-        some = frame.x[::skip]
-        places[k, :, : len(some)] = _rounded(some, low, step)
+        some = frame.id % skip == 0
+        places[k][:, frame.id[some] // skip] = _rounded(frame.x[some], low, step)
         progress(k, 2 * len(frames))
     keys, packed = _small_enough(places, lambda done: progress(len(frames) + done, 2 * len(frames)))
     modes = described(["snow", "speed"], scene)
@@ -86,6 +92,8 @@ def replay_page(run: RunFolder, progress: Callable[[int, int], None] = lambda do
 def grid_of(frames: list[Frame], spacing: float) -> tuple[Vector, float]:
     """Return corner and step [m] of the grid: a share of `spacing`, coarser if the snow flies far."""
     good = [frame.x[np.isfinite(frame.x).all(axis=1)] for frame in frames]
+    if not any(len(x) for x in good):
+        return (0.0, 0.0, 0.0), spacing / FINENESS
     low = np.min([x.min(axis=0) for x in good if len(x)], axis=0)
     high = np.max([x.max(axis=0) for x in good if len(x)], axis=0)
     step = max(spacing / FINENESS, float((high - low).max()) / (HIDDEN - 2))
@@ -122,8 +130,15 @@ def _fits(some: NDArray[np.float32], a: int, b: int, tolerance: float) -> bool:
     share = (np.arange(a + 1, b) - a)[:, None, None] / np.float32(b - a)
     if not len(share):
         return True
+    hidden = (some == HIDDEN).all(axis=1)  # (frames, particles)
+    stays = ~hidden[a : b + 1].any(axis=0)
+    moves = ~hidden[a : b + 1].all(axis=0) & ~stays
+    if moves.sum() > TURNOVER * tolerance / TOLERANCE * max(1, (~hidden[b]).sum()):
+        return False
+    if not stays.any():
+        return True
     off = np.abs(some[a] + share * (some[b] - some[a]) - some[a + 1 : b]).max(axis=1)
-    return bool(np.quantile(off, 0.99) <= tolerance)
+    return bool(np.quantile(off[:, stays], 0.99) <= tolerance)
 
 
 def pack(places: Places, keys: list[int]) -> bytes:
@@ -199,7 +214,7 @@ def modules(main: str) -> dict[str, str]:
 
 def _small_enough(places: Places, progress: Callable[[int], None]) -> tuple[list[int], bytes]:
     """Choose keys with a tolerance that grows until the data are small enough."""
-    tolerance = 0.35 * FINENESS
+    tolerance = TOLERANCE
     for attempt in range(6):
         keys = choose_keys(places, tolerance)
         packed = pack(places, keys)
@@ -213,7 +228,7 @@ def _small_enough(places: Places, progress: Callable[[int], None]) -> tuple[list
 def _thin(frame: Frame) -> Frame:
     """Drop what a replay does not show, to hold more frames in memory."""
     none = np.zeros(0, np.float32)
-    return frame._replace(v=none, J_P=none, id=none, material=none)
+    return frame._replace(v=none, J_P=none, material=none, more={})
 
 
 def _rounded(x: NDArray[np.float32], low: Vector, step: float) -> Places:

@@ -170,7 +170,8 @@ class Replay {
         q[4 * i] = q[4 * i + 1] = q[4 * i + 2] = MOST;
         continue;
       }
-      const [dx, dy, dz] = [b[i] - x, b[n + i] - y, b[2 * n + i] - z];
+      const gone = b[i] + b[n + i] + b[2 * n + i] === 3 * MOST;
+      const [dx, dy, dz] = gone ? [0, 0, 0] : [b[i] - x, b[n + i] - y, b[2 * n + i] - z];
       q[4 * i] = x + t * dx;
       q[4 * i + 1] = y + t * dy;
       q[4 * i + 2] = z + t * dz;

@@ -280,7 +280,7 @@ class Live(Player):
 
     def _delete(self, name: str) -> None:
         new_scene = edit.deleted(self.scene, name)
-        if name.startswith("sources.") and name.count(".") == 1:
+        if name.startswith(("sources.", "emitters.")) and name.count(".") == 1:
             self.scene = new_scene
             self._begin()  # whose snow is whose is known at the start alone
         elif is_live(self.scene, name):

@@ -110,8 +110,8 @@ def placed(scene: Scene, move: Move, velocity: Any = (0.0, 0.0, 0.0), spin: Any 
     if move.name.startswith("robots."):
         raise SceneError(f"{move.name.split('.', 2)[-1]} is part of a robot and cannot be dragged")
     kind, index = place_of(scene, move.name)
-    if kind == "sources":
-        raise SceneError(f"{move.name} is snow, and only solids can be dragged; use the grab tool")
+    if kind not in ("colliders", "bodies"):
+        raise SceneError(f"{move.name} is no solid, and only solids can be dragged; use the grab tool")
     entry = getattr(scene, kind)[index]
     if getattr(entry, "joint", "free") != "free":
         raise SceneError(f"{move.name} hangs on a joint and cannot be dragged")

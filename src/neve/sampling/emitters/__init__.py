@@ -1,0 +1,1 @@
+"""Columns of snow that are pushed through the sections of emitters."""
