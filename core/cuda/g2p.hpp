@@ -56,9 +56,11 @@ struct HomeGather {
     Gathered<T> grid{sum[0], {sum[1], sum[2], sum[3]}};
     gather_change(at, grid);
     const Material<T, C::laws> material{s, p};
-    Advanced<T> now =
-        advance<X>(particle, grid, step, solids, material,
-                   Recorder<T, typename C::Number>{exchange, exchanged_of<C>(s), m, s.commit != 0});
+    Advanced<T> now;
+    now.grad_v = X::velocity_gradient(grid.G, step.cells);
+    move<X>(now, particle, grid, step, solids,
+            Recorder<T, typename C::Number>{exchange, exchanged_of<C>(s), m, s.commit != 0});
+    deform(now, particle, step, material);
     const T J = determinant(now.material.F_E) * now.material.J_P, room = material.ice_room(J);
     if (near_ice(room)) material.add_ice(J, step.cells.dx / step.dt, now.material.stress);
     seen.extremes.ice_room = min(room, seen.extremes.ice_room);

@@ -5,7 +5,10 @@
 #if defined(__CUDACC_RTC__)
 #define NEVE_INLINE __forceinline__
 #define NEVE_INLINE_LAMBDA
-#define NEVE_RARE __forceinline__      // a call would put what it is given on a stack in memory
+// What is seldom needed is part of its caller here all the same: a call of a kernel hands matrices over on a stack in
+// memory and keeps its caller's registers there, and a kernel that calls needs that stack for every thread. A branch that no
+// thread of a warp takes costs one comparison.
+#define NEVE_RARE __forceinline__
 #define NEVE_UNROLL _Pragma("unroll")  // loops that must leave no index, so that arrays become registers
 #else
 #define NEVE_INLINE [[gnu::always_inline]] inline

@@ -47,7 +47,48 @@ struct Advanced {
   Vec3<R> displacement;  // x - x^n [m]
 };
 
-// Move a particle by one step.
+// F before plastic flow, (I + dt grad v) F_E.
+template <class R, class Particle>
+NEVE_INLINE Mat3<R> trial_deformation(const Particle& particle, const Mat3<R>& grad_v,
+                                      const StepConstants<scalar_t<R>>& step) {
+  const Mat3<R> F_E = particle.F_E();
+  return F_E + scaled(grad_v * F_E, step.dt);
+}
+
+// 7. Deformation, plastic flow and hardening; and the stress for the next step. return_map(F_trial, J_P) is the law.
+template <class R, class Particle, class Law>
+NEVE_INLINE void deform(Advanced<R>& out, const Particle& particle, const StepConstants<scalar_t<R>>& step,
+                        Law&& return_map) {
+  out.material = return_map(trial_deformation(particle, out.grad_v, step), particle.J_P());
+}
+
+// 8. Velocity, 9. collisions with solids, and 10. position. `exchanged` is called as by move_past for each solid that it
+// meets.
+template <class Transfer, class R, class Particle, class Solids, class F>
+NEVE_INLINE void move(Advanced<R>& out, const Particle& particle, const Gathered<R>& grid,
+                      const StepConstants<scalar_t<R>>& step, const Solids& solids, F&& exchanged) {
+  out.v = Transfer::velocity(particle.v(), grid.v, grid.change, step.blend);
+  if constexpr (Transfer::has_affine_change) {
+    const Mat3<R> change = Transfer::velocity_gradient(grid.G_change, step.cells);
+    out.C = Transfer::affine_velocity(particle.C(), out.grad_v, change, step.blend);
+  } else {
+    out.C = out.grad_v;
+  }
+
+  const Vec3<R> x = particle.x();
+  const R m = particle.m();
+  Vec3<R> path = out.v;
+  if constexpr (Transfer::separate_position_velocity) {
+    path =
+        Transfer::position_velocity(out.v, grid.v, determinant(trial_deformation(particle, out.grad_v, step)),
+                                    held_by_any(solids, x, step.skin));
+  }
+  move_past(solids, x, out.v, path, step.dt, step.cells.dx, m, exchanged);
+  out.displacement = path * step.dt;
+  out.x = x + out.displacement;
+}
+
+// Move a particle by one step. (On a GPU whatever is known before a collision takes registers in it: there it deforms last.)
 //
 // `particle` gives x, v, C, F_E, J_P and m when called for them; return_map(F_trial, J_P) is the particle's law; `exchanged`
 // is called as by move_past for each solid that it meets.
@@ -57,35 +98,8 @@ NEVE_INLINE Advanced<R> advance(const Particle& particle, const Gathered<R>& gri
                                 Law&& return_map, F&& exchanged) {
   Advanced<R> out;
   out.grad_v = Transfer::velocity_gradient(grid.G, step.cells);
-
-  // 7. Deformation, plastic flow and hardening; and the stress for the next step.
-  const Mat3<R> F_E = particle.F_E();
-  const R J_P = particle.J_P();
-  const Mat3<R> F_trial = F_E + scaled(out.grad_v * F_E, step.dt);
-  out.material = return_map(F_trial, J_P);
-
-  // 8. Velocity.
-  out.v = Transfer::velocity(particle.v(), grid.v, grid.change, step.blend);
-  if constexpr (Transfer::has_affine_change) {
-    const Mat3<R> change = Transfer::velocity_gradient(grid.G_change, step.cells);
-    out.C = Transfer::affine_velocity(particle.C(), out.grad_v, change, step.blend);
-  } else {
-    out.C = out.grad_v;
-  }
-
-  // 9. Collisions with solids.
-  const Vec3<R> x = particle.x();
-  const R m = particle.m();
-  Vec3<R> path = out.v;
-  if constexpr (Transfer::separate_position_velocity) {
-    path =
-        Transfer::position_velocity(out.v, grid.v, determinant(F_trial), held_by_any(solids, x, step.skin));
-  }
-  move_past(solids, x, out.v, path, step.dt, step.cells.dx, m, exchanged);
-
-  // 10. Position.
-  out.displacement = path * step.dt;
-  out.x = x + out.displacement;
+  deform(out, particle, step, return_map);
+  move<Transfer>(out, particle, grid, step, solids, exchanged);
   return out;
 }
 

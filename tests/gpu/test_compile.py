@@ -15,8 +15,8 @@ from neve.mpm.state import FIELDS
 
 RESIDENT = {"g2p": 144, "p2g": 64, "grid_update": 32}
 """Most registers of a thread [1]: so that 65,536 registers hold 12, 32 and 64 warps."""
-WITH_SOLIDS = {"g2p": 168, "p2g": 64, "grid_update": 96}
-"""The same where there are solids: 12, 32 and 20 warps."""
+WITH_SOLIDS = {"g2p": 128, "p2g": 64, "grid_update": 96}
+"""The same where there are solids: 16, 32 and 20 warps; 12 of g2p on sm_100, which may use 168 registers."""
 
 
 @pytest.fixture(scope="module")
@@ -40,19 +40,16 @@ print(log)
 
 
 @pytest.mark.parametrize(
-    ("architecture", "solids"), [(80, False), (90, False), (100, False), (80, True), (90, True)]
+    ("architecture", "solids"), [(a, solids) for a in (80, 90, 100) for solids in (False, True)]
 )
 def test_kernels_compile(nvrtc, architecture, solids):
-    """For sm_80, sm_90 and sm_100, fully optimised: nothing is spilled, and warps enough stay resident.
-
-    With solids on sm_100 NVRTC 13.5 spills to 72 bytes of stack in g2p, for the sake of a twelfth warp.
-    """
+    """For sm_80, sm_90 and sm_100, fully optimised: nothing is spilled, and warps enough stay resident."""
     command = [sys.executable, "-c", ALONE, str(architecture), "solids" if solids else "none"]
     alone = subprocess.run(command, capture_output=True, text=True, check=True)
     needs = usage(alone.stdout)
     assert len(needs) == 29
     assert {name: need.spilled for name, need in needs.items() if need.spilled} == {}
-    limits = WITH_SOLIDS if solids else RESIDENT
+    limits = WITH_SOLIDS | ({"g2p": 168} if architecture == 100 else {}) if solids else RESIDENT
     used = {name: needs[name].registers for name in limits}
     assert {name: count for name, count in used.items() if count > limits[name]} == {}
     assert all(need.shared <= 48 * 1024 for need in needs.values())
