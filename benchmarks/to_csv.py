@@ -14,7 +14,7 @@ from typing import Any
 
 MACHINE = ("cpu", "isa", "compiler", "python")
 CASE = ("case", "particles", "threads", "precision", "spline", "transfer", "steps", "batches")
-STAGES = ("stress", "sort", "p2g", "grid", "g2p", "bodies", "other")
+STAGES = ("stress", "sort", "p2g", "grid", "g2p", "ahead", "bodies", "other")
 MEMORY = ("bytes_core", "bytes_resident", "blocks", "flowing")
 SPREADS = ("step_ms", "rate", "frame_ms", "seconds")
 COLUMNS = [

@@ -5,6 +5,7 @@
 #include "cuda/grid_update.hpp"
 #include "cuda/p2g.hpp"
 #include "cuda/passes.hpp"
+#include "cuda/picture.hpp"
 #include "cuda/sums.hpp"
 
 // each(name, threads, function): the function takes a Step; C is a Choice, T its precision.
@@ -38,5 +39,7 @@
   each(scatter_lift, home_threads, scatter_lift<C>)         \
   each(gather_lift, gather_threads, gather_lift<C>)         \
   each(inspect, sum_threads, inspect<C>)                    \
-  each(add_up, sum_threads, add_up<C>)
+  each(add_up, sum_threads, add_up<C>)                      \
+  each(picture_ends, picture_threads, picture_ends<T>)      \
+  each(draw_picture, picture_threads, draw_picture<T>)
 // clang-format on

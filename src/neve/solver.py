@@ -63,6 +63,20 @@ class Device(NamedTuple):
     free: int
 
 
+class Quantised(NamedTuple):
+    """Positions and the values of a colour in 16 bits each: x, y, z and the value are low + step q.
+
+    Attributes:
+        id: of each particle, (n,); q: (n, 4); low, step: (4,), in m and the unit of the value.
+        A particle without finite numbers has q = (65535, 65535, 65535, ...).
+    """
+
+    id: NDArray[Any]
+    q: NDArray[np.uint16]
+    low: NDArray[np.float64]
+    step: NDArray[np.float64]
+
+
 class Solver(ABC):
     """Advance the snow of a scene.
 
@@ -159,6 +173,14 @@ class Solver(ABC):
         "source" (n,), index of the source that a particle came from.
         """
         return {field.name: _getter(self.state, field.name) for field in self.fields}
+
+    def quantised(self, value: str) -> Quantised | None:
+        """Return positions, and the values of a colour mode, where that saves a copy of `columns`.
+
+        value: "speed", "J_P", "density", "stress" or "material"; "" for positions alone. None: only `columns`
+        have them.
+        """
+        return None
 
     @property
     def radius(self) -> float | NDArray[Any]:

@@ -1,9 +1,12 @@
 """The kernels on the processor: a stand-in for the driver library, compiled from their very source."""
 
+import atexit
 import ctypes
+import functools
 import os
 import shutil
 import subprocess
+import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 from unittest import mock
@@ -17,33 +20,43 @@ HERE = Path(__file__).parent / "shim"
 MEMORY = 1 << 33
 
 
-def build(folder):
-    """Compile the stand-in; skip without a compiler. With ccache only what is new."""
+OPTIMIZED = os.environ.get("NEVE_SHIM_OPTIMIZED", "-Og")
+"""How hard the compiler works: -O2 takes longer to compile, and less to run."""
+FLAGS = (
+    "-std=gnu++20", OPTIMIZED, "-fPIC", "-Wall", "-Wextra", "-Wno-psabi", "-Wno-unknown-pragmas", "-Werror",
+)  # fmt: skip
+
+
+def compiled(source, library, *flags):
+    """Compile a source of the stand-in to a library; skip without a compiler."""
     if COMPILER is None:
         pytest.skip("needs a C++ compiler: c++, g++, clang++, or what CXX names")
-    flags = [
-        "-std=gnu++20",
-        "-Og",
-        "-fPIC",
-        "-Wall",
-        "-Wextra",
-        "-Wno-psabi",
-        "-Wno-unknown-pragmas",
-        "-Werror",
-    ]
     cached = [shutil.which("ccache")] if shutil.which("ccache") else []
-    command = [*cached, COMPILER, *flags, f"-I{ROOT / 'core'}", f"-I{HERE}", "-c"]
+    command = [*cached, COMPILER, *FLAGS, *flags, f"-I{ROOT / 'core'}", f"-I{HERE}", "-c"]
+    piece = library.with_suffix(".o")
     done = subprocess.run(
-        [*command, HERE / "driver.cpp", "-o", folder / "driver.o"],
+        [*command, HERE / source, "-o", piece],
         capture_output=True,
         text=True,
         check=False,
         env={"CCACHE_BASEDIR": str(ROOT), "CCACHE_NOHASHDIR": "1", **os.environ},
     )
     assert done.returncode == 0, done.stderr[-2000:]
-    library = folder / "libcuda.so"
-    subprocess.run([COMPILER, "-shared", folder / "driver.o", "-o", library], check=True)
+    subprocess.run([COMPILER, "-shared", piece, "-o", library], check=True)
     return library
+
+
+def build(folder):
+    """Compile the stand-in, but for the kernels."""
+    return compiled("driver.cpp", folder / "libcuda.so")
+
+
+@functools.cache
+def kernels(words):
+    """Compile the kernels of a choice, at their first use."""
+    folder = Path(tempfile.mkdtemp(prefix="neve-kernels-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return compiled("choice.cpp", folder / "choice.so", f"-DSHIM_CHOICE={words}")
 
 
 class StandIn(Driver):
@@ -87,8 +100,8 @@ class StandIn(Driver):
 
 
 def code_of(choice, *_):
-    """Return what the stand-in knows a choice by: it has all laws and can always meet solids."""
-    return choice._replace(laws=31, solids=True).words().encode()
+    """Return what the stand-in loads for a choice: the kernels always have all laws, and can meet solids."""
+    return str(kernels(choice._replace(laws=31, solids=True).words())).encode()
 
 
 @contextmanager

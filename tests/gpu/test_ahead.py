@@ -140,3 +140,13 @@ def test_bits_do_not_depend_on_how_many_at_once(gpu, monkeypatch):
     runs = [simulated(document, 0.01, "cuda", ahead) for ahead in (True, False)]
     for name in ("x", "v", "C", "F_E", "J_P"):
         np.testing.assert_array_equal(*(np.array(getattr(sim.state, name)) for sim in runs))
+
+
+def test_their_time_is_booked_apart(gpu, batches):
+    """Steps without the host count as "ahead"; p2g, grid and g2p have the time of the others."""
+    sim = simulated(scene(FLOOR), 0.01, "cuda")
+    alone = simulated(scene(FLOOR), 0.01, "cuda", ahead=False)
+    assert sum(count for count, _ in batches) > 0.7 * sim.steps
+    assert sim.stats.stage_seconds["ahead"] > 0
+    assert alone.stats.stage_seconds["ahead"] == 0
+    assert min(alone.stats.stage_seconds[name] for name in ("p2g", "grid", "g2p")) > 0

@@ -146,7 +146,14 @@ def agreement() -> dict[str, Any]:
 
 
 STAGES = [
-    f"tests/gpu/test_{name}.py" for name in ("same_as_cpu", "bodies_on_device", "several", "each_preset")
+    f"tests/gpu/{name}.py"
+    for name in (
+        "test_same_as_cpu",
+        "test_bodies_on_device",
+        "several/test_as_on_one",
+        "test_picture",
+        "test_each_preset",
+    )
 ]
 """Tests that compare the real GPU with the processor, and a run in several domains with one in one."""
 VERIFIED = ["-m", "gpu", "tests/verification"]

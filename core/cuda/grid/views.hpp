@@ -152,6 +152,14 @@ struct Bodies {
   unsigned unused;
 };
 
+// What a viewer sees (cuda/picture.hpp).
+enum class Shade { none, speed, J_P, density, stress, material };
+struct Picture {
+  unsigned short* words;  // x, y, z and the value of each particle
+  double low[4], per_step[4];
+  int shade, unused;
+};
+
 // Why no further step is taken without the host.
 enum class Halt {
   none,
@@ -199,6 +207,7 @@ struct Step {
   Bodies bodies;
   Domain domain;
   Halo<T> halo;
+  Picture picture;
   Control<T>* control;  // of steps that are taken without the host; null: the host's constants count
   void* accepted;       // as `exchanged`, of the steps that were taken
   unsigned particle_count, home_count, block_count, solid_count, snow_count;

@@ -142,6 +142,22 @@ class Halo(ctypes.Structure):
     _fields_ = (("blocks", _pointer), ("values", _pointer), ("count", _word), ("meeting", _whole))
 
 
+SHADES = ("", "speed", "J_P", "density", "stress", "material")
+"""`Shade`: what a colour may show of the particles."""
+
+
+class Picture(ctypes.Structure):
+    """What a viewer sees."""
+
+    _fields_ = (
+        ("words", _pointer),
+        ("low", ctypes.c_double * 4),
+        ("per_step", ctypes.c_double * 4),
+        ("shade", _whole),
+        ("unused", _whole),
+    )
+
+
 HALTS = ("none", "finished", "trial", "drifted", "broken", "unusual")
 """Why no further step is taken without the host."""
 MOST_STEPS = 64
@@ -182,6 +198,7 @@ def step_of(precision: str) -> type[Any]:
             ("bodies", Bodies),
             ("domain", Domain),
             ("halo", Halo),
+            ("picture", Picture),
             ("control", _pointer),
             ("accepted", _pointer),
             *((f"{name}_count", _word) for name in ("particle", "home", "block", "solid", "snow")),

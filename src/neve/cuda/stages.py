@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from neve.cuda.driver import Driver
 from neve.cuda.errors import DriverError
 from neve.cuda.grid import DeviceGrid, solids_of
-from neve.cuda.layout import ALL_COLOURS, step_of
+from neve.cuda.layout import ALL_COLOURS, SHADES, step_of
 from neve.cuda.model import DeviceModel
 from neve.cuda.state import DeviceState
+from neve.cuda.steps import picture
 from neve.cuda.steps.ahead import RunAhead
 from neve.cuda.steps.bodies import DeviceBodies
 from neve.cuda.steps.reports import (
@@ -24,7 +25,7 @@ from neve.cuda.steps.reports import (
 )
 from neve.cuda.steps.sorting import sort
 from neve.cuda.sums import DeviceTotals, Sums, densest_of, totals_of
-from neve.solver import Blowup, Device
+from neve.solver import Blowup, Device, Quantised
 
 if TYPE_CHECKING:
     from neve._core import Precision, Report, StepLimits
@@ -258,6 +259,16 @@ class CudaStages:
         self.start_sums("inspect", model, state)
         densest = densest_of(self.sums.read())
         return self._core.inspect(model.native, state.whole()) if densest is None else (-1, "", *densest)
+
+    def quantised(self, model: DeviceModel, state: DeviceState, value: str) -> Quantised | None:
+        """Return positions and the values of a colour in 16 bits each; None for a colour it does not know."""
+        if value not in SHADES:
+            return None
+        state.upload()
+        picture.start_ends(self, model, state, value)
+        low, step = picture.ends(self.found(self.scratch, "picture")["most"])
+        words = picture.start(self, model, state, low, step)
+        return picture.quantised(picture.read([self], [words], [state.count]), low, step, state)
 
     def start_sums(self, name: str, model: DeviceModel, state: DeviceState) -> None:
         """Start to sum up the state by a kernel, into `sums`."""

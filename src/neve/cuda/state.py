@@ -210,6 +210,11 @@ class DeviceState:
             raise AttributeError(name)
         return self.field(name)
 
+    def shown(self, name: str) -> Any:
+        """Return the rows of a field that are here, only to be looked at: no `upload` follows."""
+        self.download(name)
+        return self._rows(name)
+
     def field(self, name: str) -> Any:
         """Return the rows of a field that are here, to be looked at or written to until the next `upload`."""
         self.download(name)

@@ -29,7 +29,7 @@ from neve.mpm.step import STAGES, Stages
 from neve.mpm.step_control import try_step
 from neve.mpm.time_step import Choice, fitted, largest, limits_of
 from neve.scene.schema.scene import Scene, Source
-from neve.solver import Arrays, Device, Solver, StepSummary, advance_bodies
+from neve.solver import Arrays, Device, Quantised, Solver, StepSummary, advance_bodies
 
 if TYPE_CHECKING:
     from neve._core import Report, State
@@ -246,6 +246,11 @@ class MpmSolver(Solver):
             "density": lambda: density(state),
             "source": lambda: self.births.of(state.id, len(self.scene.sources)),
         }
+
+    def quantised(self, value: str) -> Quantised | None:
+        """Return positions and the values of a colour from a GPU; None on the processor."""
+        found = getattr(self.model.core, "quantised", None)
+        return None if found is None else found(self.model.native, self.state, value)
 
     @property
     def solids(self) -> Sequence[Solid]:

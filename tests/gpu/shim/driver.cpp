@@ -1,12 +1,12 @@
 // A stand-in for the driver library of CUDA: the functions that neve.cuda.driver calls, with memory of the processor, and the
-// kernels run by cuda.hpp. What cuModuleLoadData loads is not machine code but the words of the choice.
+// kernels run by cuda.hpp. What cuModuleLoadData loads is not machine code but the name of a library of choice.cpp.
+#include <dlfcn.h>
+
 #include <cstring>
-#include <map>
 #include <string>
 
-#include "cuda.hpp"
+#include "module.hpp"
 #include "streams.hpp"
-#include "cuda/kernels.hpp"
 
 namespace {
 
@@ -25,33 +25,7 @@ Stream& usual_here() {
 }
 Stream& stream_of(void* stream) { return stream ? *static_cast<Stream*>(stream) : usual_here(); }
 
-using Entry = std::function<void(const void*)>;
-struct Function {
-  std::string name;
-  unsigned threads;
-  std::size_t step_bytes;
-  Entry run;
-};
 std::size_t graphs = 0, graph_launches = 0;
-using Module = std::map<std::string, Function>;
-
-template <class C>
-Module module_of() {
-  using namespace neve::cuda;
-  using T = typename C::T;
-  Module out;
-#define SHIM_ENTRY(name, threads, function)       \
-  out["neve_" #name] = {#name, unsigned(threads), sizeof(Step<T>), \
-                        [](const void* step) { function(*static_cast<const Step<T>*>(step)); }};
-  NEVE_KERNELS(SHIM_ENTRY)
-  return out;
-}
-
-#define SHIM_CHOICE(...) {#__VA_ARGS__, &module_of<neve::cuda::Choice<__VA_ARGS__>>},
-const std::map<std::string, Module (*)()> choices = {
-#include "choices.inc"
-};
-
 }  // namespace
 
 extern "C" {
@@ -136,10 +110,11 @@ int cuMemsetD8_v2(unsigned long long to, unsigned char a, std::size_t n) {
   return state();
 }
 int cuModuleLoadData(void** out, const void* image) {
-  const auto found = choices.find(static_cast<const char*>(image));
-  if (found == choices.end()) return 200;
-  *out = new Module(found->second());
-  return 0;
+  void* library = dlopen(static_cast<const char*>(image), RTLD_NOW | RTLD_LOCAL);
+  if (!library) return 200;
+  auto* made = new Module;
+  reinterpret_cast<void (*)(Module*)>(dlsym(library, "shim_fill"))(made);
+  return *out = made, 0;
 }
 int cuModuleGetFunction(void** out, void* module, const char* name) {
   Module& all = *static_cast<Module*>(module);
@@ -158,7 +133,7 @@ int cuLaunchKernel(void* function, unsigned blocks, unsigned, unsigned, unsigned
   on.add([launch = std::move(launch)] {
     const auto& kernel = *static_cast<const Function*>(launch.function);
     if (kernel.name == failing) failed = launch_failure;
-    if (failed == 0) shim::launch([&] { kernel.run(launch.step.data()); }, launch.blocks, launch.threads, order);
+    if (failed == 0) kernel.launch(launch.step.data(), launch.blocks, launch.threads, order);
   });
   return 0;  // as a device, which fails later
 }

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from neve.cuda.driver import Driver
 from neve.cuda.grid import DeviceGrid
-from neve.cuda.layout import RESULTS, SUMS
+from neve.cuda.layout import RESULTS, SHADES, SUMS
 from neve.cuda.model import DeviceModel
 from neve.cuda.several.exchange import Exchange
 from neve.cuda.several.grid import DomainGrid, total_of_sums
@@ -19,9 +19,10 @@ from neve.cuda.several.peers import Peers
 from neve.cuda.several.state import DomainState
 from neve.cuda.stages import STEPPED, CudaStages
 from neve.cuda.state import DeviceState
+from neve.cuda.steps import picture
 from neve.cuda.steps.reports import DeviceGridReport, DeviceReport, grid_report_of, report_of
 from neve.cuda.sums import DeviceTotals, densest_of, totals_of
-from neve.solver import Device
+from neve.solver import Device, Quantised
 
 if TYPE_CHECKING:
     from neve._core import Model, Precision
@@ -187,6 +188,19 @@ class SeveralStages:
             if found[0] >= 0:
                 densest.append((found[0] + part.first, found[1]))
         return (-1, "", *max(densest, key=lambda found: found[1]))
+
+    def quantised(self, model: DomainModel, state: DomainState, value: str) -> Quantised | None:
+        """Return positions and the values of a colour in 16 bits each; None for a colour it does not know."""
+        if value not in SHADES:
+            return None
+        state.upload(model.dx)
+        parts = list(zip(self._stages, model.parts, state.parts, strict=True))
+        for stages, m, s in parts:
+            picture.start_ends(stages, m, s, value)
+        low, step = picture.ends(self._most([stages.scratch for stages in self._stages], "picture")["most"])
+        words = [picture.start(stages, m, s, low, step) for stages, m, s in parts]
+        counts = [s.count for s in state.parts]
+        return picture.quantised(picture.read(self._stages, words, counts), low, step, state)
 
     def _sums(self, name: str, model: DomainModel, state: DomainState) -> list[Any]:
         """Return what a kernel has summed over the particles of each domain."""

@@ -88,6 +88,12 @@ class DomainState:
             part.whole()
         return self.host
 
+    def shown(self, name: str) -> Any:
+        """Return a field, only to be looked at: no `upload` follows."""
+        for part in self.parts:
+            part.shown(name)
+        return getattr(self.host, name)
+
     def __getattr__(self, name: str) -> Any:
         if name not in FIELDS:
             raise AttributeError(name)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.solver import Quantised
 from neve.viewer.modes import measure
 from neve.viewer.protocol.messages import Facts
 
@@ -53,18 +54,46 @@ def of_simulation(
 
     known: colours that need not be found anew, rows in the order of birth.
     """
-    columns = sim.columns()
-    order = by_birth(np.asarray(columns["id"]()))
-    values = {mode: order(measure(mode, columns, 2 * sim.radius)) for mode in modes} | dict(known)
+    x, values = _from_device(sim, modes) or _from_columns(sim, modes)
     return Snapshot(
-        x=order(columns["x"]()),
-        values=values,
+        x=x,
+        values=values | dict(known),
         poses=tuple((pose.position.copy(), pose.rotation.copy()) for pose in _poses(sim)),
         time=sim.time,
         frame=frame,
         facts=facts,
         scene=scene,
     )
+
+
+def _from_columns(sim: Simulation, modes: set[str]) -> tuple[Array, dict[str, Array]]:
+    """Return positions and the values of colours, rows in the order of birth."""
+    columns = sim.columns()
+    order = by_birth(np.asarray(columns["id"]()))
+    return order(columns["x"]()), {mode: order(measure(mode, columns, 2 * sim.radius)) for mode in modes}
+
+
+def _from_device(sim: Simulation, modes: set[str]) -> tuple[Array, dict[str, Array]] | None:
+    """Return the same, to within half a step of 16 bits, from a device that has it so; else None."""
+    values: dict[str, Array] = {}
+    x = None
+    for mode in sorted(modes) or [""]:
+        found = sim.solver.quantised(mode)
+        if found is None:
+            return None
+        order = by_birth(found.id)
+        x = order(_positions(found))
+        if mode:
+            values[mode] = order(found.low[3] + found.step[3] * found.q[:, 3])
+    return (x, values) if x is not None else None
+
+
+def _positions(found: Quantised) -> NDArray[Any]:
+    """Return positions [m], (n, 3): not a number where a particle has none."""
+    x = found.low[:3] + found.step[:3] * found.q[:, :3]
+    lost = np.flatnonzero((found.q[:, :3] == np.iinfo(np.uint16).max).all(axis=1))
+    x[lost] = np.nan
+    return x
 
 
 def _poses(sim: Simulation) -> list[Pose]:
