@@ -19,6 +19,7 @@ from typing import Any
 import click
 
 from neve.cli.campaigns import fuzz
+from neve.cli.compare import compare
 from neve.cli.console import (
     Commands,
     output_code,
@@ -305,6 +306,7 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
     return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
 
 
+cli.add_command(compare)
 cli.add_command(estimate)
 cli.add_command(film)
 cli.add_command(render)

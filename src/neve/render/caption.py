@@ -16,8 +16,11 @@ EDGE = 0.03
 """Distance from the lower left corner over the height of the picture [1]."""
 
 
-def captioned(image: NDArray[np.uint8], text: str) -> NDArray[np.uint8]:
-    """Return the picture `image` (height, width, 3) with `text` in its lower left corner, if there is any."""
+def captioned(image: NDArray[np.uint8], text: str, top: bool = False) -> NDArray[np.uint8]:
+    """Return the picture `image` (height, width, 3) with `text` in its lower left corner, if there is any.
+
+    top: in its upper left one.
+    """
     if not text:
         return image
     from PIL import Image, ImageDraw
@@ -26,14 +29,14 @@ def captioned(image: NDArray[np.uint8], text: str) -> NDArray[np.uint8]:
     draw = ImageDraw.Draw(picture)
     height = image.shape[0]
     font = _font(max(8, round(SIZE * height)))
-    place = (EDGE * height, height * (1.0 - EDGE))
+    place = (EDGE * height, height * (EDGE if top else 1.0 - EDGE))
     width = max(1, round(0.08 * SIZE * height))
     draw.text(
         place,
         text,
         fill=(255, 255, 255),
         font=font,
-        anchor="ls",
+        anchor="la" if top else "ls",
         stroke_width=width,
         stroke_fill=(40, 50, 64),
     )

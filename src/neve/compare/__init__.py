@@ -1,0 +1,1 @@
+"""Compare methods: the same scene by each, on the same clock."""
