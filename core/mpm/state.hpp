@@ -56,6 +56,7 @@ class Columns {
   const T* column(int k) const { return values_.data() + k * stride_; }
   int components() const { return components_; }
   std::size_t stride() const { return stride_; }
+  std::size_t size() const { return count_; }
   std::size_t bytes() const { return values_.size() * sizeof(T); }
 
  private:

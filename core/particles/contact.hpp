@@ -36,14 +36,20 @@ struct ContactLaw {
 template <class T>
 inline constexpr T loose = std::numeric_limits<T>::min();
 
+// Where two particles are to each other: x from j to i. Of the pair they make, what does not depend on how they move.
 template <class R>
-inline Pair<R> pair_of(const Vec3<R>& x, const Vec3<R>& v, const R& radii, const R& k) {
+inline Pair<R> pair_at(const Vec3<R>& x, const R& radii) {
   const R tiny = splat<R>(std::numeric_limits<scalar_t<R>>::min());
   const R d2 = dot(x, x);
   const R inv = rsqrt(R(max(d2, tiny)));  // two in one place push nowhere
-  const Vec3<R> n = x * inv;
-  const R v_n = dot(v, n);
-  return {n, R(radii - d2 * inv), k, v_n, v - n * v_n};
+  Pair<R> pair{};
+  pair.n = x * inv, pair.overlap = radii - d2 * inv;
+  return pair;
+}
+// The rest of it: i moves with v past j.
+template <class R>
+inline void set_motion(Pair<R>& pair, const Vec3<R>& v, const R& k) {
+  pair.k = k, pair.v_n = dot(v, pair.n), pair.v_t = v - pair.n * pair.v_n;
 }
 
 // Force across a bond [N], positive: apart.

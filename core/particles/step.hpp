@@ -23,6 +23,25 @@ struct PairSums {
   Columns<T> values{count};
 };
 
+// What the force of a pair needs of its particles, by rows: x, y, z [m], radius [m]; and velocity [m/s], stiffness [N/m].
+template <class T>
+struct PairQuads {
+  Column<Quartet<T>> place, motion;
+
+  void fill(const ParticleState<T>& s) {
+    if (place.size() != s.count) place.resize(s.count), motion.resize(s.count);
+    const auto at = [&](const auto& field, int k) { return field.column(k); };
+    const T *x = at(s.x, 0), *y = at(s.x, 1), *z = at(s.x, 2), *r = at(s.radius, 0);
+    const T *u = at(s.v, 0), *v = at(s.v, 1), *w = at(s.v, 2), *stiffness = at(s.k, 0);
+    each_chunk(s.count, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        place[p] = {x[p], y[p], z[p], r[p]};
+        motion[p] = {u[p], v[p], w[p], stiffness[p]};
+      }
+    });
+  }
+};
+
 // What a pass over the particles found.
 struct ParticleReport {
   double speed = 0;     // largest [m/s]
@@ -43,8 +62,9 @@ template <class T>
 class ParticleForces {
  public:
   using R = Lanes<T>;
-  ParticleForces(const ParticleState<T>& s, Neighbours<T>& lists, const ContactLaw<T>& law)
-      : s_(s), lists_(lists), law_(law) {}
+  ParticleForces(const ParticleState<T>& s, const PairQuads<T>& quads, Neighbours<T>& lists,
+                 const ContactLaw<T>& law)
+      : s_(s), quads_(quads), lists_(lists), law_(law) {}
 
   void of(std::size_t p, T* out, std::size_t stride) {
     R sums[PairSums<T>::count]{};
@@ -57,16 +77,19 @@ class ParticleForces {
   void add(std::size_t p, std::uint32_t e, int count, R* sums) {
     const std::int32_t* rows = lists_.row.data() + e;
     const auto here = first_lanes<R>(count);
-    Vec3<R> x, v;
-    for (int k = 0; k < 3; ++k) {
-      x[k] = s_.x.column(k)[p] - gather<R>(s_.x.column(k), rows);
-      v[k] = s_.v.column(k)[p] - gather<R>(s_.v.column(k), rows);
-    }
-    const R radii = s_.radius.column(0)[p] + gather<R>(s_.radius.column(0), rows);
-    const R k = (s_.k.column(0)[p] + gather<R>(s_.k.column(0), rows)) * T(0.5);
-    const Pair<R> pair = pair_of(x, v, radii, k);
+    const Quartets<R> place = gather_quartets<R>(quads_.place.data(), rows);
+    const Quartet<T> place_p = quads_.place[p];
+    const Vec3<R> x{place_p.a - place.a, place_p.b - place.b, place_p.c - place.c};
+    const R radii = place_p.d + place.d;
+    Pair<R> pair = pair_at(x, radii);
     const R zero = splat<R>(0);
     R hold = load<R>(lists_.hold.data() + e, count);
+    if (!any(here & ((pair.overlap > T(0)) | negated(hold == T(0))))) return;
+    const Quartets<R> motion = gather_quartets<R>(quads_.motion.data(), rows);
+    const Quartet<T> motion_p = quads_.motion[p];
+    const Vec3<R> v{motion_p.a - motion.a, motion_p.b - motion.b, motion_p.c - motion.c};
+    const R k = (motion_p.d + motion.d) * T(0.5);
+    set_motion(pair, v, k);
     const R rest = load<R>(lists_.a.data() + e, count);
     auto bonded = here & (hold > T(0));
     const auto broken = bonded & (rest - pair.overlap > hold);
@@ -125,6 +148,7 @@ class ParticleForces {
   }
 
   const ParticleState<T>& s_;
+  const PairQuads<T>& quads_;
   Neighbours<T>& lists_;
   const ContactLaw<T> law_;
 };
@@ -135,11 +159,12 @@ class ParticleForces {
 // that are opposite to the last bit.
 template <class T>
 void pair_forces(const ParticleState<T>& s, Neighbours<T>& lists, const ContactLaw<T>& law,
-                 PairSums<T>& sums) {
-  sums.values.resize(s.count);
+                 PairQuads<T>& quads, PairSums<T>& sums) {
+  if (sums.values.size() != s.count) sums.values.resize(s.count);
+  quads.fill(s);
   constexpr std::size_t chunk = 256;
   each_index((s.count + chunk - 1) / chunk, [&](std::size_t c) {
-    detail::ParticleForces<T> forces(s, lists, law);
+    detail::ParticleForces<T> forces(s, quads, lists, law);
     for (std::size_t p = c * chunk; p < std::min(s.count, (c + 1) * chunk); ++p)
       forces.of(p, sums.values.column(0) + p, sums.values.stride());
   });

@@ -21,6 +21,8 @@ struct Particles {
   std::vector<ContactMaterial> table;
   ParticleState<T> state;
   Neighbours<T> lists;
+  RebuildRoom<T> room;
+  PairQuads<T> quads;
   PairSums<T> sums;
   std::vector<Exchange> exchanged;
   bool current = false;  // the lists hold all pairs that can touch
@@ -33,7 +35,7 @@ struct Particles {
 template <class T>
 ParticleReport step(Particles<T>& p, const Model<T>& solids, double dt) {
   p.require_lists();
-  pair_forces(p.state, p.lists, p.model.law, p.sums);
+  pair_forces(p.state, p.lists, p.model.law, p.quads, p.sums);
   const ParticleReport report = advance(p.model, solids, p.state, p.lists, p.sums, dt, p.exchanged);
   p.model.law.dt = T(dt);
   p.current = report.moved <= 0.5 * p.lists.skin;
@@ -168,7 +170,7 @@ void bind_of(nb::module_& m) {
           "rebuild",
           [](P& p, double near, double dt) {
             if (!(near > 0) || !(dt >= 0)) throw nb::value_error("near must be above 0, dt not below");
-            rebuild(p.state, p.lists, near, dt);
+            rebuild(p.state, p.lists, p.room, near, dt);
             p.current = true;
           },
           nb::arg("near"), nb::arg("dt"), free_gil)
