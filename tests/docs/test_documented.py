@@ -201,7 +201,7 @@ def files_exist(words, place):
 RULES = [
     (r"neve run ", run_scene),
     (r"neve (view (?!.*--replay)|drive)", serve),
-    (r"neve (bench|validate|fuzz|render)", parse_neve),
+    (r"neve (bench|compare|validate|fuzz|render)", parse_neve),
     (r"neve estimate ", estimate),
     (r"neve ", neve_runs),
     (r"python examples/\d\d_\S+\.py", files_exist),  # tests/docs/test_examples.py runs them

@@ -75,6 +75,9 @@ BLOCKS = {
 FRAME = Block((25, 10, 10), 40, 25, 120)
 """The headline of the program that Neve descends from: 20,000 particles, 40 substeps a frame."""
 
+CONTACTS = Block((25, 25, 20), 20, 7, 100)
+"""A hundred thousand particles in contact (numerics.method = "particles")."""
+
 
 def landing_block(cells: tuple[int, int, int], **numerics: Any) -> Scene:
     """Return the scene of a block of `cells` cells, standing on the ground and moving down into it."""
@@ -122,7 +125,7 @@ def measure(name: str, block: Block, **numerics: Any) -> Speed:
         frame_ms=Spread.of([1e3 * t for t in wall]),
         bytes_core=sim.bytes / n,
         bytes_resident=None if before is None or after is None or n < 100_000 else (after - before) / n,
-        blocks=sim.diagnostics().blocks,
+        blocks=getattr(sim.diagnostics(), "blocks", 0),
         flowing=float((sim.state.J_P != 1).mean()),
     )
 
@@ -197,6 +200,7 @@ CASES: dict[str, Callable[[], Iterator[Speed | Once | Share]]] = {
     "sampling": sampling,
     "preview": preview,
     "bodies": lambda: iter([measure_bodies()]),
+    "contacts": lambda: iter([measure("contacts", CONTACTS, method="particles")]),
 }
 USUAL = ("20k", "20k_frame", "200k", "1m")
 
