@@ -69,7 +69,7 @@ class Simulation:
 
     def arrays(self):
         names = ("x", "v", "J_P", "id", "material", "m", "V0")
-        return {"time": self.time, "steps": self.steps, **{name: getattr(self.state, name) for name in names}}
+        return {"time": self.time, "steps": self.steps, **{n: getattr(self.state, n).copy() for n in names}}
 
     def advance(self, seconds, enough=None):
         time.sleep(PAUSE)

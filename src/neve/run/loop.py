@@ -38,6 +38,10 @@ if TYPE_CHECKING:
     from neve.simulation import Simulation
 
 
+OUTPUTS = "neve.run.outputs."
+"""Modules of the outputs that come with Neve."""
+
+
 def run(
     sim: Simulation,
     out: Path | str,
@@ -215,12 +219,13 @@ def _made(
 def _begin(
     run: RunContext, scheduled: list[tuple[Schedule, Output]], stack: contextlib.ExitStack
 ) -> list[tuple[Schedule, Output]]:
-    """Let all outputs begin."""
+    """Let all outputs begin, and then what is done beside the steps, which ends before them."""
     for schedule, output in scheduled:
         if isinstance(output, Begins):
             output.begin(run, schedule)
         if isinstance(output, contextlib.AbstractContextManager):
             stack.enter_context(output)
+    stack.enter_context(run.beside)
     return scheduled
 
 
@@ -252,6 +257,7 @@ def _loop(
     context = FrameContext(sim, frame, last, timer, run)
     if run.done is None:
         _write(context, outputs)
+        run.beside.wait()
         run.folder.begin()
     else:
         for _, output in outputs:
@@ -264,12 +270,17 @@ def _loop(
         context = FrameContext(sim, frame, last, timer, run)
         _write(context, outputs)
         progress.update(frame, sim.count, sim.steps)
+    run.beside.wait()
     for _, output in reversed(outputs):
         output.close(context)
+        run.beside.wait()
     return frame
 
 
 def _write(context: FrameContext, outputs: Sequence[tuple[Schedule, Output]]) -> None:
+    """Write a frame; an output of a user finds all that is written before it."""
     for schedule, output in outputs:
         if schedule.due(context.frame):
+            if not type(output).__module__.startswith(OUTPUTS):
+                context.run.beside.wait()
             output.write(context)

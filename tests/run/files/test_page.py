@@ -38,7 +38,7 @@ FILES, LOG, FRAGMENTS, SOLIDS, ARRAYS = tables()
 @pytest.mark.parametrize(
     ("table", "columns"),
     [
-        (LOG, log.columns("mpm")),
+        (LOG, log.columns("mpm", True)),
         (FRAGMENTS, fragments.COLUMNS),
         (SOLIDS, solids.COLUMNS),
         (ARRAYS, [name for name in Frame._fields if name != "more"]),  # what run.fields names

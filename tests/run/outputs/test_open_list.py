@@ -115,7 +115,7 @@ def test_killed_run_resumes(fake, listed, scene_file, tmp_path, monkeypatch):
     command = [sys.executable, "-c", program, "run", str(scene_file), "--out", str(out), "--quiet"]
     done = subprocess.run(command, cwd=Path(fake_neve.__file__).parent, check=False, timeout=PATIENCE)
     assert done.returncode == -signal.SIGKILL
-    assert frame_numbers(out / ".side.mp4.parts") == [1, 2, 4]
+    assert frame_numbers(out / ".side.mp4.parts") in ([1, 2], [1, 2, 4])  # the last may not be written yet
     run_scene(listed, out, resume=True, quiet=True)
     assert content(out) == content(straight)
 

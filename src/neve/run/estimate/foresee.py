@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from neve.io.frames import arrays_of, fields_of, frame_of
+from neve.run.beside import DEPTH
 from neve.run.estimate.crowd import crowd
 from neve.run.estimate.trial import Trial, likeness, pace, silence, trial
 from neve.run.loop import last_frame
@@ -133,7 +134,7 @@ def estimate(
     frame_bytes = _archive(arrays_of(frame)) * times
     need, unknown = _needs(scene, last, Sizes(frame_bytes, saved * times, len(near.solids()) * ROW_BYTES))
     steps = _steps(foreseen, last, scene.run.fps)
-    state = near.bytes * foreseen.growth + saved + frame_bytes / times
+    state = near.bytes * foreseen.growth + saved + DEPTH * frame_bytes / times
     device = near.solver.device
     return Estimate(
         particles=Range(particles, particles * _less(coarser), particles / _less(coarser)),
@@ -211,7 +212,7 @@ def _open(
     solids = len(scene.colliders) + len(scene.bodies)
     sizes = Sizes(some.mean * each_frame, some.most * each_saved, solids * ROW_BYTES)
     need, unknown = _needs(scene, last, sizes)
-    state = some.most * (ROOM * each + each_saved + each_frame)
+    state = some.most * (ROOM * each + each_saved + DEPTH * each_frame)
     steps = _steps(foreseen, last, scene.run.fps)
     return Estimate(
         particles=Range(some.most, 0.9 * some.most, 1.1 * some.most),

@@ -42,6 +42,7 @@ class CheckpointOutput:
     def __init__(self) -> None:
         self.schedule: Schedule = EveryWallSeconds(3.0)
         self._written: int | None = None
+        self._last = 0  # job that writes it
 
     def begin(self, run: RunContext, schedule: Schedule) -> None:
         """Take note of the checkpoint that is there already."""
@@ -49,13 +50,18 @@ class CheckpointOutput:
 
     def write(self, context: FrameContext) -> None:
         """Write the state as of this frame."""
-        run = context.run
+        run, frame = context.run, context.frame
         with context.timer.stage("write"):
-            disk.sync_folder(run.folder.frames)
-            write_checkpoint(
-                run.folder.checkpoint, context.frame, run.toml, run.neve, context.sim.arrays(), run.now()
-            )
-        self._written = context.frame
+            run.beside.wait(self._last)  # no two states wait in memory
+            arrays, marks = context.sim.arrays(), run.marks()
+
+            def write() -> None:
+                disk.sync_folder(run.folder.frames)
+                path = run.folder.checkpoint
+                write_checkpoint(path, frame, run.toml, run.neve, arrays, run.now(marks))
+
+            self._last = context.beside(write)
+        self._written = frame
 
     def close(self, context: FrameContext) -> None:
         """Write the state unless it is there already."""

@@ -15,6 +15,7 @@ from neve.io.frames import Frame, fields_of, frame_of, frame_path, write_frame
 from neve.io.inventory import Inventory
 from neve.io.npz import mark_of
 from neve.io.table import Table
+from neve.run.beside import Beside, Job
 from neve.scene.schema.outputs import LONGEST
 from neve.schedule import Regular
 
@@ -88,6 +89,7 @@ class RunContext:
         reserved: names of files that no table of one's own may have
         inventory: what the run had written when its checkpoint was, if that is known; kept up to date by
             `write_frame` and `table`
+        beside: does what is written while the next frame is computed
     """
 
     folder: RunFolder
@@ -101,6 +103,7 @@ class RunContext:
     radius: float | None = None
     reserved: Collection[str] = ()
     inventory: Inventory | None = None
+    beside: Beside = field(default_factory=Beside)
     _frames: dict[int, int] = field(default_factory=dict)
     _tables: dict[str, Table] = field(default_factory=dict)
 
@@ -110,11 +113,15 @@ class RunContext:
             return []
         return [k for k in range(self.done + 1) if schedule.due(k)]
 
-    def now(self) -> Inventory:
-        """Return the inventory of what is written now."""
+    def marks(self) -> dict[str, tuple[int, int]]:
+        """Return the marks of the tables, as they are now."""
         before = self.inventory or Inventory()
-        tables = {name: table.mark for name, table in self._tables.items()}
-        return Inventory(before.frames | self._frames, before.tables | tables)
+        return before.tables | {name: table.mark for name, table in self._tables.items()}
+
+    def now(self, tables: dict[str, tuple[int, int]]) -> Inventory:
+        """Return the inventory of the frames that are written now, and of tables with these marks."""
+        before = self.inventory or Inventory()
+        return Inventory(before.frames | self._frames, tables)
 
     def is_as_written(self, frame: int) -> bool:
         """Return whether the file of a frame is there, with the arrays that it had, as far as it is known."""
@@ -183,6 +190,14 @@ class FrameContext:
     def folder(self) -> Path:
         """The run folder."""
         return self.run.folder.path
+
+    def beside(self, job: Job) -> int:
+        """Do `job` while the next frame is computed, after what was handed over before; return its number.
+
+        It may use what was copied, and nothing of the simulation, which goes on. Errors: what an earlier job
+        raised.
+        """
+        return self.run.beside.do(self.frame, job)
 
     @functools.cached_property
     def content(self) -> Frame:

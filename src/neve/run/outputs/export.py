@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Annotated, Literal, Self
 
+import numpy as np
+
 from neve.export.axes import Up
 from neve.export.folder import ExportFolder, stem
 from neve.export.format import Format
@@ -84,7 +86,7 @@ class ExportOutput:
         assert self._format is not None
         self._folder.drop_after(context.frame, self._format.names)
         self._recall()
-        gone = []
+        gone, life = [], self._life(context)
         for frame in self._due:
             mark = self._mark(frame)
             if self._folder.has(frame, mark, self._format.names(frame)):
@@ -94,14 +96,15 @@ class ExportOutput:
             except RunError:
                 gone.append(frame)
             else:
-                self._export(context, frame, content)
+                self._export(frame, content, life)
         warn_of_lost(self._folder.path, gone)
 
     def write(self, context: FrameContext) -> None:
         """Write the files of this frame."""
         with context.timer.stage("write"):
             self._prepare(context)
-            self._export(context, context.frame, context.content)
+            life, content = self._life(context), context.content
+            context.beside(lambda: self._export(context.frame, content, life))
 
     def close(self, context: FrameContext) -> None:
         """Write what belongs to all frames."""
@@ -134,10 +137,19 @@ class ExportOutput:
         self._folder.announce(self._format.shared_names())
         self._open = True
 
-    def _export(self, context: FrameContext, frame: int, content: Frame) -> None:
+    def _life(self, context: FrameContext) -> Life | None:
+        """Copy what particles keep for life, if the files have it."""
         assert self._format is not None
         columns = context.sim.columns()
-        life = Life(columns["id"](), {name: columns[name]() for name in FOR_LIFE if name in columns})
+        asked = [
+            name for name in FOR_LIFE if name in columns and (name in self._names or self._format.weighs)
+        ]
+        if not asked:
+            return None
+        return Life(np.array(columns["id"]()), {name: np.array(columns[name]()) for name in asked})
+
+    def _export(self, frame: int, content: Frame, life: Life | None) -> None:
+        assert self._format is not None
         self._format.job.camera.see(content)
         axes = self._format.job.axes
         moment = moment_of(frame, content, axes, self._names, life, self._format.weighs)

@@ -85,12 +85,16 @@ class FilmOutput:
     def write(self, context: FrameContext) -> None:
         """Add the frame to the film."""
         with context.timer.stage("film"):
-            self._add_lost()
-            self._frames.keep(context.frame, context.content)
-            self._add(context.content, self._next)
-            self._next += 1
-            if self._painter.shot.follows and self._frames.sparse:
-                self._frames.write_seen(self._painter.shot.state())
+            content = context.content
+            context.beside(lambda: self._film_frame(context.frame, content))
+
+    def _film_frame(self, frame: int, content: Frame) -> None:
+        self._add_lost()
+        self._frames.keep(frame, content)
+        self._add(content, self._next)
+        self._next += 1
+        if self._painter.shot.follows and self._frames.sparse:
+            self._frames.write_seen(self._painter.shot.state())
 
     def close(self, context: FrameContext) -> None:
         """Finish the film file; a stopped run leaves the film of what is done."""

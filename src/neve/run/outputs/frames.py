@@ -51,7 +51,8 @@ class FrameOutput:
     def write(self, context: FrameContext) -> None:
         """Write the frame."""
         with context.timer.stage("write"):
-            context.run.write_frame(context.frame, context.content)
+            content = context.content
+            context.beside(lambda: context.run.write_frame(context.frame, content))
 
     def close(self, context: FrameContext) -> None:
         """Do nothing: each frame is complete."""
