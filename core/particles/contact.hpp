@@ -27,9 +27,9 @@ struct Memory {
 // What all contacts of a run share.
 template <class T>
 struct ContactLaw {
-  T damping;     // of contacts: their damper over their stiffness [s]
-  T tangential;  // stiffness along a contact over that across it [1]
-  T dt;          // for which the velocities have moved the particles since the last call [s]
+  T damping{};     // of contacts: their damper over their stiffness [s]
+  T tangential{};  // stiffness along a contact over that across it [1]
+  T dt{};          // for which the velocities have moved the particles since the last call [s]
 };
 
 // A contact without cohesion: so small a gap that none is bridged.

@@ -55,7 +55,7 @@ def kernels(scene: Scene) -> Precision:
     """Return the compiled stages for the scene's precision. Errors: SceneError for a device that has none."""
     numerics = scene.numerics
     found = backend("cpu" if numerics.device == "auto" else numerics.device).kernels(numerics.precision)
-    if not hasattr(found, "Particles"):
+    if not hasattr(found, "Particles") or hasattr(found, "device"):  # of a GPU, whose stages are others
         raise SceneError(
             f'numerics.device = "{numerics.device}" has no numerics.method = "particles": use "cpu"'
         )

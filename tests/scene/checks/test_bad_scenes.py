@@ -272,7 +272,7 @@ def test_unknown_preset_names_the_nearest() -> None:
     assert "did you mean throw_ball?" in sentence
     assert "text_fall" in sentence
     with pytest.raises(SceneError, match="did you mean plow"):
-        preset_about("plough")
+        preset_about("plov")
 
 
 def test_missing_file_names_the_nearest(tmp_path: Path) -> None:

@@ -50,7 +50,8 @@ def test_presets_are_all_there() -> None:
     """The scenes are there, each with one line that says what happens."""
     bodies = ["avalanche", "ball_on_snow", "boot", "castle", "roll", "walk", "wheel"]
     names = ["collide", "cube_on_snow", "plow", "snowball_wall", "snowballs_collide", "text_fall"]
-    assert presets() == sorted([*bodies, *names, "throw_ball", "throw_cube"])
+    contacts = ["melt", "walk_live", "wall_plough"]
+    assert presets() == sorted([*bodies, *names, *contacts, "throw_ball", "throw_cube"])
     for name in presets():
         about = preset_about(name)
         assert about == load(name).about

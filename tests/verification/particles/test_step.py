@@ -254,6 +254,15 @@ def test_snow_is_added_and_changed():
     assert len(sim.exchanged) == 1
 
 
+def test_first_step_knows_no_earlier_one():
+    """Fresh snow has turned no spring of friction yet, whatever the memory held before."""
+    for _ in range(20):
+        sim = particles([{"shape": "sphere", "radius": 0.1}], precision="float32")
+        assert sim.arrays()["last_dt"] == 0
+        junk = [np.full(n, np.nan, np.float32) for n in range(10, 2000, 50)]
+        del junk
+
+
 def test_what_is_refused():
     """A particle that is lost, and contacts of other particles: one sentence each."""
     sim = particles([{"shape": "sphere", "radius": 0.1}])

@@ -1,0 +1,57 @@
+"""What the presets of particles in contact promise, coarse and short."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import neve
+from neve.scene.errors import SceneWarning
+
+
+def start(name, *changes):
+    """Make a coarse simulation of a preset; what a coarse grid is warned of is not told."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        return neve.Simulation(neve.load(name, list(changes)), threads=1)
+
+
+def test_wall_plough_pushes_snow_together():
+    """Before the wall there is more snow than lay there, and denser; behind it the ground is swept."""
+    sim = start("wall_plough", "numerics.dx=0.12")
+    first, mass = np.array(sim.state.x), sim.diagnostics().mass
+    sim.advance(1.8)
+    x, J = np.asarray(sim.state.x), np.asarray(sim.state.J_P)
+    wall = sim.solids()[1][1].position[0] + 0.07
+
+    def ahead(x):
+        return (np.abs(x[:, 1]) < 0.6) & (x[:, 0] > wall) & (x[:, 0] < wall + 0.6)
+
+    behind = (np.abs(x[:, 1]) < 0.5) & (x[:, 0] < wall - 0.2)
+    assert ahead(x).sum() > 1.15 * ahead(first).sum()
+    assert behind.sum() < 0.1 * ahead(x).sum()
+    assert J[ahead(x)].min() < 0.95
+    assert sim.diagnostics().mass == mass
+
+
+def test_snowman_melts_under_his_hat():
+    """The sun makes water of him, the balance holds, and the hat comes down."""
+    sim = start("melt", "numerics.dx=0.12", "heat.heat_speed=40000.0")
+    first, hat = sim.diagnostics(), sim.solids()[-1][1].position[2]
+    sim.advance(1.5)
+    now = sim.diagnostics()
+    assert now.water > 0.15 * now.mass
+    assert now.heat - first.heat == pytest.approx(now.heat_taken, rel=1e-9)
+    assert sim.solids()[-1][1].position[2] < hat - 0.1
+    assert sim.scene.caption == "heat x 40000 real time"
+
+
+def test_boots_leave_prints():
+    """Where the first boot stood snow is gone, and denser than beside it."""
+    sim = start("walk_live", "numerics.dx=0.08")
+    sim.advance(0.85)
+    x, J = np.asarray(sim.state.x), np.asarray(sim.state.J_P)
+    print_ = (np.abs(x[:, 0] + 0.7) < 0.06) & (np.abs(x[:, 1] + 0.075) < 0.03)
+    beside = (np.abs(x[:, 0] + 0.7) < 0.06) & (np.abs(x[:, 1] - 0.3) < 0.06)
+    assert x[print_, 2].max(initial=0.0) < 0.8 * x[beside, 2].max()
+    assert J[print_].mean() < 0.97 * J[beside].mean()
