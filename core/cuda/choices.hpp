@@ -21,9 +21,10 @@ struct OfModes<X, modes> {
 };
 
 // spline, transfer: places in Splines and Transfers; laws: a bit for each place in Laws; solids: whether there are any;
-// play: whether one of them has play; deterministic: whether sums have the same bits in every run.
+// play: whether one of them has play; deterministic: whether sums have the same bits in every run; fused: whether g2p2g takes
+// the place of g2p and the next p2g (cuda/g2p2g.hpp).
 template <class Real, int spline, int transfer, int modes, unsigned laws_, bool solids, bool play,
-          bool deterministic>
+          bool deterministic, bool fused = false>
 struct Choice {
   using T = Real;
   using Spline = item_at<spline, Splines>;
@@ -32,6 +33,8 @@ struct Choice {
   static constexpr bool has_solids = solids, has_play = play, is_deterministic = deterministic;
   using Number = Sum<deterministic>;
   static constexpr bool has_change = Transfer::has_change;
+  static constexpr bool is_fused = fused;
+  static constexpr bool has_force = has_change || fused;  // it comes to the nodes apart from momentum
 };
 
 }  // namespace neve::cuda

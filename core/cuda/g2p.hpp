@@ -44,8 +44,8 @@ struct HomeGather {
   const Quad<T>*tile, *change;
 
   template <class Solids>
-  NEVE_INLINE void advance_one(std::size_t p, const Solids& solids,
-                               BlockExchange<typename C::Number>& exchange, Seen<T>& seen) const {
+  NEVE_INLINE Advanced<T> advance_one(std::size_t p, const Solids& solids,
+                                      BlockExchange<typename C::Number>& exchange, Seen<T>& seen) const {
     const Particle<T> particle{s.particles, p};
     const Vec3<T> x = particle.x();
     const T m = particle.m();
@@ -71,6 +71,7 @@ struct HomeGather {
       seen.drifted = seen.drifted || u < T(0) || u >= T(S::reach);
     }
     if (s.commit != 0) keep(particle, now, sum, x);
+    return now;
   }
 
  private:

@@ -18,7 +18,7 @@ NEVE_INLINE void accelerate(const Node<C>& node, Vec3<T>& v, Vec3<T>& change, T&
     return;
   }
   change = s.constants.gravity * dt;
-  if constexpr (C::has_change) {
+  if constexpr (C::has_force) {
     const Quad<T> f = s.nodes.change[node.i];
     change = {velocity_change(change.x, f.x, inverse_m, dt), velocity_change(change.y, f.y, inverse_m, dt),
               velocity_change(change.z, f.z, inverse_m, dt)};

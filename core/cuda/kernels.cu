@@ -1,4 +1,4 @@
-// The kernels for one Choice, which NVRTC compiles: the macro NEVE_CHOICE names its eight arguments.
+// The kernels for one Choice, which NVRTC compiles: the macro NEVE_CHOICE names its nine arguments.
 #include "cuda/kernels.hpp"
 
 namespace neve::cuda {

@@ -1,6 +1,7 @@
 // The kernels by name, each with the threads of its blocks: for whoever makes entry points of them.
 #pragma once
 
+#include "cuda/g2p2g.hpp"
 #include "cuda/grid/domain.hpp"
 #include "cuda/grid_update.hpp"
 #include "cuda/p2g.hpp"
@@ -35,6 +36,7 @@
   each(meet_bodies, block_nodes, meet_bodies<C>)            \
   each(report_nodes, report_threads, report_nodes<C>)       \
   each(g2p, gather_threads, g2p<C>)                         \
+  each(g2p2g, gather_threads, g2p2g<C>)                     \
   each(measure_volumes, gather_threads, measure_volumes<C>) \
   each(scatter_lift, home_threads, scatter_lift<C>)         \
   each(gather_lift, gather_threads, gather_lift<C>)         \

@@ -29,6 +29,7 @@ def test_rehearsal(check, tmp_path):
     assert found["left_out"] == []
     assert found["figures 1k"]["particles"] == 216
     assert found["figures 1k"]["finite"]
+    assert "g2p2g" in found["fused 1k"]["kernel_ms"]
     assert max(found["agreement"]["float64"]["x"], found["agreement"]["float64"]["v"]) < 1e-12
 
 

@@ -231,7 +231,7 @@ def device(stand_in: bool) -> Iterator[None]:
 
 def check(report: Report, stand_in: bool) -> None:
     """Do all parts, in the order of what is learned from them."""
-    from speeds import SIZES, TINY, largest, measured
+    from speeds import SIZES, TINY, fused, largest, measured
 
     report.part("machine", 0, machine)
     if not stand_in:
@@ -240,6 +240,8 @@ def check(report: Report, stand_in: bool) -> None:
     sizes = TINY if stand_in else SIZES
     for name in sizes:
         report.part(f"figures {name}", 30, lambda name=name: measured(sizes[name]))
+    smallest = next(iter(sizes))
+    report.part(f"fused {smallest}", 30, lambda: fused(sizes[smallest]))
     if not stand_in:
         report.part("tests", 40, lambda: tests(min(90, report.left), STAGES))
         for tool in ("memcheck", "racecheck"):

@@ -93,6 +93,12 @@ def stepped(sim: Simulation, steps: int, most: int = MOST_STEPS) -> float:
     return (perf_counter() - begun) / done
 
 
+def fused(cells: tuple[int, int, int]) -> dict[str, Any]:
+    """Return the same of the variant that gathers and scatters in one kernel; the host chooses each step."""
+    with mock.patch.object(CudaStages, "fused", True):
+        return measured(cells)
+
+
 def measured(cells: tuple[int, int, int]) -> dict[str, Any]:
     """Return rates and times of a block of snow that lands."""
     begun = perf_counter()

@@ -85,12 +85,14 @@ NEVE_INLINE void scatter(const Given& mine, int count, Given* shown, Quad<T>* ti
   }
 }
 
-// How many particles a warp shows at a time: all, if that leaves room for four warps beside the tile.
-inline constexpr int shared_bytes = 48 * 1024;  // that any device has without being asked
-template <class Given, class T>
-inline constexpr int slots_of =
-    4 * warp * sizeof(Given) + 2 * tile_nodes * sizeof(Quad<T>) <= shared_bytes ? warp
-    : 4 * 8 * sizeof(Given) + 2 * tile_nodes * sizeof(Quad<T>) <= shared_bytes  ? 8
-                                                                                : 2;
+// How many particles a warp shows at a time: all, if what they show leaves room for four warps beside so many tiles.
+inline constexpr std::size_t shared_bytes = 48 * 1024;  // that any device has without being asked
+template <class T>
+constexpr int slots_for(std::size_t shown_bytes, std::size_t tiles) {
+  int slots = warp;
+  while (slots > 1 && 4 * slots * shown_bytes + tiles * tile_nodes * sizeof(Quad<T>) > shared_bytes)
+    slots /= 2;
+  return slots;
+}
 
 }  // namespace neve::cuda

@@ -55,6 +55,7 @@ struct Nodes {
   Home* homes;
   BlockCoord* at;  // of each block
   Quad<T>*node, *change, *lift;
+  Quad<T>*next, *next_force;  // of the step after this one, where g2p2g scatters
   Bounds<T>* bounds;
   const int* some;    // the homes of a launch of p2g; null: all
   const int* ghosts;  // of each block: whether another domain counts what solids do there; null: none

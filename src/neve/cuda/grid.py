@@ -62,6 +62,7 @@ class DeviceGrid:
         current: no particle has left its home since the last sort
         homes: blocks that own particles; blocks: of 64 nodes
         count: particles sorted; lightest: mass of the lightest [kg]
+        scattered: the last g2p has scattered for the next step; turn: how often that was taken
         ghosts: address of a flag for each block, whether another domain counts it; 0: none does
     """
 
@@ -70,7 +71,8 @@ class DeviceGrid:
         self._bytes = 4 if precision == "float32" else 8
         self._bounds_bytes = bounds_bytes(precision)
         self.current, self.homes, self.blocks, self.count, self.lightest = False, 0, 0, 0, 0.0
-        self.ghosts = 0
+        self.ghosts = self.turn = 0
+        self.scattered = False
         self.home_table, self.block_table = BlockTable(driver), BlockTable(driver)
         self._results = Buffer(driver, RESULTS.itemsize)
         self._parts: dict[str, Buffer] = {}
@@ -95,14 +97,23 @@ class DeviceGrid:
         """Give room for the homes."""
         to.homes = self._part("homes", HOME.itemsize * self.homes)
 
-    def fill_nodes(self, to: Nodes, has_change: bool, has_lift: bool) -> None:
+    def fill_nodes(self, to: Nodes, model: DeviceModel) -> None:
         """Give room for the nodes of all blocks."""
         to.at = self._part("at", COORD_BYTES * self.blocks)
         to.bounds = self._part("bounds", self._bounds_bytes * self.blocks)
         to.node = self._part("node", self.node_bytes)
-        to.change = self._part("change", self.node_bytes) if has_change else 0
-        to.lift = self._part("lift", self.node_bytes) if has_lift else 0
+        to.change = self._part("change", self.node_bytes) if model.has_force else 0
+        to.lift = self._part("lift", self.node_bytes) if model.has_play else 0
+        to.next, to.next_force = (
+            self._part(name, self.node_bytes) if model.is_fused else 0 for name in ("next", "next_force")
+        )
         to.ghosts = self.ghosts
+
+    def take_next(self) -> None:
+        """Let what `g2p2g` has scattered be the nodes."""
+        for name, other in (("node", "next"), ("change", "next_force")):
+            self._parts[name], self._parts[other] = self._parts[other], self._parts[name]
+        self.turn, self.scattered = self.turn + 1, False
 
     @property
     def node_bytes(self) -> int:

@@ -87,7 +87,19 @@ class Nodes(ctypes.Structure):
     """Where homes and blocks of nodes are."""
 
     _fields_ = tuple(
-        (name, _pointer) for name in ("homes", "at", "node", "change", "lift", "bounds", "some", "ghosts")
+        (name, _pointer)
+        for name in (
+            "homes",
+            "at",
+            "node",
+            "change",
+            "lift",
+            "next",
+            "next_force",
+            "bounds",
+            "some",
+            "ghosts",
+        )
     )
 
 

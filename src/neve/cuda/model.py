@@ -16,8 +16,17 @@ if TYPE_CHECKING:
 class DeviceModel:
     """The core's own model, which all is asked of, and its tables on the GPU."""
 
-    def __init__(self, driver: Driver, native: Model, precision: str, deterministic: bool = False) -> None:
+    def __init__(
+        self,
+        driver: Driver,
+        native: Model,
+        precision: str,
+        deterministic: bool = False,
+        fused: bool = False,
+    ) -> None:
+        """Take over `native`; fused: let one kernel gather and scatter, where the model allows it."""
         self.native = native
+        self._fused = fused
         self._driver, self._precision, self._deterministic = driver, precision, deterministic
         self._snows, self._solids = (b"", Buffer(driver)), (b"", Buffer(driver))
         self._samples: dict[int, list[Buffer]] = {}
@@ -30,7 +39,21 @@ class DeviceModel:
     @property
     def choice(self) -> Choice:
         """What the kernels of this model are compiled for."""
-        return Choice(self._precision, *self.native.device_choice, self._deterministic)
+        return Choice(self._precision, *self.native.device_choice, self._deterministic, self.is_fused)
+
+    @property
+    def is_fused(self) -> bool:
+        """Whether g2p2g takes the place of g2p and the next p2g.
+
+        It has shared memory for float32 and transfers whose particles carry a matrix alone, such as APIC.
+        """
+        affine = not self.native.keeps_change and self.native.more_modes == 0
+        return self._fused and affine and self._precision == "float32" and not self._deterministic
+
+    @property
+    def has_force(self) -> bool:
+        """Whether the force comes to the nodes apart from the momentum."""
+        return bool(self.native.keeps_change) or self.is_fused
 
     def kernels(self) -> Module:
         """Return the kernels, compiled at their first use. Errors: NoDevice, DeviceError."""

@@ -37,12 +37,13 @@ class Choice(NamedTuple):
     solids: bool
     play: bool
     deterministic: bool = False
+    fused: bool = False
 
     def words(self) -> str:
         """Return the arguments of the template."""
         real = "float" if self.precision == "float32" else "double"
         flags = ", ".join(
-            "true" if flag else "false" for flag in (self.solids, self.play, self.deterministic)
+            "true" if flag else "false" for flag in (self.solids, self.play, self.deterministic, self.fused)
         )
         return f"{real}, {self.spline}, {self.transfer}, {self.modes}, {self.laws}u, {flags}"
 

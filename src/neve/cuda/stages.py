@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,13 @@ STEPPED = ("x", "v", "C", "F_E", "tau", "J_P", "modes")
 
 
 class CudaStages:
-    """The objects and stages of one precision on a GPU. What is not of the step is the core's own."""
+    """The objects and stages of one precision on a GPU. What is not of the step is the core's own.
+
+    Attributes:
+        fused: whether one kernel gathers, and scatters for the next step: a variant, to be measured
+    """
+
+    fused: ClassVar[bool] = False
 
     def __init__(self, driver: Driver, core: Precision, precision: str, deterministic: bool = False) -> None:
         self.driver, self._core, self._precision = driver, core, precision
@@ -64,7 +70,11 @@ class CudaStages:
     def Model(self, *arguments: Any, **named: Any) -> DeviceModel:
         """Make a model without snows and solids."""
         return DeviceModel(
-            self.driver, self._core.Model(*arguments, **named), self._precision, self.deterministic
+            self.driver,
+            self._core.Model(*arguments, **named),
+            self._precision,
+            self.deterministic,
+            self.fused,
         )
 
     def State(self, count: int, more_modes: int = 0) -> DeviceState:
@@ -96,7 +106,10 @@ class CudaStages:
         state.moved(("tau",))
 
     def p2g(self, model: DeviceModel, state: DeviceState, grid: DeviceGrid, dt: float) -> None:
-        """Scatter mass, momentum and force to the nodes. Errors: ValueError."""
+        """Scatter mass, momentum and force to the nodes, unless g2p has done so. Errors: ValueError."""
+        if grid.scattered:
+            grid.take_next()
+            return
         self.start_p2g(model, state, grid, dt)
         for name in self.scatters:
             self._scatter(model, name, grid)
@@ -185,6 +198,7 @@ class CudaStages:
         if commit:
             state.moved(STEPPED)
             grid.current = grid.current and not report.drifted
+            grid.scattered = model.is_fused and grid.current and report.finite
             grid.accept_attempt()
         return report
 
@@ -197,7 +211,12 @@ class CudaStages:
         step.commit = int(commit)
         if commit and step.nodes.lift:
             self.launch(model, "gather_lift", grid.homes, PARTICLE_THREADS)
-        self.launch(model, "g2p", grid.homes, PARTICLE_THREADS)
+        if not (commit and model.is_fused):
+            self.launch(model, "g2p", grid.homes, PARTICLE_THREADS)
+            return
+        for address in (step.nodes.next, step.nodes.next_force):
+            self.driver.fill(address, 0, grid.node_bytes)
+        self.launch(model, "g2p2g", grid.homes, PARTICLE_THREADS)
 
     # Several steps
 
@@ -215,6 +234,8 @@ class CudaStages:
         Returns the dt of each [s] and what bound it, and the report of the last; maybe none is taken. For
         solids that stand still. before: the report of the last step. Errors: ValueError, Blowup.
         """
+        if model.is_fused:  # one kernel of a step does what belongs to the next: the host chooses each
+            return [], last_report(self._ahead.control(limits, (0.0, 0.0), before, seconds))
         step = self._prepare_sorted(model, state, grid, 1.0)
         solids_of(model, grid, step)
         step.accepted = grid.begin_ahead()
@@ -304,10 +325,10 @@ class CudaStages:
         step = self.step
         if self._is_new("constants", dt):
             step.constants[:] = np.frombuffer(model.constants(dt), self._real).tolist()
-        if self._is_new("nodes", (grid, grid.homes, grid.blocks, grid.lightest, grid.ghosts)):
+        if self._is_new("nodes", (grid, grid.homes, grid.blocks, grid.lightest, grid.ghosts, grid.turn)):
             step.home_count, step.block_count, step.lightest = grid.homes, grid.blocks, grid.lightest
             grid.fill_homes(step.nodes)
-            grid.fill_nodes(step.nodes, model.keeps_change, model.has_play)
+            grid.fill_nodes(step.nodes, model)
         step.results = grid.clear_results()
 
     # Launches and reports

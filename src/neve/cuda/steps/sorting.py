@@ -21,7 +21,7 @@ SORT_THREADS, SCAN_THREADS = 128, 256
 def sort(stages: CudaStages, model: DeviceModel, state: DeviceState, grid: DeviceGrid) -> None:
     """Sort the particles, and lay out the grid. Errors: ValueError, DeviceError."""
     step, count = stages.prepare(model, state, grid, 0.0), state.count
-    grid.current = False
+    grid.current = grid.scattered = False
     grid.fill_sorting(step.sorting, count)
     _find_homes(stages, model, state, grid)
     step.home_count = grid.homes
@@ -92,5 +92,5 @@ def _find_blocks(stages: CudaStages, model: DeviceModel, grid: DeviceGrid) -> No
             break
         grid.block_table.capacity *= 4
     step.block_count = grid.blocks = int(found["blocks"])
-    grid.fill_nodes(step.nodes, model.keeps_change, model.has_play)
+    grid.fill_nodes(step.nodes, model)
     stages.each(model, "link_homes", 8 * grid.homes)

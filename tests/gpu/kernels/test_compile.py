@@ -31,7 +31,7 @@ ALONE = """
 import ctypes, sys
 from neve.cuda.layout import control_of, step_of
 from neve.cuda.program import Choice, compiler
-choice = Choice("float32", 0, 0, 8, 1, sys.argv[2] == "solids", False)
+choice = Choice("float32", 0, 0, 8, 1, sys.argv[2] == "solids", False, False, sys.argv[3] == "fused")
 code, log = compiler((1000, 0)).compiled(choice, int(sys.argv[1]), ctypes.sizeof(step_of("float32")))
 assert code.startswith(b"\\x7fELF")
 print(log)
@@ -39,15 +39,20 @@ print(log)
 """Compiles the default step in a process of its own: NVRTC's registers depend on what it did before."""
 
 
+def compiled_alone(architecture, solids, variant="usual"):
+    """What the kernels of the default step need."""
+    words = [str(architecture), "solids" if solids else "none", variant]
+    done = subprocess.run([sys.executable, "-c", ALONE, *words], capture_output=True, text=True, check=True)
+    return usage(done.stdout)
+
+
 @pytest.mark.parametrize(
     ("architecture", "solids"), [(a, solids) for a in (80, 90, 100) for solids in (False, True)]
 )
 def test_kernels_compile(nvrtc, architecture, solids):
     """For sm_80, sm_90 and sm_100, fully optimised: nothing is spilled, and warps enough stay resident."""
-    command = [sys.executable, "-c", ALONE, str(architecture), "solids" if solids else "none"]
-    alone = subprocess.run(command, capture_output=True, text=True, check=True)
-    needs = usage(alone.stdout)
-    assert len(needs) == 31
+    needs = compiled_alone(architecture, solids)
+    assert len(needs) == 32
     assert {name: need.spilled for name, need in needs.items() if need.spilled} == {}
     limits = WITH_SOLIDS | ({"g2p": 168} if architecture == 100 else {}) if solids else RESIDENT
     used = {name: needs[name].registers for name in limits}
@@ -55,13 +60,32 @@ def test_kernels_compile(nvrtc, architecture, solids):
     assert all(need.shared <= 48 * 1024 for need in needs.values())
 
 
-def test_all_that_can_be_chosen_compiles(nvrtc, monkeypatch):
-    """In double, with all laws, solids and play: the largest kernels. Hardly optimised, to save time."""
+@pytest.mark.parametrize(("architecture", "most"), [(80, 128), (90, 128), (100, 168)])
+def test_the_fused_kernel_compiles(nvrtc, architecture, most):
+    """g2p2g with solids: nothing is spilled, and as many warps stay resident as of g2p."""
+    need = compiled_alone(architecture, True, "fused")["g2p2g"]
+    assert need.spilled == 0
+    assert need.registers <= most
+    assert need.shared <= 32 * 1024
+
+
+LARGEST = {
+    "all modes": ("float64", 1, 3, 27, 31, True, True, True),
+    "force apart": ("float64", 1, 5, 8, 31, True, True),
+    "force apart, in single": ("float32", 1, 5, 8, 31, True, True),
+    "fused": ("float32", 1, 0, 8, 31, True, False, False, True),
+}
+"""Choices whose kernels need most of a block's shared memory."""
+
+
+@pytest.mark.parametrize("name", list(LARGEST))
+def test_all_that_can_be_chosen_compiles(nvrtc, monkeypatch, name):
+    """With all laws, solids and play: the largest kernels. Hardly optimised, to save time."""
     usual = Compiler.options
     hasty = staticmethod(lambda *arguments: [*usual(*arguments), "--Ofast-compile=max"])
     monkeypatch.setattr(Compiler, "options", hasty)
-    choice = Choice("float64", 1, 3, 27, 31, True, True, True)
-    _, log = nvrtc.compiled(choice, 90, ctypes.sizeof(step_of("float64")))
+    choice = Choice(*LARGEST[name])
+    _, log = nvrtc.compiled(choice, 90, ctypes.sizeof(step_of(choice.precision)))
     assert all(need.shared <= 48 * 1024 for need in usage(log).values())
 
 
