@@ -20,6 +20,7 @@ from neve.scene.schema.scene import (
     Collider,
     Control,
     Emitter,
+    EmitterKeyframe,
     Heat,
     Keyframe,
     Light,
@@ -31,10 +32,12 @@ from neve.scene.schema.scene import (
     Scene,
     Sink,
     Snow,
+    SnowKeyframe,
     Source,
     Target,
     Variation,
     World,
+    WorldKeyframe,
 )
 from neve.scene.schema.snow_tables import as_table
 from neve.scene.values.allowed import allowed, choices, part, source, unit
@@ -92,6 +95,7 @@ def _meaning(model: type[BaseModel]) -> str:
 
 SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ("[world]", "Surroundings.", World),
+    ("[[world.keyframes]]", "Gravity at several times.", WorldKeyframe),
     ("[numerics]", "Grid, time step and particles.", Numerics),
     ("[snow]", "The snow of every source that does not say otherwise in `snow`.", Snow),
     (
@@ -99,6 +103,12 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         "Warming, melting, freezing and sintering ([particles.md](particles.md#heat)); a scene without this "
         "table knows no heat.",
         Heat,
+    ),
+    (
+        "[[snow_keyframes]]",
+        "Constants of [snow] at several times; a source's or an emitter's own `snow` stays. The method "
+        "particles has none. Snow that was pressed keeps its state.",
+        SnowKeyframe,
     ),
     (
         "[[sources]]",
@@ -118,6 +128,7 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         "lies in the shape. Each has these keys, and those of its shape.",
         Emitter,
     ),
+    ("[[emitters.keyframes]]", "Velocities and rates at several times.", EmitterKeyframe),
     (
         "[[sinks]]",
         "Where snow is taken out during the run. Each has these keys, and those of its shape.",

@@ -22,6 +22,24 @@
 
 namespace neve::bind {
 
+// What changes in time.
+template <class T>
+void bind_changes(nb::class_<Model<T>>& c) {
+  using M = Model<T>;
+  c.def(
+       "set_snow",
+       [](M& self, std::size_t row, const std::string& law, const std::string& plasticity,
+          const Numbers& constants) {
+         if (row >= self.snows.size()) throw nb::value_error("no such row of the material table");
+         self.snows[row] = snow_of(law, plasticity, constants);
+       },
+       nb::arg("row"), nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"))
+      .def(
+          "set_gravity",
+          [](M& self, const In<double, nb::shape<3>>& gravity) { self.gravity = vec<T>(gravity); },
+          nb::arg("gravity"));
+}
+
 template <class T>
 void bind_model(nb::module_& m) {
   using M = Model<T>;
@@ -74,6 +92,7 @@ void bind_model(nb::module_& m) {
           },
           nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"), "Add a row to the material table.")
       .def_ro("dx", &M::dx);
+  bind_changes<T>(c);
   bind_solids<T>(c);
   bind_device<T>(m, c);
 }

@@ -387,6 +387,10 @@ class Model(Protocol):
         """
     def max_compression(self, strongest: float) -> float:
         """Return how far one step may compress any of the snows, -dt tr grad v [1]; see `Law`."""
+    def set_gravity(self, gravity: Array64) -> None:
+        """Let everything fall with `gravity` (3,) [m/s2] from now on."""
+    def set_snow(self, row: int, law: str, plasticity: str, constants: dict[str, float]) -> None:
+        """Give a row of the material table other constants. Errors: ValueError without the row."""
     def add_snow(self, law: str, plasticity: str, constants: dict[str, float]) -> None:
         """Add a row to the material table, with the constants of the law by name, in their units.
 

@@ -69,6 +69,13 @@ def require_same_sources(scene: Scene, new_scene: Scene) -> None:
         raise SceneError("sources cannot come or go while a run goes on; start it anew, or add snow")
 
 
+def snows_at(scene: Scene, t: float) -> list[Snow]:
+    """Return the rows of the material table with the constants that they have at time `t` [s]."""
+    bearers = {scene.snow_of(bearer): bearer for bearer in reversed(scene.bearers)}
+    now = scene.snow_at(t)
+    return [now.but(bearers[snow].snow) for snow in material_table(scene)]
+
+
 class PlacedSolids:
     """Hold the solids of one run, and put them in their place in the core.
 
@@ -123,6 +130,12 @@ class PlacedSolids:
         """Return the pose of each solid at `time` [s]."""
         scripted = [pose(collider, time) for collider in self.colliders]
         return scripted + (self.rigid.poses() if self.rigid else [])
+
+    def set_gravity(self, gravity: NDArray[np.float64]) -> None:
+        """Let snow and bodies fall with `gravity` (3,) [m/s2] from now on."""
+        self.native.set_gravity(gravity)
+        if self.rigid:
+            self.rigid.set_gravity(gravity)
 
     def place_solids(self, time: float) -> None:
         """Put what moves where its script has it at `time` [s], and every rigid body where it is."""

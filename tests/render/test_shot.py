@@ -9,10 +9,11 @@ from scipy.interpolate import PchipInterpolator
 
 from neve import _render
 from neve.build import solids
-from neve.render.shot import Shot, View, monotone, opening, robust_mean
+from neve.render.shot import Shot, View, opening, robust_mean
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import load, scene_from, to_toml
 from neve.scene.schema.scene import Camera, CameraKeyframe, Collider, Scene, Source
+from neve.scene.values.curves import monotone
 
 KEYS = (
     CameraKeyframe(t=0.5, position=(0, -6, 2), target=(0, 0, 0), fov=40),

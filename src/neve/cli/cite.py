@@ -57,6 +57,8 @@ def methods(scene: Scene) -> list[str]:
     if scene.heat:
         names += ["heat", *(["heat.sintering"] if scene.heat.sintering else [])]
     names += [f"camera.{key}" for key in ("keyframes", "follow") if getattr(scene.camera, key)]
+    if scene.is_keyed or any(emitter.keyframes for emitter in scene.emitters):
+        names.append("camera.keyframes")
     return list(dict.fromkeys(names))
 
 

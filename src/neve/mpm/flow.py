@@ -15,6 +15,7 @@ from neve.mpm.state import FIELDS
 from neve.sampling.emitters.stream import Comers, Stream, active, directed, stream
 from neve.sampling.regions import Region, region
 from neve.scene.schema.scene import Scene
+from neve.scene.values.curves import keyed
 from neve.solver import Blowup
 from neve.system.memory import lacking
 
@@ -55,6 +56,7 @@ class Flow:
         self._phase = np.zeros(emitters)  # layers that have come out, and those that are to be placed
         self._placed = np.zeros(emitters)  # layers whose particles are placed
         self._waited = np.zeros(emitters)  # time at work since then [s]
+        self._moved = np.zeros(emitters)  # way of the flow since then [m]
         self._way = 0.0  # of the fastest particle since sinks were emptied [m]
         self.emitted, self.removed = np.zeros(COLUMNS), np.zeros(COLUMNS)
 
@@ -62,7 +64,7 @@ class Flow:
         """Return what an exact resume needs; nothing for a scene in which snow neither comes nor goes."""
         if not self._scene.is_open:
             return {}
-        flow = np.stack([self._phase, self._placed, self._waited])
+        flow = np.stack([self._phase, self._placed, self._waited, self._moved])
         return {"flow": flow, "flow_books": np.stack([self.emitted, self.removed])}
 
     def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
@@ -70,10 +72,10 @@ class Flow:
         if not self._scene.is_open:
             return
         flow, books = np.array(saved["flow"]), np.array(saved["flow_books"])
-        right = flow.shape == (3, len(self._streams)) and books.shape == (2, COLUMNS)
+        right = flow.shape == (4, len(self._streams)) and books.shape == (2, COLUMNS)
         if not (right and flow.dtype == books.dtype == np.float64 and np.isfinite(flow).all()):
             raise ValueError(f"flow is an array {flow.shape} of {flow.dtype}, not of these emitters")
-        self._phase, self._placed, self._waited = flow
+        self._phase, self._placed, self._waited, self._moved = flow
         self.emitted, self.removed = books
 
     def books(self) -> dict[str, Any]:
@@ -87,7 +89,7 @@ class Flow:
     def take_over(self, other: Flow) -> None:
         """Go on from the flow of a scene whose emitters are the first of this one's."""
         kept = len(other._phase)
-        for name in ("_phase", "_placed", "_waited"):
+        for name in ("_phase", "_placed", "_waited", "_moved"):
             getattr(self, name)[:kept] = getattr(other, name)
         self.emitted, self.removed, self._way = other.emitted, other.removed, other._way
 
@@ -117,12 +119,14 @@ class Flow:
         """Place what has come out; return the state that has it, None if nothing has."""
         changed = None
         for i, source in enumerate(self._streams):
-            for_seconds = active(source.emitter, time - dt, time)
-            if for_seconds > 0.0:
-                self._phase[i] += source.rate * for_seconds
-                self._waited[i] += for_seconds
-            due = (self._phase[i] - self._placed[i]) * source.thinness >= 1.0
-            if self._phase[i] > self._placed[i] and (due or ends or for_seconds < dt):
+            first, last = active(source.emitter, time - dt, time)
+            if last > first:
+                self._phase[i] += source.layers(first, last)
+                self._waited[i] += last - first
+                v = source.velocity(time)
+                self._moved[i] += float(np.sqrt(np.sum(v * v))) * (last - first)
+            due = self._moved[i] >= source.spacing * (1 - 1e-9)
+            if self._phase[i] > self._placed[i] and (due or ends or last - first < dt * (1 - 1e-9)):
                 found = self._placed_from(i, time)
                 if len(found["m"]):
                     changed = self._append(changed or state, births, found, -1 - i)
@@ -134,15 +138,15 @@ class Flow:
         comers = source.comers(self._placed[i], self._phase[i])
         idle = time - min(time, np.inf if source.emitter.end is None else source.emitter.end)
         ago = idle + (self._phase[i] - comers.phase) / (self._phase[i] - self._placed[i]) * self._waited[i]
-        self._placed[i], self._waited[i] = self._phase[i], 0.0
-        return self._flown(source, comers, ago[:, None], self._materials[i])
+        self._placed[i], self._waited[i], self._moved[i] = self._phase[i], 0.0, 0.0
+        return self._flown(source, comers, ago[:, None], self._materials[i], time)
 
     def _flown(
-        self, source: Stream, comers: Comers, ago: NDArray[np.float64], material: int
+        self, source: Stream, comers: Comers, ago: NDArray[np.float64], material: int, time: float
     ) -> dict[str, NDArray[Any]]:
-        """Return particles that came out so long `ago` [s] (n, 1) and have fallen freely since."""
-        g = np.array(self._scene.world.gravity)
-        v = directed(np.array(source.emitter.velocity), source.emitter.spread, comers.aim)
+        """Return particles that came out so long `ago` [s] (n, 1) and have fallen freely until `time` [s]."""
+        g = keyed(self._scene.world, "gravity", time)
+        v = directed(source.velocity(time), source.emitter.spread, comers.aim)
         count = len(comers.phase)
         return {
             "x": comers.place + ago * v + 0.5 * ago * ago * g,
@@ -211,7 +215,8 @@ class Flow:
         """Return what a pass over a particle of each emitter finds at birth."""
         some = self._model.core.State(len(self._streams), self._model.native.more_modes)
         for i, source in enumerate(self._streams):
-            some.v[i] = source.emitter.velocity
+            times = [0.0, *(key.t for key in source.emitter.keyframes)]
+            some.v[i] = max((source.velocity(t) for t in times), key=lambda v: float(np.sum(v * v)))
             some.m[i], some.V0[i] = source.mass, source.volume
             some.material[i] = self._materials[i]
         return self._model.core.refresh(self._model.native, some)

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from neve.backend import backend
-from neve.build import PlacedSolids
+from neve.build import PlacedSolids, snows_at
 from neve.colliders.solid import Solid
 from neve.cuda.errors import DeviceError
 from neve.rigid.coupled_bodies import CoupledBodies
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Collider, Numerics, Snow, World
+from neve.scene.schema.scene import Collider, Numerics, Scene, Snow, World
 from neve.scene.values.choices import TRANSFERS
+from neve.scene.values.curves import keyed
 from neve.scene.values.elastic import p_wave_modulus
 
 if TYPE_CHECKING:
@@ -56,11 +57,27 @@ class Model(PlacedSolids):
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
         self.limit_compression(1.0)
 
+    def set_time(self, scene: Scene, time: float) -> None:
+        """Give gravity and snows the values that the keyframes of `scene` have at `time` [s].
+
+        What the transfer damps (`numerics.aflip_damping`) stays that of the snows at the start.
+        """
+        if scene.world.keyframes:
+            self.set_gravity(keyed(scene.world, "gravity", time))
+        if not scene.snow_keyframes:
+            return
+        snows = snows_at(scene, time)
+        for row, snow in enumerate(snows):
+            self.native.set_snow(row, snow.law, snow.plasticity, _constants(snow))
+        self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in snows))
+        self.limit_compression(self._strongest)
+
     def limit_compression(self, strongest: float) -> None:
         """Set `max_compression`: how far a step may press snow, -dt tr grad v [1], before hardening stores
         more than its work, as the laws say. `strongest`: the largest factor on the thresholds of any
         particle [1].
         """
+        self._strongest = strongest
         self.max_compression = self.native.max_compression(strongest)
 
 

@@ -108,6 +108,8 @@ class MpmSolver(Solver):
 
         Errors: Blowup for values in the state that no snow has (see neve.mpm.state_checks).
         """
+        if self.scene.is_keyed:
+            self.model.set_time(self.scene, time)
         densest = inspect(self.model, self.state)
         self._stages = Stages(self.model, self.state, self.grid, self.timer)
         self.flow.begin()
@@ -139,7 +141,7 @@ class MpmSolver(Solver):
 
     def take_steps(self, steps: int, time: float, remaining: float, most: int) -> Sequence[StepSummary]:
         """Take several steps where the device chooses and judges them itself, as long as no solid moves."""
-        if most > 1 and not self.model.solids_move:
+        if most > 1 and not self.model.solids_move and not self.scene.is_keyed:
             ahead = self._stages.run_ahead(limits_of(self.model), self._report, remaining)
             if ahead is not None:
                 taken, self._report = ahead
@@ -150,6 +152,8 @@ class MpmSolver(Solver):
         """Check the particles, and let the bodies feel what the snow did to them. Errors: Blowup."""
         require_finite(self.model, self.state, self._report, steps, time, dt)
         exchanged = self._move_bodies(time, dt)
+        if self.scene.is_keyed:
+            self.model.set_time(self.scene, time)
         if self.scene.is_open:
             self._come_and_go(time, dt)
         return exchanged

@@ -67,6 +67,8 @@ def place_solids(scene: Scene) -> PlacedSolids:
     for name in ("emitters", "sinks"):
         if getattr(scene, name):
             raise SceneError(f'{name}: numerics.method = "particles" adds and removes no snow; use "mpm"')
+    if scene.snow_keyframes:
+        raise SceneError('snow_keyframes: numerics.method = "particles" changes no snow in time; use "mpm"')
     solids, rigid = coupled(scene)
     numerics = scene.numerics
     gravity = np.array(scene.world.gravity, dtype=np.float64)

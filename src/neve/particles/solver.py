@@ -26,6 +26,7 @@ from neve.particles.initial import (
 )
 from neve.rigid.going_on import going_on
 from neve.scene.schema.scene import Scene, Source
+from neve.scene.values.curves import keyed
 from neve.solver import Arrays, Blowup, Solver, StepSummary, advance_bodies, joined
 
 if TYPE_CHECKING:
@@ -145,6 +146,7 @@ class ParticleSolver(Solver):
 
     def begin(self, steps: int, time: float) -> None:
         """Sort the particles, find their neighbours, and see how stiff their contacts are. Errors: Blowup."""
+        self._set_time(time)
         self._derive()
         self._rebuild()
         self._report = self.state.stiffness_now()
@@ -189,6 +191,7 @@ class ParticleSolver(Solver):
     def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
         """Check the particles, renew used lists of neighbours, move the bodies. Errors: Blowup."""
         self._require_finite(self._report, steps, time)
+        self._set_time(time)
         if self.scene.heat is not None:
             self._pass_heat(dt, steps, time)
         if not self.state.current:
@@ -211,6 +214,11 @@ class ParticleSolver(Solver):
         self._heat_taken += report.taken
         if not report.finite:
             raise Blowup(f"a particle has no finite heat after step {steps} (t = {time:.6g} s): check [heat]")
+
+    def _set_time(self, time: float) -> None:
+        """Give gravity the value that it has at `time` [s]."""
+        if self.scene.world.keyframes:
+            self.placed.set_gravity(keyed(self.scene.world, "gravity", time))
 
     def _require_finite(self, report: ParticleReport, steps: int, time: float) -> None:
         if report.finite:

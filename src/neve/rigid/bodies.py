@@ -150,6 +150,10 @@ class RigidBodies:
         self._require_finite(time + dt)
         self._refresh()
 
+    def set_gravity(self, gravity: Array) -> None:
+        """Let the bodies fall with `gravity` (3,) [m/s2] from now on."""
+        self._model.opt.gravity[:] = gravity
+
     def save(self) -> dict[str, Array]:
         """Return all that `restore` needs to go on with the same bits."""
         state = np.zeros(self._mj.mj_stateSize(self._model, self._signature))

@@ -43,6 +43,10 @@ class CoupledBodies(Protocol):
         """Energy of the bodies in the field of gravity [J]."""
         ...
 
+    def set_gravity(self, gravity: Array) -> None:
+        """Let the bodies fall with `gravity` (3,) [m/s2] from now on."""
+        ...
+
     def poses(self) -> list[Pose]:
         """Return where the solids are now and how they move."""
         ...

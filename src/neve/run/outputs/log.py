@@ -82,7 +82,7 @@ class LogOutput:
         self._flow = FLOW if run.scene.is_open else ()
         names = columns(method, run.scene.is_open)
         self._log = run.table(run.folder.log.name, names, run.frames_done(schedule))
-        watched = "excess" in self._log.columns
+        watched = "excess" in self._log.columns and not run.scene.is_keyed
         self._watch = EnergyWatch(self._log.last) if watched else None
 
     def write(self, context: FrameContext) -> None:
@@ -91,6 +91,8 @@ class LogOutput:
         moved = context.frame > 0  # the initial state took no step
         seconds = {**(stats.stage_seconds if moved else {}), **context.timer.take()}
         values: dict[str, float | None] = {**sim.solver.log_values(totals), **row_of(totals, self._flow)}
+        if "excess" in self._log.columns:
+            values["excess"] = None
         if self._watch:
             values["excess"] = self._watch.excess(totals, context.frame)
         self._log.append(

@@ -23,6 +23,7 @@ from neve.sampling.points import JITTER
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene
 from neve.scene.schema.sources import Emitter
+from neve.scene.values.curves import keyed
 from neve.scene.values.fields import rounded_down
 
 Array = NDArray[np.float64]
@@ -72,12 +73,42 @@ class Stream:
 
     @property
     def rate(self) -> float:
-        """Layers that come out in a second while the emitter is at work [1/s]."""
+        """Layers that come out in a second while the emitter is at work, without keyframes [1/s]."""
         return self.emitter.speed / (self.spacing * self.thinness)
+
+    def velocity(self, t: float) -> Array:
+        """Return the velocity with which snow leaves at time `t` [m/s] (3,)."""
+        return keyed(self.emitter, "velocity", t)
+
+    def rate_at(self, t: float) -> float:
+        """Return how many layers come out in a second at time `t` [1/s], at work."""
+        if not self.emitter.keyframes:
+            return self.rate
+        fills = float(np.sum(self.velocity(t) * self.section.normal)) / self.spacing
+        for name, layer in (("mass_rate", self.mass), ("volume_rate", self.volume)):
+            if getattr(self.emitter, name) is not None:
+                return min(float(keyed(self.emitter, name, t)[0]) / layer, fills)
+        return fills
+
+    def layers(self, begin: float, end: float) -> float:
+        """Return how many layers come out between two times [s], by Simpson's rule in parts of 0.02 s.
+
+        It is exact where nothing changes, and where a rate alone does, but at the times of keyframes.
+        """
+        first, last = active(self.emitter, begin, end)
+        if last <= first:
+            return 0.0
+        if not self.emitter.keyframes:
+            return self.rate * (last - first)
+        parts = min(max(1, math.ceil((last - first) / 0.02)), 100_000)
+        h = (last - first) / parts
+        edges = [self.rate_at(first + k * h) for k in range(parts + 1)]
+        middles = [self.rate_at(first + (k + 0.5) * h) for k in range(parts)]
+        return h / 6.0 * (sum(edges[:-1]) + sum(edges[1:]) + 4.0 * sum(middles))
 
     def expected(self, begin: float, end: float) -> float:
         """Return about how many particles come out between two times [s]."""
-        return len(self.middles) * self.rate * active(self.emitter, begin, end)
+        return len(self.middles) * self.layers(begin, end)
 
     def comers(self, before: float, after: float) -> Comers:
         """Return the particles of phases above `before` and up to `after` [layers], by rising phase."""
@@ -132,10 +163,9 @@ def stream(scene: Scene, index: int) -> Stream:
     )
 
 
-def active(emitter: Emitter, begin: float, end: float) -> float:
-    """Return for how long an emitter is at work between two times [s]."""
-    last = end if emitter.end is None else min(end, emitter.end)
-    return max(0.0, last - max(begin, emitter.start))
+def active(emitter: Emitter, begin: float, end: float) -> tuple[float, float]:
+    """Return from when to when an emitter is at work between two times [s]; never, if that is no time."""
+    return max(begin, emitter.start), end if emitter.end is None else min(end, emitter.end)
 
 
 def directed(velocity: Array, spread: float, aim: Array) -> Array:
@@ -179,4 +209,13 @@ def _thinness(emitter: Emitter, area: float, rho0: float, name: str) -> float:
             f"{name}.{key} = {rate:g} must be at most {rounded_down(full)}, which fills its section of "
             f"{area:.3g} m2 at {emitter.speed:g} m/s"
         )
+    for i, frame in enumerate(emitter.keyframes):
+        now = float(keyed(emitter, key, frame.t)[0])
+        velocity = keyed(emitter, "velocity", frame.t)
+        fills = full * float(np.sum(velocity * np.array(emitter.velocity))) / emitter.speed**2
+        if now > fills * (1 + 1e-9):
+            raise SceneError(
+                f"{name}.keyframes.{i}: {key} = {now:g} must be at most {rounded_down(fills)}, which fills "
+                "its section at this velocity"
+            )
     return max(1.0, full / float(rate))

@@ -1,13 +1,15 @@
-"""Describe the camera of films and pictures: where it stands, how it moves, what it keeps in sight."""
+"""Describe the camera of films and pictures, how it moves, what it keeps in sight, and their light."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from pydantic import model_validator
 
 from neve.scene.values.fields import (
     ZERO,
+    Color,
     Coordinate,
     Fraction,
     Part,
@@ -144,6 +146,32 @@ class Camera(Part):
             key = "up" if not where or view.up is not None else "target" if view.target else "position"
             sentence = "up must not be zero or point along the view from position to target"
             raise wrong(f"{where}{key}", sentence[3:] if key == "up" else f"is no view: {sentence}")
+
+
+class Light(Part):
+    """Set the sun and the sky of the film."""
+
+    sun_elevation: Real = entry(30.0, "Height of the sun above the horizon.", "degrees", gt=0, le=90)
+    sun_azimuth: Real = entry(200.0, "Direction of the sun: 0 is +x, 90 is +y.", "degrees", ge=-360, le=360)
+    sun_strength: Real = entry(1.0, "Brightness of the sun; 1 is a clear day.", "1", ge=0, le=100)
+    sky_strength: Real = entry(1.0, "Brightness of the sky; 1 is a clear day.", "1", ge=0, le=100)
+    sun_size: Real = entry(
+        0.53,
+        "Angle across the sun, for the edges of shadows in `neve render`; 0 is parallel light.",
+        "degrees",
+        "as seen from the earth",
+        ge=0,
+        le=30,
+    )
+    sun_color: Color = entry((1.0, 0.94, 0.85), "Red, green and blue of the sun.", "1")
+    sky_color: Color = entry((0.62, 0.76, 1.0), "Red, green and blue of the sky.", "1")
+
+    @property
+    def towards_sun(self) -> tuple[float, float, float]:
+        """Return the unit vector towards the sun; the azimuth turns from x to y."""
+        elevation, azimuth = math.radians(self.sun_elevation), math.radians(self.sun_azimuth)
+        flat = math.cos(elevation)
+        return flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation)
 
 
 def unknown(camera: Camera, solids: Sequence[str], robots: int) -> str | None:

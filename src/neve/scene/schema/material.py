@@ -145,6 +145,33 @@ else:
     )
 
 
+class _SnowKeyframe(Part):
+    """Give some constants of [snow] at one moment; what is left out is [snow]'s own."""
+
+    t: Real = entry(0.0, "Time.", "s", ge=0, le=1e6)
+
+    def constants(self) -> dict[str, float]:
+        """Return the constants that are not left out."""
+        return {
+            name: float(value) for name, value in self.model_dump(exclude_none=True, exclude={"t"}).items()
+        }
+
+
+AT_BIRTH = ("rho0",)
+"""Constants by which particles are made: no keyframe can change them."""
+
+if TYPE_CHECKING:
+    SnowKeyframe = _SnowKeyframe
+else:
+    SnowKeyframe = create_model(
+        "SnowKeyframe",
+        __base__=_SnowKeyframe,
+        __module__=__name__,
+        __doc__=_SnowKeyframe.__doc__,
+        **{name: _optional(Snow.model_fields[name]) for name in CONSTANTS if name not in AT_BIRTH},
+    )
+
+
 def problem(snow: _Snow, given: Collection[str]) -> tuple[str, str] | None:
     """Return what is wrong between the values of `snow`: a key and the end of a sentence.
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import model_validator
 
 from neve.registry import DEVICES, FIRST, METHODS
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
-from neve.scene.schema.camera import Camera, CameraKeyframe, unknown
+from neve.scene.schema.camera import Camera, CameraKeyframe, Light, unknown
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.file_shapes import Layer
-from neve.scene.schema.material import Heat, Overrides, Snow, most_strength, problem, strength_rule
+from neve.scene.schema.material import (
+    Heat,
+    Overrides,
+    Snow,
+    SnowKeyframe,
+    problem,
+)
 from neve.scene.schema.outputs import OutputEntry, conflict
 from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.schema.sources import (
@@ -20,10 +26,12 @@ from neve.scene.schema.sources import (
     AnySink,
     AnySource,
     Emitter,
+    EmitterKeyframe,
     Profile,
     Sink,
     Source,
     Variation,
+    too_strong,
 )
 from neve.scene.values.choices import (
     DEFAULT_SPLINE,
@@ -37,9 +45,11 @@ from neve.scene.values.choices import (
     sources,
     users,
 )
+from neve.scene.values.curves import monotone
 from neve.scene.values.fields import (
+    CURVES,
+    FRITSCH,
     SHORTEST,
-    Color,
     Damping,
     Device,
     DeviceNumbers,
@@ -51,17 +61,25 @@ from neve.scene.values.fields import (
     Step,
     Switch,
     Whole,
+    check_times,
     entry,
-    rounded_down,
     wrong,
 )
 
 __all__ = [
-    "Body", "Camera", "CameraKeyframe", "Collider", "Control", "Emitter", "Heat", "Keyframe", "Light",
-    "Motor", "Numerics", "Overrides", "Part", "Profile", "Robot", "Run", "Scene", "Sink", "Snow", "Source",
-    "Target",
-    "Variation", "World",
+    "Body", "Camera", "CameraKeyframe", "Collider", "Control", "Emitter", "EmitterKeyframe", "Heat",
+    "Keyframe", "Light", "Motor", "Numerics", "Overrides", "Part", "Profile", "Robot", "Run", "Scene",
+    "Sink", "Snow", "SnowKeyframe", "Source", "Target", "Variation", "World", "WorldKeyframe",
 ]  # fmt: skip
+
+
+class WorldKeyframe(Part):
+    """Say what surrounds the snow at one moment."""
+
+    t: Real = entry(0.0, "Time.", "s", ge=0, le=1e6)
+    gravity: Rate3 | None = entry(
+        None, "Gravitational acceleration at `t`; left out, the world's own.", "m/s2"
+    )
 
 
 class World(Part):
@@ -70,6 +88,12 @@ class World(Part):
     gravity: Rate3 = entry(
         (0.0, 0.0, -9.81), "Gravitational acceleration.", "m/s2", "standard gravity, rounded"
     )
+    keyframes: tuple[WorldKeyframe, ...] = entry((), f"Gravity at increasing times. {CURVES}", "", FRITSCH)
+
+    @model_validator(mode="after")
+    def _check(self) -> World:
+        check_times(self.keyframes)
+        return self
 
 
 class Numerics(Part):
@@ -187,32 +211,6 @@ class Numerics(Part):
         return float(self.dx / self.particles_per_cell ** (1.0 / 3.0))
 
 
-class Light(Part):
-    """Set the sun and the sky of the film."""
-
-    sun_elevation: Real = entry(30.0, "Height of the sun above the horizon.", "degrees", gt=0, le=90)
-    sun_azimuth: Real = entry(200.0, "Direction of the sun: 0 is +x, 90 is +y.", "degrees", ge=-360, le=360)
-    sun_strength: Real = entry(1.0, "Brightness of the sun; 1 is a clear day.", "1", ge=0, le=100)
-    sky_strength: Real = entry(1.0, "Brightness of the sky; 1 is a clear day.", "1", ge=0, le=100)
-    sun_size: Real = entry(
-        0.53,
-        "Angle across the sun, for the edges of shadows in `neve render`; 0 is parallel light.",
-        "degrees",
-        "as seen from the earth",
-        ge=0,
-        le=30,
-    )
-    sun_color: Color = entry((1.0, 0.94, 0.85), "Red, green and blue of the sun.", "1")
-    sky_color: Color = entry((0.62, 0.76, 1.0), "Red, green and blue of the sky.", "1")
-
-    @property
-    def towards_sun(self) -> tuple[float, float, float]:
-        """Return the unit vector towards the sun; the azimuth turns from x to y."""
-        elevation, azimuth = math.radians(self.sun_elevation), math.radians(self.sun_azimuth)
-        flat = math.cos(elevation)
-        return flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation)
-
-
 class Run(Part):
     """Say how long to simulate and what to keep."""
 
@@ -241,6 +239,9 @@ class Scene(Part):
     numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
     snow: Snow = entry(Snow(), "Snow of all sources.", "")
     heat: Heat | None = entry(None, "Heat: warming, melting, freezing, sintering; left out, none.", "")
+    snow_keyframes: tuple[SnowKeyframe, ...] = entry(
+        (), f"Constants of [snow] at increasing times. {CURVES}", "", FRITSCH
+    )
     sources: tuple[AnySource, ...] = entry((), "Where snow is at the start.", "")
     emitters: tuple[AnyEmitter, ...] = entry((), "Where snow comes in during the run.", "")
     sinks: tuple[AnySink, ...] = entry((), "Where snow is taken out during the run.", "")
@@ -264,6 +265,19 @@ class Scene(Part):
     def _files(self) -> Scene:
         if found := conflict(self.outputs, self.run.fps):
             raise wrong(f"outputs.{found[0]}", found[1])
+        return self
+
+    @model_validator(mode="after")
+    def _keyed(self) -> Scene:
+        check_times(self.snow_keyframes, "snow_keyframes")
+        for i, key in enumerate(self.snow_keyframes):
+            for name in key.constants():
+                if name not in self.snow.constants():
+                    raise wrong(f"snow_keyframes.{i}.{name}", f"is no constant of snow.law = {self.snow.law}")
+            then = self.snow_at(key.t)
+            for bearer in self.bearers:
+                if found := problem(then.but(bearer.snow), key.constants()):
+                    raise wrong(f"snow_keyframes.{i}.{found[0]}", found[1])
         return self
 
     @model_validator(mode="after")
@@ -294,7 +308,7 @@ class Scene(Part):
             found = problem(self.snow_of(source), source.snow.given())
             if found:
                 raise wrong(f"sources.{i}.snow.{found[0]}", found[1])
-            found = _too_strong(self.completed(source), self.snow_of(source))
+            found = too_strong(self.completed(source), self.snow_of(source))
             if found:
                 key, sentence = found
                 whose = (
@@ -315,6 +329,24 @@ class Scene(Part):
     def snow_of(self, source: Source | Emitter) -> Snow:
         """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""
         return self.snow.but(source.snow)
+
+    def snow_at(self, t: float) -> Snow:
+        """Return the scene's snow with the constants that it has at time `t` [s]."""
+        names = dict.fromkeys(name for key in self.snow_keyframes for name in key.constants())
+        own = [getattr(self.snow, name) for name in names]
+        table = [
+            [key.constants().get(name, value) for name, value in zip(names, own, strict=True)]
+            for key in self.snow_keyframes
+        ]
+        if not table:
+            return self.snow
+        now = monotone([key.t for key in self.snow_keyframes], np.array(table, np.float64), t)
+        return self.snow.model_copy(update=dict(zip(names, (float(value) for value in now), strict=True)))
+
+    @property
+    def is_keyed(self) -> bool:
+        """Whether gravity or the snow changes with time."""
+        return bool(self.world.keyframes or self.snow_keyframes)
 
     @property
     def bearers(self) -> tuple[Source | Emitter, ...]:
@@ -337,24 +369,3 @@ class Scene(Part):
         if source.profile is None and kind.profile:
             found["profile"] = Profile.model_validate(kind.profile)
         return source.model_copy(update=found) if found else source
-
-
-def _too_strong(source: Source, snow: Snow) -> tuple[str, str] | None:
-    """Return key and end of the sentence if a source multiplies the thresholds of its `snow` by too much."""
-    most = most_strength(snow)
-    if source.strongest <= most * (1 + 1e-9):
-        return None
-    profile = max(source.profile.strength if source.profile else (), default=1.0)
-    if source.profile and profile > most * (1 + 1e-9):
-        place = source.profile.at[source.profile.strength.index(profile)]
-        return "profile.strength", (
-            f"must hold no factor above {rounded_down(most)}, and has {profile:g} at the {source.profile.by} "
-            f"{place:g} m, {strength_rule(snow)}"
-        )
-    amplitude = source.variation.strength if source.variation else 0.0
-    times = f" times {profile:g}, the largest factor of profile.strength" if profile > 1.0 else ""
-    return "variation.strength", (
-        f"must be at most {rounded_down(math.log(most / profile))}: its largest factor is "
-        f"exp({amplitude:g}){times}, and {rounded_down(most)} is "
-        f"possible {strength_rule(snow)}"
-    )

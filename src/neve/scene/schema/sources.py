@@ -8,9 +8,11 @@ from typing import Annotated, Literal
 
 from pydantic import model_validator
 
-from neve.scene.schema.material import Overrides
+from neve.scene.schema.material import Overrides, Snow, most_strength, strength_rule
 from neve.scene.schema.roles import OneOfItsShapes, Role
 from neve.scene.values.fields import (
+    CURVES,
+    FRITSCH,
     ZERO,
     Distance,
     Factor,
@@ -19,8 +21,10 @@ from neve.scene.values.fields import (
     Rate3,
     Real,
     Whole,
+    check_times,
     entry,
     norm,
+    rounded_down,
     wrong,
 )
 
@@ -175,6 +179,17 @@ class _Timed(Role):
         return self
 
 
+class EmitterKeyframe(Part):
+    """Say how snow leaves an emitter at one moment; what is left out is the emitter's own."""
+
+    t: Real = entry(0.0, "Time.", "s", ge=0, le=1e6)
+    velocity: Rate3 | None = entry(None, "Velocity at `t`; not against the emitter's own.", "m/s")
+    mass_rate: Real | None = entry(None, "Mass rate at `t`; needs one of the emitter.", "kg/s", ge=0, le=1e12)
+    volume_rate: Real | None = entry(
+        None, "Volume rate at `t`; needs one of the emitter.", "m3/s", ge=0, le=1e12
+    )
+
+
 class Emitter(_Timed):
     """An emitter: snow leaves it through its section across `velocity`, at its middle."""
 
@@ -203,6 +218,10 @@ class Emitter(_Timed):
         Overrides(), "Snow properties of this emitter alone: any key of [snow]. It has no structure.", ""
     )
 
+    keyframes: tuple[EmitterKeyframe, ...] = entry(
+        (), f"Velocities and rates at increasing times. {CURVES}", "", FRITSCH
+    )
+
     @property
     def speed(self) -> float:
         """Speed with which snow leaves [m/s]."""
@@ -214,6 +233,13 @@ class Emitter(_Timed):
             raise wrong("velocity", f"must be at least {LEAST_SPEED:g} m/s: snow leaves along it")
         if self.mass_rate is not None and self.volume_rate is not None:
             raise wrong("volume_rate", "cannot be combined with mass_rate; leave one of them out")
+        check_times(self.keyframes)
+        for i, key in enumerate(self.keyframes):
+            for name in ("mass_rate", "volume_rate"):
+                if getattr(key, name) is not None and getattr(self, name) is None:
+                    raise wrong(f"keyframes.{i}.{name}", f"needs {name} of the emitter itself")
+            if key.velocity and sum(a * b for a, b in zip(key.velocity, self.velocity, strict=True)) < 0:
+                raise wrong(f"keyframes.{i}.velocity", "must not point against velocity, across the section")
         return self
 
 
@@ -227,3 +253,24 @@ AnyEmitter = Annotated[Emitter, OneOfItsShapes()]
 """An emitter of any shape."""
 AnySink = Annotated[Sink, OneOfItsShapes()]
 """A sink of any shape."""
+
+
+def too_strong(source: Source, snow: Snow) -> tuple[str, str] | None:
+    """Return key and end of the sentence if a source multiplies the thresholds of its `snow` by too much."""
+    most = most_strength(snow)
+    if source.strongest <= most * (1 + 1e-9):
+        return None
+    profile = max(source.profile.strength if source.profile else (), default=1.0)
+    if source.profile and profile > most * (1 + 1e-9):
+        place = source.profile.at[source.profile.strength.index(profile)]
+        return "profile.strength", (
+            f"must hold no factor above {rounded_down(most)}, and has {profile:g} at the {source.profile.by} "
+            f"{place:g} m, {strength_rule(snow)}"
+        )
+    amplitude = source.variation.strength if source.variation else 0.0
+    times = f" times {profile:g}, the largest factor of profile.strength" if profile > 1.0 else ""
+    return "variation.strength", (
+        f"must be at most {rounded_down(math.log(most / profile))}: its largest factor is "
+        f"exp({amplitude:g}){times}, and {rounded_down(most)} is "
+        f"possible {strength_rule(snow)}"
+    )

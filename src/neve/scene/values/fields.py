@@ -74,6 +74,12 @@ Size3 = tuple[Length, Length, Length]
 Color = tuple[Fraction, Fraction, Fraction]
 Finish = Literal["paint", "metal", "rubber", "wood", "stone"]
 
+CURVES = (
+    "Between them values follow monotone cubic curves, without overshoot; they rest before the first and "
+    "after the last."
+)
+"""What keyframes do between their times."""
+FRITSCH = "Fritsch and Butland 1984 (from memory)"
 CHOICE = "our choice"
 """The source of a value that Neve's authors chose."""
 CONTACT = "Stomakhin et al. 2013, collisions (as quoted in public codes)"
@@ -131,15 +137,15 @@ class Timed(Protocol):
         """The moment [s]."""
 
 
-def check_times(keyframes: Sequence[Timed]) -> None:
-    """Refuse keyframes that do not come one after another.
+def check_times(keyframes: Sequence[Timed], name: str = "keyframes") -> None:
+    """Refuse keyframes, the list `name`, that do not come one after another.
 
     Errors: PydanticCustomError.
     """
     for i, (a, b) in enumerate(pairwise(keyframes)):
         if b.t <= a.t:
             raise wrong(
-                f"keyframes.{i + 1}.t", f"must be later than the keyframe before it, greater than {a.t:g} [s]"
+                f"{name}.{i + 1}.t", f"must be later than the keyframe before it, greater than {a.t:g} [s]"
             )
 
 

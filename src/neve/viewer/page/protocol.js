@@ -374,6 +374,7 @@ export const PARTICLE_BYTES = 8;
  * @property {string} [bound] what bounds the time step
  * @property {number} [rejected] steps that were rejected and tried again
  * @property {number} [pace] simulated seconds in a second
+ * @property {Record<string, number[]>} [keyed] what keyframes change, as it is now
  * @property {Record<string, number>} [stages] share of the time that each stage takes, in the solver's order
  */
 

@@ -19,7 +19,7 @@ from neve.simulation import Simulation
 from neve.viewer.modes import MODES, available
 from neve.viewer.players.player import WAIT, Player
 from neve.viewer.players.recorder import Recorder
-from neve.viewer.players.snapshot import of_simulation
+from neve.viewer.players.snapshot import of_simulation, present
 from neve.viewer.protocol import commands
 from neve.viewer.protocol.commands import Command
 from neve.viewer.protocol.messages import Facts, PlayerState
@@ -205,6 +205,7 @@ class Live(Player):
             "bound": sim.stats.bound,
             "rejected": sim.stats.rejected,
             "pace": spent.get("simulated", 0.0) / total,
+            "keyed": present(sim.scene, sim.time),
             "stages": {name: spent[name] / total for name in spent if name not in ("all", "simulated")},
         }
 

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.scene.values.curves import keyed
 from neve.solver import Quantised
 from neve.viewer.modes import measure
 from neve.viewer.protocol.messages import Facts
 
 if TYPE_CHECKING:
     from neve.geometry.pose import Pose
+    from neve.scene.schema.scene import Scene
     from neve.simulation import Simulation
 
 Array = NDArray[np.float32]
@@ -94,6 +96,21 @@ def _positions(found: Quantised) -> NDArray[Any]:
     lost = np.flatnonzero((found.q[:, :3] == np.iinfo(np.uint16).max).all(axis=1))
     x[lost] = np.nan
     return x
+
+
+def present(scene: Scene, time: float) -> dict[str, list[float]]:
+    """Return the values now, at `time` [s], of what keyframes change: by key, one number or a vector."""
+    found: dict[str, list[float]] = {}
+    if scene.world.keyframes:
+        found["world.gravity"] = keyed(scene.world, "gravity", time).tolist()
+    now = scene.snow_at(time)
+    for name in dict.fromkeys(name for key in scene.snow_keyframes for name in key.constants()):
+        found[f"snow.{name}"] = [float(getattr(now, name))]
+    for i, emitter in enumerate(scene.emitters):
+        for name in ("velocity", "mass_rate", "volume_rate"):
+            if any(getattr(key, name) is not None for key in emitter.keyframes):
+                found[f"emitters.{i}.{name}"] = keyed(emitter, name, time).tolist()
+    return found
 
 
 def _poses(sim: Simulation) -> list[Pose]:

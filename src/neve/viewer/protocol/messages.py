@@ -193,6 +193,7 @@ class Facts(TypedDict, total=False):
     bound: Annotated[str, "what bounds the time step"]
     rejected: Annotated[int, "steps that were rejected and tried again"]
     pace: Annotated[float, "simulated seconds in a second"]
+    keyed: Annotated[dict[str, list[float]], "what keyframes change, as it is now"]
     stages: Annotated[dict[str, float], "share of the time that each stage takes, in the solver's order"]
 
 
