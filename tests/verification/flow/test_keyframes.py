@@ -89,6 +89,19 @@ def test_a_nozzle_that_turns_up():
     assert wide(sim)["v"][:, 0].max() == pytest.approx(2.0, abs=0.15)
 
 
+def test_a_nozzle_that_comes_to_rest():
+    """A spread flow that stops brings the way of its velocity, 2 m/s x 0.1 s / 2 and no more, and no NaN."""
+    keys = [{"t": 0.0}, {"t": 0.1, "velocity": [0, 0, 0]}]
+    nozzle = {**NOZZLE, "spread": 10.0, "keyframes": keys}
+    sim = neve.Simulation(of(sources=[], emitters=[nozzle], world={"gravity": [0, 0, 0]}))
+    sim.advance(0.15)
+    count = sim.count
+    assert sim.diagnostics().mass == pytest.approx(400 * 0.04 * 0.1, abs=400 * 0.04 * 0.05)
+    sim.advance(0.05)
+    assert sim.count == count
+    assert np.isfinite(wide(sim)["v"]).all()
+
+
 def test_resume_is_exact(tmp_path):
     """Gravity, snow and an emitter that change: stopped in the middle and resumed, the bits are the same."""
     tables = {

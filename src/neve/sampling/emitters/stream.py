@@ -174,9 +174,9 @@ def directed(velocity: Array, spread: float, aim: Array) -> Array:
     aim: points of the unit disc (n, 2). All directions in the cone are equally likely if all points of the
     disc are: with s = |aim|^2 the cosine of the angle is 1 - s (1 - cos(spread)), which is uniform.
     """
-    if spread == 0.0:
-        return np.asarray(np.broadcast_to(velocity, (len(aim), 3)))
     speed = math.hypot(*velocity)
+    if spread == 0.0 or speed == 0.0:
+        return np.asarray(np.broadcast_to(velocity, (len(aim), 3)))
     normal = velocity / speed
     other = np.zeros(3)
     other[int(np.argmin(np.abs(normal)))] = 1.0
