@@ -114,7 +114,11 @@ class Advance {
       pack.sums[std::size_t(Sums::along + k)] += max(force, zero);
       pack.sums[std::size_t(Sums::against + k)] += max(R(-force), zero);
     }
-    pack.out = pack.out + contact.way_out();
+    const Vec3<R> way = contact.way_out();
+    R against = zero;  // work of setting particles out, against the forces of the others [J]
+    for (int k = 0; k < 3; ++k) against += pack.sums[std::size_t(Sums::force + k)] * way[k];
+    exchange.of(contact.solid->index).work -= double(sum_lanes(select(met, against, zero)));
+    pack.out = pack.out + way;
   }
 
   // Compact the particles, and move them.
