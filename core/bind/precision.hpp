@@ -10,7 +10,6 @@
 #include "bind/snow.hpp"
 #include "bind/solids.hpp"
 #include "cpu/g2p.hpp"
-#include "cpu/grid/sort.hpp"
 #include "cpu/grid_update.hpp"
 #include "cpu/p2g.hpp"
 #include "cpu/passes/first_not_finite.hpp"
@@ -18,6 +17,7 @@
 #include "cpu/passes/refresh.hpp"
 #include "cpu/passes/totals.hpp"
 #include "cpu/passes/volumes.hpp"
+#include "cpu/sleep.hpp"
 #include "mpm/population.hpp"
 
 namespace neve::bind {
@@ -47,7 +47,8 @@ void bind_model(nb::module_& m) {
   c.def(
        "__init__",
        [](M* self, double dx, const std::string& spline, const std::string& transfer, double flip_alpha,
-          const In<double, nb::shape<3>>& gravity, int polypic_modes, std::optional<double> flip_damping) {
+          const In<double, nb::shape<3>>& gravity, int polypic_modes, std::optional<double> flip_damping,
+          double sleep_speed, double sleep_after) {
          if (polypic_modes != 1 && polypic_modes != 4 && polypic_modes != 8 && polypic_modes != 27)
            throw nb::value_error("polypic_modes: 1, 4, 8 or 27");
          new (self) M{dx,
@@ -59,10 +60,14 @@ void bind_model(nb::module_& m) {
                       vec<T>(gravity),
                       {},
                       {},
-                      {}};
+                      {},
+                      {},
+                      sleep_speed,
+                      sleep_after};
        },
        nb::arg("dx"), nb::arg("spline"), nb::arg("transfer"), nb::arg("flip_alpha"), nb::arg("gravity"),
-       nb::arg("polypic_modes") = 8, nb::arg("flip_damping") = nb::none())
+       nb::arg("polypic_modes") = 8, nb::arg("flip_damping") = nb::none(), nb::arg("sleep_speed") = 0.0,
+       nb::arg("sleep_after") = 0.0)
       .def_prop_ro("keeps_C", &keeps_C<T>, "Whether particles carry an affine velocity.")
       .def(
           "max_compression",
@@ -138,12 +143,12 @@ void bind_state(nb::module_& m) {
                   "Everything per particle; arrays are views of the core's memory, at fixed addresses.");
   c.def(
       "__init__",
-      [](S* self, std::size_t count, int more_modes) {
+      [](S* self, std::size_t count, int more_modes, bool sleeps) {
         if (more_modes < 0) throw nb::value_error("more_modes is negative");
-        new (self) S(more_modes);
+        new (self) S(more_modes, sleeps);
         self->resize(count);
       },
-      nb::arg("count"), nb::arg("more_modes") = 0);
+      nb::arg("count"), nb::arg("more_modes") = 0, nb::arg("sleeps") = false);
   c.def_ro("count", &S::count);
   c.def_prop_ro("bytes", &S::bytes);
   bind_population<T>(c);
@@ -166,6 +171,11 @@ void bind_state(nb::module_& m) {
   NEVE_FIELD(material);
   NEVE_FIELD(id);
 #undef NEVE_FIELD
+  c.def_prop_ro("rest", [](nb::handle self) {
+    S& s = nb::cast<S&>(self);
+    return View<T>(s.rest.column(0), {s.count, std::size_t(s.rest.components())}, self,
+                   {1, std::int64_t(s.rest.stride())});
+  });
 }
 
 // The nodes that carry mass: indices (n, 3), mass (n,), the three other numbers (n, 3).
@@ -206,7 +216,13 @@ void bind_grid(nb::module_& m) {
       .def_prop_ro(
           "blocks", [](const G& g) { return g.blocks.size(); }, "Allocated blocks of 64 nodes.")
       .def_prop_ro(
-          "homes", [](const G& g) { return g.homes.size(); }, "Blocks that own particles.")
+          "homes", [](const G& g) { return g.moving; }, "Blocks that own particles which move.")
+      .def_prop_ro(
+          "asleep", [](const G& g) { return g.count - g.awake; }, "Particles at rest, which no step moves.")
+      .def(
+          "look_at_all", [](G& grid, const Report& found) { grid.whole = true, grid.rest_wave = found.wave; },
+          nb::arg("report"),
+          "Let the next sort see who sleeps; report: what a pass over all particles has found.")
       .def_prop_ro("bytes", &G::bytes)
       .def(
           "take_exchanged",
@@ -220,6 +236,8 @@ void bind_grid(nb::module_& m) {
 
 template <class T>
 void require_modes(const Model<T>& model, const State<T>& state) {
+  if ((state.rest.components() > 0) != model.sleeps())
+    throw nb::value_error("particles may sleep in the model and not in the state, or the other way round");
   if (state.modes.components() != 3 * velocities(model))
     throw nb::value_error("the state has another number of velocity modes than the model");
 }

@@ -6,6 +6,7 @@
 #include "cpu/lift.hpp"
 #include "cpu/material.hpp"
 #include "cpu/near.hpp"
+#include "cpu/sleep.hpp"
 #include "mpm/particle_report.hpp"
 #include "threads.hpp"
 
@@ -24,6 +25,7 @@ class HomeGather {
         state_(state),
         home_(grid.homes[h]),
         exchange_(commit ? &grid.particle_exchange[h] : nullptr),
+        drift_(commit && model.sleeps() ? &grid.drift[h] : nullptr),
         step_(StepConstants<T>::template of<Spline>(model.dx, dt, model.alpha(dt))),
         frame_(TileFrame<T>::template of<Spline>(model.dx, grid.homes[h].at)),
         from_(tile_),
@@ -41,6 +43,7 @@ class HomeGather {
     }
     Report r = extremes_.report();
     r.drifted = drifted_;
+    if (drift_) *drift_ = std::sqrt(max_lane(drift2_));
     r.offending_id = offending_id_;
     return r;
   }
@@ -90,7 +93,7 @@ class HomeGather {
     prefetch<Access::read>(state_.V0, p), prefetch<Access::read>(state_.stiffness, p);
     prefetch<Access::read>(state_.strength, p);
     if constexpr (Transfer::keeps_C) prefetch<Access::write>(state_.C, p);
-    if constexpr (Transfer::modes > 4) prefetch<Access::write>(state_.modes, p);
+    prefetch<Access::write>(state_.modes, p), prefetch<Access::write>(state_.rest, p);
   }
 
   void gather(int count) {
@@ -136,7 +139,21 @@ class HomeGather {
     store(state_.J_P.column(0) + p, now.material.J_P, count);
     store_symmetric(state_.tau, p, now.material.stress.tau, count);
     if constexpr (Transfer::keeps_C) store_matrix(state_.C, p, now.C, count);
+    if (model_.sleeps()) keep_rest(p, count, now);
     if constexpr (Transfer::modes > 4) keep_modes(p, count, now.x - now.displacement, now.x);
+  }
+
+  // How long the particles have rested: how long their mean velocity over the time after which snow sleeps has been small.
+  // What only swings about its place rests.
+  void keep_rest(std::size_t p, int count, const Advanced<R>& now) {
+    const T share = T(step_.dt / std::max(model_.sleep_after, double(step_.dt)));
+    const T slow2 = T(model_.sleep_speed * model_.sleep_speed);
+    const Vec3<R> before = load_vector<R>(state_.rest, p, count, 1);
+    const Vec3<R> mean = before + (now.v - before) * splat<R>(share);
+    const R mean2 = dot(mean, mean), time = load<R>(state_.rest.column(0) + p, count) + T(step_.dt);
+    store(state_.rest.column(0) + p, select(mean2 < slow2, time, R{}), count);
+    store_vector(state_.rest, p, mean, count, 1);
+    drift2_ = max(drift2_, select(first_lanes<R>(count), mean2, R{}));
   }
 
   // The further modes from their sums, as the particle takes them along.
@@ -177,6 +194,7 @@ class HomeGather {
   State<T>& state_;
   const Home& home_;
   ExchangeSum* exchange_;  // none: a trial, which moves nothing
+  T* drift_;               // the largest mean velocity of the home's particles, where snow may sleep
   StepConstants<T> step_;
   TileFrame<T> frame_;
   Tile<T> tile_, change_;
@@ -184,6 +202,7 @@ class HomeGather {
   std::vector<Solid<T>> solids_;
   Stencils<T, Spline, Transfer::GatherWeights::count> stencils_;
   Extremes<R> extremes_;
+  R drift2_{};
   bool drifted_ = false;
   std::uint32_t offending_id_ = Report::nobody;
   alignas(64) T sums_[Transfer::modes + Transfer::has_change + 3 * Transfer::has_affine_change]
@@ -196,10 +215,13 @@ class HomeGather {
 template <class T, class Spline, class Transfer>
 Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, bool commit) {
   if (commit && grid.has_lift) gather_lift<T, Spline>(model, state, grid);
-  const Report r = merge_each<Report>(grid.homes.size(), [&](std::size_t h) {
+  Report r = merge_each<Report>(grid.moving, [&](std::size_t h) {
     return detail::HomeGather<T, Spline, Transfer>(model, state, grid, h, dt, commit).run();
   });
+  if (!grid.sleepers.empty())
+    r.wave = std::max(r.wave, grid.rest_wave), r.fastest = std::max(r.fastest, grid.rest_wave);
   if (!commit) return r;
+  stir(model, state, grid);
   if (r.drifted) grid.current = false;
   if (!model.solids.empty()) {
     grid.exchanged.resize(model.solids.size());

@@ -69,7 +69,7 @@ GridReport grid_update(Model<T>& model, Grid<T>& grid, double dt) {
   for (std::int64_t b = 0; b < blocks; ++b)
     waits[static_cast<std::size_t>(b)] = update.block(grid, static_cast<std::int32_t>(b));
   if (!model.bodies.solids.empty()) detail::solve_bodies(model, grid, update, waits, dt);
-  return merge_each<GridReport>(grid.homes.size(),
+  return merge_each<GridReport>(grid.moving,
                                 [&](std::size_t h) { return detail::grid_report_of(grid, grid.homes[h]); });
 }
 

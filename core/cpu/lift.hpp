@@ -35,7 +35,7 @@ template <class T, class Spline>
 void gather_lift(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   using R = Lanes<T>;
   const int first = 3 * more_modes(model);
-  each_index(grid.homes.size(), [&](std::size_t h) {
+  each_index(grid.moving, [&](std::size_t h) {
     Tile<T> tile;
     tile.load_from(grid, grid.homes[h], &Grid<T>::node_lift);
     const Gather<T, Spline> from(tile);

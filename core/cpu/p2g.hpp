@@ -66,7 +66,7 @@ NEVE_INLINE void fetch_ahead(const State<T>& state, std::size_t p) {
   prefetch<Access::read>(state.m, p), prefetch<Access::read>(state.V0, p);
   prefetch<Access::read>(state.tau, p);
   if constexpr (Transfer::keeps_C) prefetch<Access::read>(state.C, p);
-  if constexpr (Transfer::modes > 4) prefetch<Access::read>(state.modes, p);
+  prefetch<Access::read>(state.modes, p);
 }
 
 template <class T, class Spline, class Transfer>

@@ -26,7 +26,12 @@ struct Model {
   std::vector<Solid<T>> solids;           // colliders and bodies; their poses change in time
   CoupledBodies bodies;                   // those of them that forces move
 
+  double sleep_speed = 0;  // snow slower than this rests; 0: snow never sleeps [m/s]
+  double sleep_after = 0;  // and sleeps when it has rested for so long [s]
+
   std::vector<std::shared_ptr<const void>> shapes{};  // what meshes and terrain of the solids point to
+
+  bool sleeps() const { return sleep_speed > 0; }
 
   // The share of FLIP in a step of dt [s].
   double alpha(double dt) const { return flip_damping ? std::exp(-*flip_damping * dt) : flip_alpha; }

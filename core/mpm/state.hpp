@@ -74,8 +74,9 @@ class Field : public Columns<T> {
 
 template <class T>
 struct State {
-  // `more_modes`: how many modes a particle has beyond v and C.
-  explicit State(int more_modes = 0) : modes(3 * more_modes) {}
+  // `more_modes`: how many modes a particle has beyond v and C. `sleeps`: whether it may sleep.
+  explicit State(int more_modes = 0, bool sleeps = false)
+      : modes(3 * more_modes), rest(sleeps ? rest_numbers : 0) {}
 
   std::size_t count = 0;
   Field<T, 3> x, v;  // position [m], velocity [m/s]
@@ -83,6 +84,8 @@ struct State {
       F_E;  // affine velocity [1/s], elastic deformation gradient [1]; component 3 j + i is row i, column j
   Columns<T>
       modes;  // velocity modes beyond v and C, if the transfer has any [m/s]; component 3 k + i is axis i of mode 4 + k
+  static constexpr int rest_numbers = 4;
+  Columns<T> rest;        // if it may sleep: for how long it has rested [s], its mean velocity of late [m/s]
   Field<T, 6> tau;        // Kirchhoff stress [Pa]: xx yy zz xy xz yz; follows from F_E and J_P, see refresh()
   Field<T, 1> J_P;        // plastic volume change [1]
   Field<T, 1> m, V0;      // mass [kg], rest volume [m3]
@@ -133,7 +136,7 @@ struct State {
  private:
   template <class F>
   void each_field(F&& f) {
-    f(x), f(v), f(C), f(modes), f(F_E), f(tau), f(J_P), f(m), f(V0), f(stiffness), f(strength);
+    f(x), f(v), f(C), f(modes), f(rest), f(F_E), f(tau), f(J_P), f(m), f(V0), f(stiffness), f(strength);
   }
 };
 

@@ -464,6 +464,12 @@ class State(Protocol):
     def modes(self) -> Reals:
         """Further modes of the velocity [m/s], (n, more_modes, 3)."""
     @property
+    def rest(self) -> Reals:
+        """For how long the particle has rested, infinite in sleep, and its mean velocity of late [s, m/s].
+
+        (n, 4); (n, 0) if none may sleep.
+        """
+    @property
     def F_E(self) -> Reals:
         """Elastic deformation gradient [1], (n, 3, 3)."""
     @property
@@ -522,7 +528,12 @@ class Grid(Protocol):
         """Blocks of 4x4x4 nodes in use since `sort`."""
     @property
     def homes(self) -> int:
-        """Blocks that own particles since `sort`."""
+        """Blocks that own particles which move, since `sort`."""
+    @property
+    def asleep(self) -> int:
+        """Particles at rest, which no step moves."""
+    def look_at_all(self, report: Report, /) -> None:
+        """Let the next `sort` see who sleeps; report: what `refresh` has found."""
     @property
     def bytes(self) -> int:
         """Memory [bytes]."""
@@ -709,16 +720,19 @@ class Precision(Protocol):
         gravity: Array64,
         polypic_modes: int = 8,
         flip_damping: float | None = None,
+        sleep_speed: float = 0.0,
+        sleep_after: float = 0.0,
     ) -> _Model:
         """Make a model without snows and solids.
 
         dx: grid spacing [m]; spline and transfer: words of `splines` and `transfers`; gravity (3,) [m/s2];
         polypic_modes: 1, 4, 8 or 27; flip_alpha, flip_damping: see [numerics] of a scene, read by the
-        transfers that name them in `options`.
+        transfers that name them in `options`; sleep_speed [m/s], sleep_after [s]: likewise, 0 for snow that
+        never sleeps
         Errors: ValueError for an unknown word, or another number of modes.
         """
-    def State(self, count: int, more_modes: int = 0) -> _State:
-        """Make `count` particles at rest; more_modes: as the model has.
+    def State(self, count: int, more_modes: int = 0, sleeps: bool = False) -> _State:
+        """Make `count` particles at rest; more_modes, sleeps: as the model has.
 
         F_E = I; J_P, stiffness and strength 1; id 0 to count - 1; all else, the mass too, is 0.
         Errors: ValueError for more_modes below 0.

@@ -14,7 +14,8 @@ class Diagnostics:
 
     mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic (of the particles' velocities), affine (of the
     velocity field that each particle carries around itself, with transfers that have one), elastic, potential
-    (-m g . x); numbers of particles and of allocated blocks. `work` [J] is what
+    (-m g . x); numbers of particles, of those that sleep, and
+    of allocated blocks. `work` [J] is what
     colliders have done on the snow so far: impulse times the velocity of the collider's surface.
     Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic and bodies_potential [J].
     Of all snow that emitters added and sinks took out so far: mass [kg], momentum (3,) [kg m/s], energy [J].
@@ -28,6 +29,7 @@ class Diagnostics:
     potential: float
     work: float
     particles: int
+    asleep: int
     blocks: int
     bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
     bodies_kinetic: float = 0.0

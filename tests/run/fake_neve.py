@@ -115,6 +115,7 @@ class Simulation:
             work=0.0,
             potential=9.81 * (m * s.x[:, 2]).sum(),
             particles=s.count,
+            asleep=0,
             blocks=self.blocks,
             bodies_momentum=(0.0, 0.0, 0.0),
             bodies_kinetic=0.0,

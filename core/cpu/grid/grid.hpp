@@ -24,7 +24,10 @@ struct BlockBounds {
 
 template <class T>
 struct Grid {
-  std::vector<Home> homes;  // by rising key, so neighbours in memory are neighbours in space
+  std::vector<Home>
+      homes;               // by rising key, so neighbours in memory are neighbours in space; after those that
+                           // move, those that sleep beside them and only give
+  std::size_t moving = 0;  // homes that move
   std::array<std::vector<std::int32_t>, 8>
       colours;                     // homes of one parity per axis: their tiles never overlap
   std::vector<BlockCoord> blocks;  // node blocks, by rising key
@@ -32,6 +35,7 @@ struct Grid {
   Column<T> change;                // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
   Column<T> lift;         // 4 per node, of solids with play: (m s, -) after p2g, (change of s, -) then
   std::size_t count = 0;  // particles sorted
+  std::size_t awake = 0;  // of them, the first ones: those in homes that move
   T lightest = T(0);      // mass of the lightest particle [kg]
   bool current = false;   // the homes still hold all their particles
   bool has_change = false, has_lift = false;
@@ -49,6 +53,13 @@ struct Grid {
            blocks.size() * sizeof(BlockCoord) + order.size() * sizeof(std::uint32_t) + spare.size() +
            home_of.size() * sizeof(std::int32_t);
   }
+
+  // Snow at rest, see cpu/sleep.hpp.
+  std::vector<Home> sleepers;  // homes that are not stepped, by rising key
+  BlockMap sleeper_at;         // their places in that list
+  bool whole = true;           // the next sort looks at all homes
+  std::vector<T> drift;        // the largest mean velocity of late in each home that moves [m/s]
+  double rest_wave = 0;        // wave speed in the stiffest snow when that was asked for [m/s]
 
   // scratch of sort()
   std::vector<std::uint32_t> order;

@@ -74,14 +74,15 @@ void throw_if_lost(const State<T>& state, const std::vector<std::int64_t>& lost)
                           ") m is beyond the lattice");
 }
 
-// The homes' keys in rising order; grid.home_of[p] becomes the rank of p's home.
+// The keys of the homes of the first `count` particles, in rising order; grid.home_of[p] becomes the rank of p's home.
 template <class T>
-std::vector<BlockKey> find_homes(const State<T>& state, const Placing<T>& placing, Grid<T>& grid) {
+std::vector<BlockKey> find_homes(const State<T>& state, std::size_t count, const Placing<T>& placing,
+                                 Grid<T>& grid) {
   const int threads = thread_count();
   std::vector<BlockMap> maps(static_cast<std::size_t>(threads));
   std::vector<std::int64_t> lost(static_cast<std::size_t>(threads), -1);
-  grid.home_of.resize(state.count);
-  each_chunk(state.count, [&](int chunk, std::size_t begin, std::size_t end) {
+  grid.home_of.resize(count);
+  each_chunk(count, [&](int chunk, std::size_t begin, std::size_t end) {
     BlockMap& map = maps[static_cast<std::size_t>(chunk)];
     BlockKey last = ~BlockKey(0), key = 0;
     std::int32_t index = 0;
@@ -101,7 +102,7 @@ std::vector<BlockKey> find_homes(const State<T>& state, const Placing<T>& placin
   for (const BlockMap& map : maps) keys.insert(keys.end(), map.keys().begin(), map.keys().end());
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  each_chunk(state.count, [&](int chunk, std::size_t begin, std::size_t end) {
+  each_chunk(count, [&](int chunk, std::size_t begin, std::size_t end) {
     const auto& local = maps[static_cast<std::size_t>(chunk)].keys();
     std::vector<std::int32_t> rank(local.size());
     for (std::size_t k = 0; k < local.size(); ++k) {
@@ -115,13 +116,13 @@ std::vector<BlockKey> find_homes(const State<T>& state, const Placing<T>& placin
   return keys;
 }
 
-// Fill grid.order with the particles by home, and the homes' ranges.
+// Fill grid.order with the first particles by home, and the homes' ranges.
 template <class T>
-void order_by_home(const State<T>& state, const std::vector<BlockKey>& keys, Grid<T>& grid) {
+void order_by_home(std::size_t particles, const std::vector<BlockKey>& keys, Grid<T>& grid) {
   const std::size_t homes = keys.size();
   const auto threads = static_cast<std::size_t>(thread_count());
   std::vector<std::uint32_t> next(threads * homes, 0);
-  each_chunk(state.count, [&](int chunk, std::size_t begin, std::size_t end) {
+  each_chunk(particles, [&](int chunk, std::size_t begin, std::size_t end) {
     std::uint32_t* count = next.data() + static_cast<std::size_t>(chunk) * homes;
     for (std::size_t p = begin; p < end; ++p) ++count[grid.home_of[p]];
   });
@@ -137,8 +138,8 @@ void order_by_home(const State<T>& state, const std::vector<BlockKey>& keys, Gri
     }
     grid.homes[h].count = at - grid.homes[h].begin;
   }
-  grid.order.resize(state.count);
-  each_chunk(state.count, [&](int chunk, std::size_t begin, std::size_t end) {
+  grid.order.resize(particles);
+  each_chunk(particles, [&](int chunk, std::size_t begin, std::size_t end) {
     std::uint32_t* slot = next.data() + static_cast<std::size_t>(chunk) * homes;
     for (std::size_t p = begin; p < end; ++p) {
       grid.order[slot[grid.home_of[p]]++] = static_cast<std::uint32_t>(p);
@@ -167,27 +168,28 @@ void order_by_cell(const State<T>& state, const Placing<T>& placing, Grid<T>& gr
 // Move every column into the new order, one at a time through one spare column: addresses stay valid.
 template <class T>
 void permute(State<T>& state, Grid<T>& grid) {
-  if (grid.spare.size() < state.count * sizeof(T)) grid.spare.resize(state.count * sizeof(T));
+  const std::size_t count = grid.order.size();
+  if (grid.spare.size() < count * sizeof(T)) grid.spare.resize(count * sizeof(T));
   state.each_column([&](auto* column) {
     auto* spare = reinterpret_cast<decltype(column)>(grid.spare.data());
-    each_chunk(state.count, [&](int, std::size_t begin, std::size_t end) {
+    each_chunk(count, [&](int, std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) spare[p] = column[grid.order[p]];
     });
-    each_chunk(state.count, [&](int, std::size_t begin, std::size_t end) {
+    each_chunk(count, [&](int, std::size_t begin, std::size_t end) {
       std::memcpy(column + begin, spare + begin, (end - begin) * sizeof(*column));
     });
   });
 }
 
-// Allocate the node blocks that the homes' tiles cover, and colour the homes.
+// Allocate the node blocks that the tiles of homes that move cover, and colour the homes.
 template <class T>
 void lay_out_blocks(Grid<T>& grid) {
   BlockMap map(grid.homes.size() * 2 + 8);
   const auto corner = [](BlockCoord at, int k) {
     return key_of({at.x + (k >> 2), at.y + ((k >> 1) & 1), at.z + (k & 1)});
   };
-  for (const Home& home : grid.homes) {
-    for (int k = 0; k < 8; ++k) map.insert(corner(home.at, k));
+  for (std::size_t h = 0; h < grid.moving; ++h) {
+    for (int k = 0; k < 8; ++k) map.insert(corner(grid.homes[h].at, k));
   }
   const std::size_t n = map.keys().size();
   std::vector<std::int32_t> by_key(n), rank(n);
@@ -205,7 +207,9 @@ void lay_out_blocks(Grid<T>& grid) {
   for (std::size_t h = 0; h < grid.homes.size(); ++h) {
     Home& home = grid.homes[h];
     for (int k = 0; k < 8; ++k) {
-      home.nodes[static_cast<std::size_t>(k)] = rank[static_cast<std::size_t>(map.find(corner(home.at, k)))];
+      const std::int32_t found = map.find(corner(home.at, k));
+      home.nodes[static_cast<std::size_t>(k)] =
+          found == BlockMap::none ? found : rank[static_cast<std::size_t>(found)];
     }
     const int colour = (home.at.x & 1) * 4 + (home.at.y & 1) * 2 + (home.at.z & 1);
     grid.colours[static_cast<std::size_t>(colour)].push_back(static_cast<std::int32_t>(h));
@@ -217,18 +221,9 @@ void lay_out_blocks(Grid<T>& grid) {
   }
 }
 
-}  // namespace detail
-
-// Sort the state's particles and lay out the grid for them. Throws std::domain_error on a lost particle.
+// Make room for what a step keeps of the blocks and homes that there are.
 template <class T>
-void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
-  grid.current = false;
-  const detail::Placing<T> placing = detail::placing_of(model);
-  const std::vector<BlockKey> keys = detail::find_homes(state, placing, grid);
-  detail::order_by_home(state, keys, grid);
-  detail::order_by_cell(state, placing, grid);
-  detail::permute(state, grid);
-  detail::lay_out_blocks(grid);
+void make_room(const Model<T>& model, const State<T>& state, Grid<T>& grid) {
   const std::size_t values = grid.blocks.size() * block_values;
   grid.has_change = keeps_change(model), grid.has_lift = has_play(model);
   if (grid.momentum.size() < values) grid.momentum.resize(values + values / 4);
@@ -236,10 +231,12 @@ void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   if (grid.has_lift && grid.lift.size() < values) grid.lift.resize(values + values / 4);
   grid.bounds.resize(grid.blocks.size());
   grid.node_exchange.resize(grid.blocks.size());
-  grid.particle_exchange.resize(grid.homes.size());
-  grid.lightest = state.count ? *std::min_element(state.m.column(0), state.m.column(0) + state.count) : T(0);
+  grid.particle_exchange.resize(grid.moving);
+  if (model.sleeps()) grid.drift.resize(grid.moving);
+  grid.lightest = grid.awake ? *std::min_element(state.m.column(0), state.m.column(0) + grid.awake) : T(0);
   grid.count = state.count;
-  grid.current = true;
 }
+
+}  // namespace detail
 
 }  // namespace neve

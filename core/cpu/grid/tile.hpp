@@ -19,7 +19,9 @@ struct Tile {
   template <class F>
   void each_row(const Home& home, F&& f, T* (Grid<T>::*block)(std::int32_t), Grid<T>& grid) {
     for (int k = 0; k < 8; ++k) {
-      T* nodes = (grid.*block)(home.nodes[static_cast<std::size_t>(k)]);
+      const std::int32_t b = home.nodes[static_cast<std::size_t>(k)];
+      if (b == BlockMap::none) continue;  // of a sleeper: nobody looks at it
+      T* nodes = (grid.*block)(b);
       T* corner = value + (((k >> 2) * 4 * tile_width + ((k >> 1) & 1) * 4) * tile_width + (k & 1) * 4) * 4;
       for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < 4; ++j)

@@ -11,7 +11,7 @@ namespace neve {
 template <class T, class Spline>
 void volumes_from_grid(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   const T cell = static_cast<T>(model.dx * model.dx * model.dx);
-  each_index(grid.homes.size(), [&](std::size_t h) {
+  each_index(grid.moving, [&](std::size_t h) {
     const Home& home = grid.homes[h];
     Tile<T> tile;
     tile.load_from(grid, home, &Grid<T>::node);

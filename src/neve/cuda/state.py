@@ -206,6 +206,8 @@ class DeviceState:
         return sum(buffer.size for buffer in self._buffers)
 
     def __getattr__(self, name: str) -> Any:
+        if name == "rest":
+            return self.host.rest  # no columns: nothing sleeps here
         if name not in FIELDS:
             raise AttributeError(name)
         return self.field(name)

@@ -205,7 +205,7 @@ class Flow:
     def _sums(self, state: State, rows: NDArray[Any]) -> NDArray[np.float64]:
         """Return mass, momentum and energy of the particles at `rows`, in double in the order of birth."""
         rows = rows[np.argsort(state.id[rows])]
-        some = self._model.core.State(len(rows), self._model.native.more_modes)
+        some = self._model.particles(len(rows))
         for field in FIELDS:
             getattr(some, field.name)[...] = getattr(state, field.name)[rows]
         t = self._model.core.totals(self._model.native, some)
@@ -213,7 +213,7 @@ class Flow:
 
     def _birth_report(self) -> Report:
         """Return what a pass over a particle of each emitter finds at birth."""
-        some = self._model.core.State(len(self._streams), self._model.native.more_modes)
+        some = self._model.particles(len(self._streams))
         for i, source in enumerate(self._streams):
             times = [0.0, *(key.t for key in source.emitter.keyframes)]
             some.v[i] = max((source.velocity(t) for t in times), key=lambda v: float(np.sum(v * v)))

@@ -49,7 +49,7 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, 
     sources = [scene.sources[i] for i in indices]
     samples = samples_of(scene, model, indices)
     count = sum(len(s.x) for s in samples)
-    state = model.core.State(count, model.native.more_modes)
+    state = model.particles(count)
     rows_of = {snow: row for row, snow in enumerate(model.snows)}
     begin = 0
     for source, s in zip(sources, samples, strict=True):

@@ -20,14 +20,14 @@ from neve.scene.values.curves import keyed
 from neve.scene.values.elastic import p_wave_modulus
 
 if TYPE_CHECKING:
-    from neve._core import Precision
+    from neve._core import Precision, State
 
 
 class Model(PlacedSolids):
     """Hold the material table, the solids, gravity and dx of one run, in the core's precision.
 
     `core` is the set of compiled stages (float32 or float64), `native` the core's own model; `courant` the
-    largest stable c dt / dx.
+    largest stable c dt / dx; `sleeps` whether snow at rest is left out.
     """
 
     def __init__(
@@ -50,7 +50,10 @@ class Model(PlacedSolids):
             np.array(world.gravity, dtype=np.float64),
             numerics.polypic_modes,
             _damping(numerics, self.snows),
+            numerics.sleep_speed if numerics.sleep else 0.0,
+            numerics.sleep_after,
         )
+        self.sleeps = numerics.sleep
         super().__init__(native, colliders, solids, rigid, numerics.dx)
         self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in self.snows))
         for snow in self.snows:
@@ -72,6 +75,10 @@ class Model(PlacedSolids):
         self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in snows))
         self.limit_compression(self._strongest)
 
+    def particles(self, count: int) -> State:
+        """Return `count` particles at rest, with the columns that this model needs."""
+        return self.core.State(count, self.native.more_modes, self.sleeps)
+
     def limit_compression(self, strongest: float) -> None:
         """Set `max_compression`: how far a step may press snow, -dt tr grad v [1], before hardening stores
         more than its work, as the laws say. `strongest`: the largest factor on the thresholds of any
@@ -84,7 +91,8 @@ class Model(PlacedSolids):
 def _stages(numerics: Numerics) -> Precision:
     """Return the compiled stages of the scene's device. Errors: SceneError if it cannot be used."""
     try:
-        return backend(numerics.device).kernels(numerics.precision, numerics.deterministic, numerics.devices)
+        device = "cpu" if numerics.sleep else numerics.device  # the only one that can; the scene is checked
+        return backend(device).kernels(numerics.precision, numerics.deterministic, numerics.devices)
     except DeviceError as error:
         raise SceneError(str(error)) from None
 

@@ -11,7 +11,7 @@ from neve.build import material_table, require_same_sources, with_one_more
 from neve.mpm.births import Births
 from neve.mpm.initial import make_model, snow_of
 from neve.mpm.model import Model
-from neve.mpm.state import fit_modes, from_arrays, to_arrays
+from neve.mpm.state import REST_NUMBERS, fit_modes, from_arrays, to_arrays
 from neve.rigid.going_on import going_on
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
@@ -20,12 +20,16 @@ from neve.solver import joined
 if TYPE_CHECKING:
     from neve._core import State
 
+WAKING = ("world", "numerics", "snow", "sources", "emitters", "sinks", "colliders", "bodies", "robots")
+"""Parts of a scene whose change wakes snow that sleeps."""
+
 
 def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tuple[Model, State]:
     """Return the model of `new_scene` and the state with which its run goes on from a run of `scene`.
 
     The particles keep their place, motion, mass, deformation and hardening; each follows the snow that its
     source has in `new_scene`. Where the transfer has other modes of the velocity, the new ones are zero.
+    Snow that sleeps wakes, unless nothing has changed but what is shown.
     Rigid bodies go on as `neve.rigid.going_on.going_on` says.
 
     Errors: SceneError if a run cannot change so: the number of sources, emitters that go, or
@@ -41,6 +45,14 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
         arrays = to_arrays(state)
         modes = fit_modes(arrays["modes"], model.native.more_modes - model.native.has_play, fresh.native)
         state = from_arrays(fresh.core, arrays | {"modes": modes})
+    if model.sleeps != fresh.sleeps:
+        arrays = to_arrays(state)
+        state = from_arrays(
+            fresh.core,
+            arrays | {"rest": np.zeros((state.count, REST_NUMBERS * fresh.sleeps), arrays["x"].dtype)},
+        )
+    if any(getattr(scene, part) != getattr(new_scene, part) for part in WAKING):
+        state.rest[...] = 0.0
     if not np.array_equal(rows, np.arange(len(rows))):
         state.material[...] = rows[state.material]
     return fresh, state
@@ -63,6 +75,7 @@ def with_source(
     more.place_solids(time)
     fresh = to_arrays(snow_of(new_scene, more, [len(scene.sources)])[0])
     both = joined(to_arrays(state), fresh, births.count)
+    both["rest"][...] = 0.0
     births = births.copy()
     births.add(len(scene.sources), len(fresh["id"]))
     return new_scene, more, from_arrays(more.core, both), births

@@ -72,6 +72,7 @@ class MpmSolver(Solver):
         "bodies_potential",
         "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
         "particles",
+        "asleep",  # of them, those that no step moves
         "blocks",  # grid blocks of 4x4x4 nodes in use
     )
     state: State
@@ -123,7 +124,7 @@ class MpmSolver(Solver):
             densest = inspect(self.model, self.state)
         if not self._warned_of_density:
             self._warned_of_density = warn_of_density(self.scene, self.model, self.state, densest, time)
-        self._stages.sort(anew=True)
+        self._sort_anew()
 
     def step(self, steps: int, time: float, remaining: float) -> StepSummary:
         """Take one step, with the dt that the scene allows or less. Errors: Blowup."""
@@ -174,7 +175,13 @@ class MpmSolver(Solver):
         if changed is not None:
             self.state = changed
             self._stages = Stages(self.model, self.state, self.grid, self.timer)
-            self._stages.sort(anew=True)
+            self._sort_anew()
+
+    def _sort_anew(self) -> None:
+        """Sort all particles, those that sleep as well."""
+        if self.model.sleeps:
+            self.grid.look_at_all(self._report)
+        self._stages.sort(anew=True)
 
     def _warn_of_long_step(self, choice: Choice, report: Report, steps: int) -> None:
         """Log, once, that the scene's fixed dt [s] is longer than what is stable, and shortened."""
@@ -206,6 +213,7 @@ class MpmSolver(Solver):
             potential=t.potential,
             work=float(exchanged[:, 6].sum()),
             particles=int(self.state.count),
+            asleep=int(self.grid.asleep),
             blocks=int(self.grid.blocks),
             **self.model.totals_of_bodies(),
             **self.flow.books(),
@@ -243,13 +251,17 @@ class MpmSolver(Solver):
         return self.state.bytes + self.grid.bytes
 
     def columns(self) -> dict[str, Callable[[], Any]]:
-        """Return the fields of the state, the stress tau of the last step, the density, and the source."""
+        """Return the fields of the state, the stress tau of the last step, the density, the source, and who
+        sleeps, if somebody may.
+        """
         state = self.state
-        return super().columns() | {
+        sleep = {"asleep": lambda: np.isinf(state.rest[:, 0])} if self.model.sleeps else {}
+        own = {
             "tau": lambda: state.tau,
             "density": lambda: density(state),
             "source": lambda: self.births.of(state.id, len(self.scene.sources)),
         }
+        return super().columns() | own | sleep
 
     def quantised(self, value: str) -> Quantised | None:
         """Return positions and the values of a colour from a GPU; None on the processor."""

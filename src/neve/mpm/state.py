@@ -31,6 +31,7 @@ FIELDS = (
         "real",
         "further modes of the velocity; lift off slip [m]",
     ),
+    Field("rest", ("k",), "s, m/s", "real", "time at rest, infinite in sleep; mean velocity of late"),
     Field("F_E", (3, 3), "1", "real", "elastic deformation gradient"),
     Field("J_P", (), "1", "real", "plastic volume change"),
     Field("m", (), "kg", "real", "mass"),
@@ -41,6 +42,9 @@ FIELDS = (
     Field("id", (), "", "uint32", "number in the order of birth"),
 )
 """All that a particle owns. The stress tau is left out: it follows from F_E and J_P."""
+
+REST_NUMBERS = 4
+"""Numbers of `rest` where snow may sleep; elsewhere there are none."""
 
 
 def to_arrays(state: State) -> dict[str, NDArray[Any]]:
@@ -58,7 +62,7 @@ def from_arrays(
     columns = {field.name: arrays[field.name] for field in FIELDS}  # one by one: it may say what it lacks
     if modes is not None:
         columns["modes"] = modes
-    state = core.State(len(columns["m"]), columns["modes"].shape[1])
+    state = core.State(len(columns["m"]), columns["modes"].shape[1], columns["rest"].shape[1] > 0)
     fill_columns(state, FIELDS, columns)
     return state
 

@@ -108,6 +108,11 @@ def _material_names(scene: Scene) -> list[LegendName]:
     return names
 
 
+def _sleep_names(scene: Scene) -> list[LegendName]:
+    """Return what the legend calls snow that a step moves, and snow that it leaves out."""
+    return [{"value": 0, "text": "moves"}, {"value": 1, "text": "sleeps"}]
+
+
 def _fragment_names(scene: Scene) -> list[LegendName]:
     """Return two lines: fragments are too many to name each."""
     return [{"value": 0, "text": "powder"}, {"value": None, "text": "any other colour: a fragment"}]
@@ -151,6 +156,7 @@ MODES: Mapping[str, Mode] = {
         "temperature", "deg C", ("temperature",), _column("temperature"), (-15.0, 5.0), DIVERGING
     ),
     "phase": Mode("liquid share", "1", ("phase",), _column("phase"), (0.0, 1.0), THAW),
+    "asleep": Mode("asleep", "", ("asleep",), _column("asleep"), (0.0, 65535.0), names=_sleep_names),
     "material": Mode(
         "material", "", ("material",), _column("material"), (0.0, 65535.0), names=_material_names
     ),

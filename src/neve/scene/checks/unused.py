@@ -27,6 +27,11 @@ def unused(scene: Scene) -> Iterator[str]:
     if scene.numerics.device == "cpu":
         why = 'device = "cpu"'
         yield from _without_effect(scene.numerics, "numerics", "devices", why, 'numerics.device = "cuda"')
+    if not scene.numerics.sleep:
+        for key in ("sleep_speed", "sleep_after"):
+            yield from _without_effect(
+                scene.numerics, "numerics", key, "sleep = false", "numerics.sleep = true"
+            )
     for i, source in enumerate(scene.sources):
         if source.variation:
             yield from _of_variation(source.variation, f"sources.{i}.variation")

@@ -33,6 +33,7 @@ from neve.scene.schema.sources import (
     Variation,
     too_strong,
 )
+from neve.scene.values.allowed import words
 from neve.scene.values.choices import (
     DEFAULT_SPLINE,
     DEFAULT_TRANSFER,
@@ -205,6 +206,22 @@ class Numerics(Part):
         "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes); sampled: our choice, measured",
     )
 
+    sleep: Switch = entry(
+        False,
+        "Whether snow at rest is left out of the step, block by block, until something moves it: cost then "
+        "follows the snow that moves.",
+        "",
+    )
+    sleep_speed: Real = entry(
+        0.01,
+        "Snow rests if its mean velocity over the time sleep_after is smaller; a neighbour that gets away "
+        "twice as fast wakes it.",
+        "m/s",
+        gt=0,
+        le=10,
+    )
+    sleep_after: Real = entry(0.2, "Time at rest after which snow sleeps.", "s", gt=0, le=1000)
+
     @property
     def spacing(self) -> float:
         """Return the mean distance of particles in snow at rest [m]."""
@@ -259,6 +276,16 @@ class Scene(Part):
             if body.parent is not None and body.parent >= i:
                 earlier = f"from 0 to {i - 1}" if i else "and the first body has none"
                 raise wrong(f"bodies.{i}.parent", f"must be the number of an earlier body, {earlier}")
+        return self
+
+    @model_validator(mode="after")
+    def _sleep(self) -> Scene:
+        if self.numerics.sleep:
+            for key, only in (("method", ("mpm",)), ("device", ("cpu", "auto"))):
+                if (word := getattr(self.numerics, key)) not in only:
+                    raise wrong(
+                        "numerics.sleep", f'cannot be true with numerics.{key} = "{word}": set {words(only)}'
+                    )
         return self
 
     @model_validator(mode="after")
