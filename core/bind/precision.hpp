@@ -220,8 +220,11 @@ void bind_grid(nb::module_& m) {
       .def_prop_ro(
           "asleep", [](const G& g) { return g.count - g.awake; }, "Particles at rest, which no step moves.")
       .def(
-          "look_at_all", [](G& grid, const Report& found) { grid.whole = true, grid.rest_wave = found.wave; },
-          nb::arg("report"),
+          "look_at_all",
+          [](G& grid, const Report& found, bool may_sleep) {
+            grid.whole = true, grid.rest_wave = found.wave, grid.may_sleep = may_sleep;
+          },
+          nb::arg("report"), nb::arg("may_sleep"),
           "Let the next sort see who sleeps; report: what a pass over all particles has found.")
       .def_prop_ro("bytes", &G::bytes)
       .def(

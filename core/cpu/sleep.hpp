@@ -58,7 +58,7 @@ void part_homes(const Model<T>& model, const State<T>& state, Grid<T>& grid) {
     bool rests = true;
     for (std::uint32_t k = 0; k < home.count && rests; ++k)
       rests = state.rest.column(0)[grid.order[home.begin + k]] >= after;
-    sleeps[h] = rests && !solid_moves_near(model, home.at, 2 * solid_play);
+    sleeps[h] = grid.may_sleep && rests && !solid_moves_near(model, home.at, 2 * solid_play);
   });
   std::vector<Home> moving;
   grid.sleepers.clear();

@@ -532,8 +532,8 @@ class Grid(Protocol):
     @property
     def asleep(self) -> int:
         """Particles at rest, which no step moves."""
-    def look_at_all(self, report: Report, /) -> None:
-        """Let the next `sort` see who sleeps; report: what `refresh` has found."""
+    def look_at_all(self, report: Report, may_sleep: bool, /) -> None:
+        """Let the next `sort` see who sleeps, if somebody may; report: what `refresh` has found."""
     @property
     def bytes(self) -> int:
         """Memory [bytes]."""

@@ -59,7 +59,8 @@ struct Grid {
   BlockMap sleeper_at;         // their places in that list
   bool whole = true;           // the next sort looks at all homes
   std::vector<T> drift;        // the largest mean velocity of late in each home that moves [m/s]
-  double rest_wave = 0;        // wave speed in the stiffest snow when that was asked for [m/s]
+  bool may_sleep = true;
+  double rest_wave = 0;  // wave speed in the stiffest snow when that was asked for [m/s]
 
   // scratch of sort()
   std::vector<std::uint32_t> order;

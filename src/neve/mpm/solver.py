@@ -124,7 +124,7 @@ class MpmSolver(Solver):
             densest = inspect(self.model, self.state)
         if not self._warned_of_density:
             self._warned_of_density = warn_of_density(self.scene, self.model, self.state, densest, time)
-        self._sort_anew()
+        self._sort_anew(time)
 
     def step(self, steps: int, time: float, remaining: float) -> StepSummary:
         """Take one step, with the dt that the scene allows or less. Errors: Blowup."""
@@ -175,12 +175,16 @@ class MpmSolver(Solver):
         if changed is not None:
             self.state = changed
             self._stages = Stages(self.model, self.state, self.grid, self.timer)
-            self._sort_anew()
+            self._sort_anew(time)
 
-    def _sort_anew(self) -> None:
-        """Sort all particles, those that sleep as well."""
+    def _sort_anew(self, time: float) -> None:
+        """Sort all particles, those that sleep as well; none does while gravity or snows change."""
         if self.model.sleeps:
-            self.grid.look_at_all(self._report)
+            keys = (*self.scene.world.keyframes, *self.scene.snow_keyframes)
+            changes = any(key.t > time for key in keys)
+            if changes:
+                self.state.rest[...] = 0.0
+            self.grid.look_at_all(self._report, not changes)
         self._stages.sort(anew=True)
 
     def _warn_of_long_step(self, choice: Choice, report: Report, steps: int) -> None:

@@ -114,6 +114,22 @@ def test_a_change_of_the_scene_wakes_all(change):
     assert asleep(sim) == 0
 
 
+def test_none_sleeps_while_gravity_changes():
+    """Snow does not sleep before the last keyframe, and does after it."""
+    table = {
+        "numerics": SLEEPY, "sources": [LAYER], "colliders": [{**GROUND, "mode": "separate"}],
+        "snow": {"E0": 1e6},
+        "world": {"keyframes": [{"t": t, "gravity": [0, 0, -9.8]} for t in (0.0, 0.2)]},
+    }  # fmt: skip
+    sim = Simulation(scene_from(table))
+    seen = []
+    for _ in range(8):
+        sim.advance(0.05)
+        seen.append(asleep(sim))
+    assert seen[:4] == [0] * 4
+    assert seen[-1] == sim.state.count
+
+
 def test_same_bits_on_any_number_of_threads_and_after_a_resume():
     """With snow that falls asleep, sleeps and is woken."""
     runs = []
