@@ -180,8 +180,9 @@ class MpmSolver(Solver):
     def _sort_anew(self, time: float) -> None:
         """Sort all particles, those that sleep as well; none does while gravity or snows change."""
         if self.model.sleeps:
-            keys = (*self.scene.world.keyframes, *self.scene.snow_keyframes)
-            changes = any(key.t > time for key in keys)
+            times = [key.t for key in self.scene.world.keyframes]
+            times += [key.t for key in self.scene.snow_keyframes]
+            changes = max(times, default=0.0) > time
             if changes:
                 self.state.rest[...] = 0.0
             self.grid.look_at_all(self._report, not changes)
