@@ -128,3 +128,13 @@ def test_sums(some_gpu, transfer):
 def test_volumes_from_the_grid(some_gpu):
     """numerics.initial_volume = "grid" measures the density on the nodes."""
     compared(scene(source=LUMP, initial_volume="grid"))
+
+
+@pytest.mark.parametrize("dt", ["auto", 2e-4])
+def test_gravity_that_follows_keyframes(some_gpu, dt):
+    """A step of the same length under another gravity: the GPU hears of it."""
+    keyed = scene(FLOOR, dt=dt)
+    keyed["world"] = {"keyframes": [{"t": 0.0, "gravity": [0, 0, 0]}, {"t": 0.004, "gravity": [90, 0, 0]}]}
+    sim = compared(keyed)
+    still = advanced(scene(FLOOR, dt=dt), "cpu")
+    assert by_id(sim, "v")[:, 0].mean() > by_id(still, "v")[:, 0].mean() + 0.05

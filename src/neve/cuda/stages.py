@@ -324,8 +324,9 @@ class CudaStages:
 
     def _constants(self, model: DeviceModel, grid: DeviceGrid, dt: float) -> None:
         step = self.step
-        if self._is_new("constants", dt):
-            step.constants[:] = np.frombuffer(model.constants(dt), self._real).tolist()
+        constants = model.constants(dt)  # gravity may follow keyframes
+        if self._is_new("constants", constants):
+            step.constants[:] = np.frombuffer(constants, self._real).tolist()
         if self._is_new("nodes", (grid, grid.homes, grid.blocks, grid.lightest, grid.ghosts, grid.turn)):
             step.home_count, step.block_count, step.lightest = grid.homes, grid.blocks, grid.lightest
             grid.fill_homes(step.nodes)
