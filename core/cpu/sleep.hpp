@@ -81,19 +81,23 @@ void part_homes(const Model<T>& model, const State<T>& state, Grid<T>& grid) {
   for (const Home& home : grid.sleepers) grid.sleeper_at.insert(key_of(home.at));
 }
 
-// Bring the particles of sleepers to a stand: those that have just come to rest still have a little velocity.
+// Bring the particles of sleepers to a stand: those that have just come to rest still have a little velocity. Those that
+// slept and are in a home that moves, with snow that came to them, begin to rest anew.
 template <class T>
 void bring_to_a_stand(const Model<T>& model, State<T>& state, const Grid<T>& grid) {
   constexpr T asleep = std::numeric_limits<T>::infinity();
   T* rest = state.rest.column(0);
   const int velocities = 3 * more_modes(model);
+  each_index(grid.homes.size(), [&](std::size_t h) {
+    const Home& home = grid.homes[h];
+    std::replace(rest + home.begin, rest + home.begin + home.count, asleep, T(0));
+  });
   each_index(grid.sleepers.size(), [&](std::size_t k) {
     const Home& home = grid.sleepers[k];
     for (std::size_t p = home.begin; p < home.begin + std::size_t(home.count); ++p) {
       if (rest[p] == asleep) continue;
       rest[p] = asleep;
-      for (int a = 0; a < 3; ++a) state.rest.column(1 + a)[p] = T(0);
-      for (int a = 0; a < 3; ++a) state.v.column(a)[p] = T(0);
+      for (int a = 0; a < 3; ++a) state.rest.column(1 + a)[p] = state.v.column(a)[p] = T(0);
       for (int a = 0; a < 9; ++a) state.C.column(a)[p] = T(0);
       for (int a = 0; a < velocities; ++a) state.modes.column(a)[p] = T(0);
     }
@@ -154,7 +158,7 @@ void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   detail::order_by_cell(state, placing, grid);
   if (grid.whole && model.sleeps()) detail::part_homes(model, state, grid);
   detail::permute(state, grid);
-  detail::bring_to_a_stand(model, state, grid);
+  if (grid.whole && model.sleeps()) detail::bring_to_a_stand(model, state, grid);
   grid.moving = grid.homes.size();
   detail::add_border(grid);
   detail::lay_out_blocks(grid);

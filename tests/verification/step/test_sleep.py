@@ -168,6 +168,7 @@ def test_snow_that_arrives_wakes_snow_and_goes_on_exactly():
         straight.advance(0.05)
         broken.advance(0.05)
         seen.append(asleep(straight))
+        assert np.isinf(straight.state.rest[:, 0]).sum() == seen[-1]
         if k == 9:
             broken = Simulation.restore(broken.scene, broken.arrays())
     totals = straight.diagnostics()
