@@ -131,7 +131,8 @@ export class Bar {
       lines.push([`${short((facts.dt ?? 0) * 1e3)} ms`, `step, bound by ${facts.bound || "nothing yet"}`]);
     }
     if (facts.pace) lines.push([`${short(facts.pace)}×`, "real time"]);
-    for (const [name, value] of Object.entries(facts.keyed ?? {})) lines.push([value.map(short).join(", "), name]);
+    for (const [name, value] of Object.entries(facts.keyed ?? {}))
+      lines.push([value.map(short).join(", "), name]);
     const box = byId("figures");
     box.replaceChildren(...lines.map(([value, name]) => make("div", {}, make("b", {}, value), ` ${name}`)));
     this.showStages(box, Object.entries(facts.stages ?? {}));
