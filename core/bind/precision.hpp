@@ -222,7 +222,8 @@ void bind_grid(nb::module_& m) {
       .def(
           "look_at_all",
           [](G& grid, const Report& found, bool may_sleep) {
-            grid.whole = true, grid.rest_wave = found.wave, grid.may_sleep = may_sleep;
+            grid.whole = true, grid.may_sleep = may_sleep;
+            grid.rest_wave = found.wave, grid.rest_room = found.ice_room;
           },
           nb::arg("report"), nb::arg("may_sleep"),
           "Let the next sort see who sleeps; report: what a pass over all particles has found.")
@@ -263,7 +264,13 @@ void require_snow(const Model<T>& model, const State<T>& state) {
 template <class T>
 void bind_stages(nb::module_& m) {
   const auto free_gil = nb::call_guard<nb::gil_scoped_release>();
-  m.def("sort", &sort<T>, free_gil, "Sort the particles by block and cell, and lay out the grid for them.");
+  m.def(
+      "sort",
+      [](const Model<T>& model, State<T>& state, Grid<T>& grid) {
+        require_modes(model, state);
+        sort(model, state, grid);
+      },
+      free_gil, "Sort the particles by block and cell, and lay out the grid for them.");
   m.def(
       "p2g",
       [](const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {

@@ -218,9 +218,13 @@ Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, boo
   Report r = merge_each<Report>(grid.moving, [&](std::size_t h) {
     return detail::HomeGather<T, Spline, Transfer>(model, state, grid, h, dt, commit).run();
   });
-  if (!grid.sleepers.empty())
+  if (model
+          .sleeps()) {  // snow that sleeps may be the stiffest; within an advance the limits only grow tighter
     r.wave = std::max(r.wave, grid.rest_wave), r.fastest = std::max(r.fastest, grid.rest_wave);
+    r.ice_room = std::min(r.ice_room, grid.rest_room);
+  }
   if (!commit) return r;
+  if (model.sleeps()) grid.rest_wave = r.wave, grid.rest_room = r.ice_room;
   stir(model, state, grid);
   if (r.drifted) grid.current = false;
   if (!model.solids.empty()) {

@@ -48,6 +48,14 @@ void rouse(State<T>& state, Grid<T>& grid, const std::vector<std::size_t>& wakes
   }
 }
 
+// Whether a particle may sleep: it has rested for long enough; if it slept, nobody has written a velocity since.
+template <class T>
+bool is_calm(const State<T>& state, std::size_t p, T after) {
+  const T rest = state.rest.column(0)[p];
+  if (rest < std::numeric_limits<T>::infinity()) return rest >= after;
+  return state.v.column(0)[p] == T(0) && state.v.column(1)[p] == T(0) && state.v.column(2)[p] == T(0);
+}
+
 // Part the homes, and with them grid.order, into those that move, first, and those that sleep.
 template <class T>
 void part_homes(const Model<T>& model, const State<T>& state, Grid<T>& grid) {
@@ -57,7 +65,7 @@ void part_homes(const Model<T>& model, const State<T>& state, Grid<T>& grid) {
     const Home& home = grid.homes[h];
     bool rests = true;
     for (std::uint32_t k = 0; k < home.count && rests; ++k)
-      rests = state.rest.column(0)[grid.order[home.begin + k]] >= after;
+      rests = is_calm(state, grid.order[home.begin + k], after);
     sleeps[h] = grid.may_sleep && rests && !solid_moves_near(model, home.at, 2 * solid_play);
   });
   std::vector<Home> moving;

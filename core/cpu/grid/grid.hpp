@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "coupling/block_contacts.hpp"
@@ -60,7 +61,8 @@ struct Grid {
   bool whole = true;           // the next sort looks at all homes
   std::vector<T> drift;        // the largest mean velocity of late in each home that moves [m/s]
   bool may_sleep = true;
-  double rest_wave = 0;  // wave speed in the stiffest snow when that was asked for [m/s]
+  double rest_wave = 0;  // wave speed in the stiffest snow since all of it was looked at [m/s]
+  double rest_room = std::numeric_limits<double>::infinity();  // and the smallest J over that of ice [1]
 
   // scratch of sort()
   std::vector<std::uint32_t> order;

@@ -192,8 +192,15 @@ class Flow:
         if not len(gone):
             return False
         self.removed += self._sums(state, gone)
+        if self._model.sleeps:
+            self._wake_around(state, np.asarray(state.x[gone], np.float64))
         state.drop(gone.astype(np.uint32))
         return True
+
+    def _wake_around(self, state: State, x: NDArray[np.float64]) -> None:
+        """Wake the snow around the places `x` (n, 3) [m]: it loses what it may rest on."""
+        far = 8.0 * self._scene.numerics.dx  # two blocks: all that shared a node with it
+        state.rest[state.rows_in_box(x.min(axis=0) - far, x.max(axis=0) + far)] = 0.0
 
     def _inside(self, state: State, space: Region) -> NDArray[np.uint32]:
         low, high = space.bounds()

@@ -11,7 +11,7 @@ from neve.build import material_table, require_same_sources, with_one_more
 from neve.mpm.births import Births
 from neve.mpm.initial import make_model, snow_of
 from neve.mpm.model import Model
-from neve.mpm.state import REST_NUMBERS, fit_modes, from_arrays, to_arrays
+from neve.mpm.state import fit_modes, fit_rest, from_arrays, to_arrays
 from neve.rigid.going_on import going_on
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
@@ -20,7 +20,18 @@ from neve.solver import joined
 if TYPE_CHECKING:
     from neve._core import State
 
-WAKING = ("world", "numerics", "snow", "sources", "emitters", "sinks", "colliders", "bodies", "robots")
+WAKING = (
+    "world",
+    "numerics",
+    "snow",
+    "snow_keyframes",
+    "sources",
+    "emitters",
+    "sinks",
+    "colliders",
+    "bodies",
+    "robots",
+)
 """Parts of a scene whose change wakes snow that sleeps."""
 
 
@@ -44,13 +55,11 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
     if old != new:
         arrays = to_arrays(state)
         modes = fit_modes(arrays["modes"], model.native.more_modes - model.native.has_play, fresh.native)
-        state = from_arrays(fresh.core, arrays | {"modes": modes})
+        state = from_arrays(fresh.core, arrays, modes=modes)
     if model.sleeps != fresh.sleeps:
         arrays = to_arrays(state)
-        state = from_arrays(
-            fresh.core,
-            arrays | {"rest": np.zeros((state.count, REST_NUMBERS * fresh.sleeps), arrays["x"].dtype)},
-        )
+        rest = fit_rest(arrays["rest"], fresh.sleeps, arrays["x"])
+        state = from_arrays(fresh.core, arrays, rest=rest)
     if any(getattr(scene, part) != getattr(new_scene, part) for part in WAKING):
         state.rest[...] = 0.0
     if not np.array_equal(rows, np.arange(len(rows))):

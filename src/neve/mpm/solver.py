@@ -21,6 +21,7 @@ from neve.mpm.state import (
     FIELDS,
     density,
     fit_modes,
+    fit_rest,
     from_arrays,
     to_arrays,
 )
@@ -90,7 +91,8 @@ class MpmSolver(Solver):
             polynomial = native.more_modes - native.has_play
             if modes.ndim == 3 and modes.shape[1] in (polynomial, polynomial + 1):
                 modes = fit_modes(modes, polynomial, native)
-            self.state = from_arrays(self.model.core, saved, modes)
+            rest = fit_rest(np.asarray(saved["rest"]), self.model.sleeps, np.asarray(saved["x"]))
+            self.state = from_arrays(self.model.core, saved, modes=modes, rest=rest)
             require_whole(self.model, self.state)
             sources, emitters = len(scene.sources), len(scene.emitters)
             self.births = Births.of_arrays(saved["births"], saved["born"], sources, emitters)
@@ -218,7 +220,7 @@ class MpmSolver(Solver):
             potential=t.potential,
             work=float(exchanged[:, 6].sum()),
             particles=int(self.state.count),
-            asleep=int(self.grid.asleep),
+            asleep=int(np.isinf(self.state.rest).sum()),
             blocks=int(self.grid.blocks),
             **self.model.totals_of_bodies(),
             **self.flow.books(),
@@ -260,13 +262,15 @@ class MpmSolver(Solver):
         sleeps, if somebody may.
         """
         state = self.state
-        sleep = {"asleep": lambda: np.isinf(state.rest[:, 0])} if self.model.sleeps else {}
+        found = super().columns()
+        del found["rest"]  # infinite in sleep
+        sleep = {"asleep": lambda: np.isinf(state.rest[:, 0]).astype(np.uint16)} if self.model.sleeps else {}
         own = {
             "tau": lambda: state.tau,
             "density": lambda: density(state),
             "source": lambda: self.births.of(state.id, len(self.scene.sources)),
         }
-        return super().columns() | own | sleep
+        return found | own | sleep
 
     def quantised(self, value: str) -> Quantised | None:
         """Return positions and the values of a colour from a GPU; None on the processor."""

@@ -52,19 +52,26 @@ def to_arrays(state: State) -> dict[str, NDArray[Any]]:
     return {field.name: np.array(getattr(state, field.name)) for field in FIELDS}
 
 
-def from_arrays(
-    core: Precision, arrays: Mapping[str, NDArray[Any]], modes: NDArray[Any] | None = None
-) -> State:
-    """Make a state from the arrays of `to_arrays`; `modes`, if given, in place of theirs.
+def from_arrays(core: Precision, arrays: Mapping[str, NDArray[Any]], **others: NDArray[Any]) -> State:
+    """Make a state from the arrays of `to_arrays`; `others`, by name, take the place of theirs.
 
     Errors: ValueError for an array of another shape, or of numbers of another kind.
     """
     columns = {field.name: arrays[field.name] for field in FIELDS}  # one by one: it may say what it lacks
-    if modes is not None:
-        columns["modes"] = modes
+    columns |= others
     state = core.State(len(columns["m"]), columns["modes"].shape[1], columns["rest"].shape[1] > 0)
     fill_columns(state, FIELDS, columns)
     return state
+
+
+def fit_rest(rest: NDArray[Any], sleeps: bool, like: NDArray[Any]) -> NDArray[Any]:
+    """Return `rest` of the particles `like` (n, ...) as a run needs it where snow sleeps, or where none does.
+
+    Where it comes from a run of the other kind, all begin to rest anew.
+    """
+    if rest.ndim == 2 and rest.shape[1] == REST_NUMBERS * (not sleeps):
+        return np.zeros((len(like), REST_NUMBERS * sleeps), like.dtype)
+    return rest
 
 
 def fit_modes(modes: NDArray[Any], polynomial: int, native: Model) -> NDArray[Any]:

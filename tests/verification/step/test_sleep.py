@@ -114,6 +114,47 @@ def test_a_change_of_the_scene_wakes_all(change):
     assert asleep(sim) == 0
 
 
+def test_a_velocity_that_is_written_counts():
+    """Sleeping snow that a user pushes moves with that velocity, and what is not near it sleeps on."""
+    sim = settled()
+    pushed = np.asarray(sim.state.x)[:, 0] < -1.5
+    ids = np.asarray(sim.state.id)[pushed]
+    before = by_id(sim)[ids]
+    sim.state.v[pushed] = (-3.0, 0.0, 1.0)
+    sim.advance(0.05)
+    assert (by_id(sim)[ids] - before)[:, 0].mean() < -0.05
+    assert 0 < asleep(sim) < sim.state.count
+
+
+def test_snow_falls_when_what_it_rests_on_is_taken_away():
+    """A sink takes the lower half of sleeping snow; the upper half falls onto the ground."""
+    hole = {"shape": "box", "center": [0, 0, 0.1], "size": [5.0, 4.0, 0.2], "start": 0.3, "end": 0.31}
+    table = {
+        "numerics": SLEEPY, "sources": [LAYER], "colliders": [GROUND], "snow": {"E0": 1e6}, "sinks": [hole]
+    }  # fmt: skip
+    sim = Simulation(scene_from(table))
+    high = 0.0
+    for k in range(12):
+        sim.advance(0.05)
+        if k == 4:
+            assert asleep(sim) == sim.state.count
+            high = sim.state.x[:, 2].max()
+    assert sim.state.x[:, 2].max() < high - 0.1
+
+
+def test_a_run_goes_on_with_sleep_or_without():
+    """From a state that knows nothing of sleep, and the other way round; columns hold finite numbers."""
+    sleepy, awake = settled(), Simulation(scene(sleep=False))
+    awake.advance(0.01)
+    for sim, sleep in ((sleepy, False), (awake, True)):
+        other = Simulation.restore(scene(sleep=sleep), sim.arrays())
+        other.advance(0.01)
+        assert asleep(other) == 0
+    columns = sleepy.columns()
+    assert np.array_equal(columns["asleep"](), np.ones(sleepy.state.count))
+    assert "rest" not in columns
+
+
 def test_none_sleeps_while_gravity_changes():
     """Snow does not sleep before the last keyframe, and does after it."""
     table = {

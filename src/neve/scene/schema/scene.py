@@ -220,7 +220,7 @@ class Numerics(Part):
         gt=0,
         le=10,
     )
-    sleep_after: Real = entry(0.2, "Time at rest after which snow sleeps.", "s", gt=0, le=1000)
+    sleep_after: Real = entry(0.2, "Time at rest after which snow sleeps.", "s", gt=0, le=10)
 
     @property
     def spacing(self) -> float:
