@@ -87,8 +87,14 @@ def install(wheels: Path) -> Path:
     ]
     subprocess.run([*pip, *map(str, sorted(wheels.glob("*.whl")))], check=True)
     if not list(wheels.glob("neve-*.whl")):
-        subprocess.run([*pip, "--no-build-isolation", str(ROOT)], check=True)
+        subprocess.run([*pip, "--no-build-isolation", str(ROOT)], check=True, env=beside(site))
     return site
+
+
+def beside(site: Path) -> dict[str, str]:
+    """Return the environment of a process that finds what is installed in `site`, programs as well."""
+    path = f"{site / 'bin'}{os.pathsep}{os.environ.get('PATH', '')}"
+    return {**os.environ, "PYTHONPATH": str(site), "PATH": path}
 
 
 def machine() -> dict[str, Any]:
@@ -265,10 +271,11 @@ def main() -> int:
     report = Report(given.out, given.minutes)
     if given.wheels is not None:
         site = install(given.wheels)
-        rest = [a for a in sys.argv[1:] if a not in ("--wheels", str(given.wheels))]
-        rest += ["--minutes", str(report.left / 60)]
-        environment = {**os.environ, "PYTHONPATH": str(site)}
-        return subprocess.run([sys.executable, __file__, *rest], env=environment, check=False).returncode
+        rest = ["--minutes", str(report.left / 60)]
+        rest += ["--out", str(given.out)] if given.out else []
+        rest += ["--stand-in"] if given.stand_in else []
+        line = [sys.executable, __file__, *rest]
+        return subprocess.run(line, env=beside(site), check=False).returncode
     with device(given.stand_in):
         check(report, given.stand_in)
     report.write()

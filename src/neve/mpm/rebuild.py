@@ -52,6 +52,8 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
     rows = _rows(scene, new_scene)
     fresh = going_on(scene, new_scene, model, make_model)
     old, new = ((m.native.more_modes, m.native.has_play) for m in (model, fresh))
+    if type(fresh.core) is not type(model.core):
+        state = from_arrays(fresh.core, to_arrays(state))  # from a GPU to the processor, or the other way
     if old != new:
         arrays = to_arrays(state)
         modes = fit_modes(arrays["modes"], model.native.more_modes - model.native.has_play, fresh.native)

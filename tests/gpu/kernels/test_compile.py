@@ -49,9 +49,18 @@ def compiled_alone(architecture, solids, variant="usual"):
 @pytest.mark.parametrize(
     ("architecture", "solids"), [(a, solids) for a in (80, 90, 100) for solids in (False, True)]
 )
-def test_kernels_compile(nvrtc, architecture, solids):
-    """For sm_80, sm_90 and sm_100, fully optimised: nothing is spilled, and warps enough stay resident."""
+def test_kernels_compile(nvrtc, architecture, solids, capsys):
+    """For sm_80, sm_90 and sm_100, fully optimised: nothing is spilled, and warps enough stay resident.
+
+    What they need is printed.
+    """
     needs = compiled_alone(architecture, solids)
+    largest = sorted(needs.items(), key=lambda entry: -entry[1].registers)[:5]
+    with capsys.disabled():
+        spilled = sum(need.spilled for need in needs.values())
+        used = ", ".join(f"{name} {need.registers}" for name, need in largest)
+        where = "with" if solids else "without"
+        print(f"\nsm_{architecture}, {where} solids: registers {used}; {spilled} B spilled in all")
     assert len(needs) == 32
     assert {name: need.spilled for name, need in needs.items() if need.spilled} == {}
     limits = WITH_SOLIDS | ({"g2p": 168} if architecture == 100 else {}) if solids else RESIDENT

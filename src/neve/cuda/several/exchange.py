@@ -37,7 +37,7 @@ class Exchange:
         pending = self._send(models, grid, {route: route for route in grid.routes})
         for d, lists in enumerate(grid.lists):
             own = lists[UNION]
-            self._launch(models, d, "pack_halo", own, grid.packed((d, d), self._size(own)), TAKE)
+            self._launch(models, d, "pack_halo", own, grid.packed((d, d), self._size(models[d], own)), TAKE)
         self._scatter_from(models, grid, INTERIOR)
         pending.finish()
         for there, lists in enumerate(grid.lists):
@@ -79,7 +79,7 @@ class Exchange:
         sent, received = {}, {}
         for route, name in names.items():
             lists = grid.lists[route[0]]
-            room, size = self._size(lists[route]), self._size(lists[name])
+            room, size = (self._size(models[route[0]], lists[word]) for word in (route, name))
             sent[route] = Piece(grid.packed(route, room), size)
             received[route] = Piece(grid.arriving(route, room), size)
             self._launch(models, route[0], "pack_halo", lists[name], sent[route].at, COPY)
@@ -95,7 +95,6 @@ class Exchange:
         with stages.driver.on(self._peers.lanes[d]):
             stages.launch(models[d], name, halo.count, NODE_THREADS)
 
-    def _size(self, listed: Listed) -> int:
+    def _size(self, model: DeviceModel, listed: Listed) -> int:
         """Return the size of all that the nodes of a list of blocks have [bytes]."""
-        nodes = self._stages[0].step.nodes
-        return self._bytes * (1 + bool(nodes.change) + bool(nodes.lift)) * listed[1]
+        return self._bytes * (1 + bool(model.has_force) + bool(model.has_play)) * listed[1]

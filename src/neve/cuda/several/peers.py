@@ -34,10 +34,15 @@ class Peers(OneProcess):
                 weakref.finalize(self, _give_back, driver.destroy_fence, fence)
 
     def enter(self) -> None:
-        """Let the lanes wait for all that has been started on the GPUs so far, and for nothing later."""
-        for driver, fence, lane in zip(self._drivers, self._fences, self.lanes, strict=True):
+        """Let each lane wait for all that has been started on all GPUs so far, and for nothing later.
+
+        On all: what a lane sends is written where another GPU may still read what came before.
+        """
+        for driver, fence in zip(self._drivers, self._fences, strict=True):
             driver.set_fence(fence)
-            driver.wait_for(fence, lane)
+        for driver, lane in zip(self._drivers, self.lanes, strict=True):
+            for fence in self._fences:
+                driver.wait_for(fence, lane)
 
     def leave(self) -> None:
         """Let what is started on the GPUs from now on wait for the lanes."""

@@ -62,7 +62,8 @@ def _text(kind: Kind) -> str:
     if kind.name == "union":
         return " or ".join(map(_text, kind.members))
     if kind.name in ("vector", "list"):
-        plural = _text(kind.members[0]).replace("a number", "numbers")
+        one = _text(kind.members[0])
+        plural = one.replace("a number", "numbers").replace("a whole number", "whole numbers")
         if kind.name == "vector":
             return f"a list of {COUNT[kind.count]} {plural}"
         return f"a list of {plural}" if "numbers" in plural else "a list of tables"
