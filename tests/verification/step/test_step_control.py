@@ -74,7 +74,7 @@ def few(transfer, spline, seed):
         sampling="regular", snow={"plasticity": "none"},
     )  # fmt: skip
     arrays = simulate(description).arrays()
-    of_run = ("time", "steps", "exchanged")
+    of_run = ("time", "steps", "exchanged", "births", "born")
     rows = {name: value if name in of_run else value[:count] for name, value in arrays.items()}
     rows["x"] = rng.uniform(-0.05, 0.05, (count, 3))
     rows["v"] = 10.0 ** rng.uniform(-1, 2) * rng.standard_normal((count, 3))
