@@ -172,9 +172,11 @@ def test_a_state_of_another_model_is_refused(core):
     with pytest.raises(ValueError, match="more_modes"):
         core.State(3, -1)
     lab = lab_of(core, "float32" if core.lanes == 16 else "float64", "quadratic", 8, cloud())
-    state = core.State(5, 23)
+    core.sort(lab.model, lab.state, lab.grid)
+    state = core.State(lab.state.count, 23)
     state.m[:] = 1.0
-    core.sort(lab.model, state, lab.grid)
+    with pytest.raises(ValueError, match="modes"):
+        core.sort(lab.model, state, core.Grid())
     for stage in (core.p2g, core.g2p):
         with pytest.raises(ValueError, match="modes"):
             stage(lab.model, state, lab.grid, 1e-4)
