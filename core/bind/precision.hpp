@@ -217,8 +217,6 @@ void bind_grid(nb::module_& m) {
           "blocks", [](const G& g) { return g.blocks.size(); }, "Allocated blocks of 64 nodes.")
       .def_prop_ro(
           "homes", [](const G& g) { return g.moving; }, "Blocks that own particles which move.")
-      .def_prop_ro(
-          "asleep", [](const G& g) { return g.count - g.awake; }, "Particles at rest, which no step moves.")
       .def(
           "look_at_all",
           [](G& grid, const Report& found, bool may_sleep) {

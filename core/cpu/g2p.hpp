@@ -218,8 +218,8 @@ Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, boo
   Report r = merge_each<Report>(grid.moving, [&](std::size_t h) {
     return detail::HomeGather<T, Spline, Transfer>(model, state, grid, h, dt, commit).run();
   });
-  if (model
-          .sleeps()) {  // snow that sleeps may be the stiffest; within an advance the limits only grow tighter
+  // Snow that sleeps may be the stiffest; within an advance the limits only grow tighter.
+  if (model.sleeps()) {
     r.wave = std::max(r.wave, grid.rest_wave), r.fastest = std::max(r.fastest, grid.rest_wave);
     r.ice_room = std::min(r.ice_room, grid.rest_room);
   }

@@ -529,9 +529,6 @@ class Grid(Protocol):
     @property
     def homes(self) -> int:
         """Blocks that own particles which move, since `sort`."""
-    @property
-    def asleep(self) -> int:
-        """Particles at rest, which no step moves."""
     def look_at_all(self, report: Report, may_sleep: bool, /) -> None:
         """Let the next `sort` see who sleeps, if somebody may; report: what `refresh` has found."""
     @property

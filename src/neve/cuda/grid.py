@@ -64,7 +64,6 @@ class DeviceGrid:
         count: particles sorted; lightest: mass of the lightest [kg]
         scattered: the last g2p has scattered for the next step; turn: how often that was taken
         ghosts: address of a flag for each block, whether another domain counts it; 0: none does
-        asleep: of them none, as snow sleeps on the processor alone
     """
 
     def __init__(self, driver: Driver, precision: str, deterministic: bool = False) -> None:
@@ -72,7 +71,7 @@ class DeviceGrid:
         self._bytes = 4 if precision == "float32" else 8
         self._bounds_bytes = bounds_bytes(precision)
         self.current, self.homes, self.blocks, self.count, self.lightest = False, 0, 0, 0, 0.0
-        self.ghosts = self.turn = self.asleep = 0
+        self.ghosts = self.turn = 0
         self.scattered = False
         self.home_table, self.block_table = BlockTable(driver), BlockTable(driver)
         self._results = Buffer(driver, RESULTS.itemsize)
