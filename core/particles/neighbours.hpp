@@ -1,10 +1,9 @@
 // Neighbour lists (Verlet 1967): of each particle those within reach, and what is remembered of each pair.
 #pragma once
 
-#include <bit>
-
-#include "particles/cells.hpp"
+#include "neighbours/search.hpp"
 #include "particles/contact.hpp"
+#include "particles/state.hpp"
 
 namespace neve {
 
@@ -36,54 +35,6 @@ struct Neighbours {
 
 namespace detail {
 
-// Rows that were found, with room for candidates and the squares of their distances.
-template <class T>
-struct FoundRows {
-  std::vector<std::int32_t> rows;
-  std::size_t count = 0;
-
-  // Where the next rows go, with room for `most` and a pack.
-  std::int32_t* room(std::size_t most) {
-    constexpr std::size_t pack = 16;
-    if (count + most + pack > rows.size()) rows.resize(2 * (count + most + pack));
-    return rows.data() + count;
-  }
-};
-
-// Write the rows among [low, low + most) within the root of reach2 of row p, but p, to `out`; return how many. Columns may be
-// read a pack past their end, and `out` be written one.
-template <class T>
-std::size_t rows_within(const T* x, const T* y, const T* z, std::uint32_t low, std::uint32_t most,
-                        std::uint32_t p, T reach2, std::int32_t* out) {
-  const T px = x[p], py = y[p], pz = z[p];
-  std::size_t n = 0;
-#if defined(__AVX512F__)
-  if constexpr (std::is_same_v<T, float>) {
-    const __m512 cx = _mm512_set1_ps(px), cy = _mm512_set1_ps(py), cz = _mm512_set1_ps(pz);
-    const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    for (std::uint32_t k = 0; k < most; k += 16) {
-      const __m512 dx = _mm512_sub_ps(_mm512_loadu_ps(x + low + k), cx);
-      const __m512 dy = _mm512_sub_ps(_mm512_loadu_ps(y + low + k), cy);
-      const __m512 dz = _mm512_sub_ps(_mm512_loadu_ps(z + low + k), cz);
-      const __m512 d2 = _mm512_fmadd_ps(dz, dz, _mm512_fmadd_ps(dy, dy, _mm512_mul_ps(dx, dx)));
-      const __m512i rows = _mm512_add_epi32(_mm512_set1_epi32(std::int32_t(low + k)), lane);
-      const auto some = most - k < 16 ? __mmask16((1u << (most - k)) - 1) : __mmask16(0xffff);
-      const auto hits = __mmask16(_mm512_mask_cmp_ps_mask(some, d2, _mm512_set1_ps(reach2), _CMP_LE_OQ) &
-                                  _mm512_cmpneq_epi32_mask(rows, _mm512_set1_epi32(std::int32_t(p))));
-      _mm512_storeu_si512(out + n, _mm512_maskz_compress_epi32(hits, rows));
-      n += std::size_t(std::popcount(std::uint32_t(hits)));
-    }
-    return n;
-  }
-#endif
-  for (std::uint32_t q = low; q < low + most; ++q) {
-    const T dx = x[q] - px, dy = y[q] - py, dz = z[q] - pz;
-    out[n] = std::int32_t(q);
-    n += (dx * dx + dy * dy + dz * dz <= reach2) & (q != p);
-  }
-  return n;
-}
-
 // Where `row` stands among `count` rows, or count.
 inline std::uint32_t place_of(const std::int32_t* rows, std::uint32_t count, std::int32_t row) {
   std::uint32_t at = 0, found = 0;
@@ -94,76 +45,13 @@ inline std::uint32_t place_of(const std::int32_t* rows, std::uint32_t count, std
   return found ? at : count;
 }
 
-// Append the rows within reach of particle p, of those in the rows of cells around cell number c, to `found`. `first`
-// holds, for each of nine rows of cells, the first cell that may be of interest, and only grows from cell to cell.
-class NeighbourSearch {
- public:
-  NeighbourSearch(const Cells& cells, std::size_t c) : cells_(cells) {
-    const std::uint64_t key = cells.key[c];
-    for (int r = 0; r < 9; ++r) {
-      const auto at = std::lower_bound(cells.key.begin(), cells.key.end(), from(key, r));
-      first_[std::size_t(r)] = std::size_t(at - cells.key.begin());
-    }
-  }
-  void move_to(std::size_t c) {
-    const std::uint64_t key = cells_.key[c];
-    for (int r = 0; r < 9; ++r) {
-      const std::uint64_t low = from(key, r), high = low + 2;
-      std::size_t& f = first_[std::size_t(r)];
-      while (f < cells_.key.size() && cells_.key[f] < low) ++f;
-      std::size_t last = f;
-      while (last < cells_.key.size() && cells_.key[last] <= high) ++last;
-      low_[std::size_t(r)] = cells_.begin[f];
-      high_[std::size_t(r)] = cells_.begin[last];
-    }
-  }
-  template <class T>
-  void append(const ParticleState<T>& s, std::uint32_t p, T reach2, FoundRows<T>& found) const {
-    const T *x = s.x.column(0), *y = s.x.column(1), *z = s.x.column(2);
-    for (std::size_t r = 0; r < 9; ++r) {
-      const std::uint32_t low = low_[r], most = high_[r] - low;
-      found.count += rows_within(x, y, z, low, most, p, reach2, found.room(most));
-    }
-  }
-
- private:
-  std::uint64_t from(std::uint64_t key, int r) const {
-    const std::int64_t dy = r % 3 - 1, dz = r / 3 - 1;
-    return key - 1 + std::uint64_t(dy * (std::int64_t(1) << cells_.shift_y)) +
-           std::uint64_t(dz * (std::int64_t(1) << cells_.shift_z));
-  }
-  const Cells& cells_;
-  std::array<std::size_t, 9> first_{};
-  std::array<std::uint32_t, 9> low_{}, high_{};
-};
-
 // The rows within reach of each particle, into lists without memory.
 template <class T>
 void find_neighbours(const ParticleState<T>& s, const Cells& cells, Neighbours<T>& lists,
-                     std::vector<FoundRows<T>>& found) {
-  const T reach2 = T(lists.reach * lists.reach);
-  found.resize(static_cast<std::size_t>(thread_count()));
-  lists.begin.assign(s.count + 1, 0);
-  each_chunk(cells.key.size(), [&](int chunk, std::size_t begin, std::size_t end) {
-    if (begin == end) return;
-    auto& mine = found[std::size_t(chunk)];
-    mine.count = 0;
-    NeighbourSearch search(cells, begin);
-    for (std::size_t c = begin; c < end; ++c) {
-      search.move_to(c);
-      for (std::uint32_t p = cells.begin[c]; p < cells.begin[c + 1]; ++p) {
-        const std::size_t before = mine.count;
-        search.append(s, p, reach2, mine);
-        lists.begin[p + 1] = std::uint32_t(mine.count - before);
-      }
-    }
-  });
-  for (std::size_t p = 0; p < s.count; ++p) lists.begin[p + 1] += lists.begin[p];
-  lists.resize(lists.size());
-  each_chunk(cells.key.size(), [&](int chunk, std::size_t begin, std::size_t end) {
-    const auto& mine = found[std::size_t(chunk)];
-    if (begin < end)
-      std::copy_n(mine.rows.begin(), mine.count, lists.row.begin() + lists.begin[cells.begin[begin]]);
+                     std::vector<FoundRows>& found) {
+  find_rows(s, cells, s, cells, T(lists.reach * lists.reach), found, lists.begin, [&](std::size_t n) {
+    lists.resize(n);
+    return lists.row.data();
   });
 }
 
@@ -187,21 +75,6 @@ void carry_over(const Neighbours<T>& old, const std::vector<std::uint32_t>& orde
         lists.hold[n] = old.hold[e], lists.a[n] = old.a[e], lists.b[n] = old.b[e], lists.c[n] = old.c[e];
       }
     }
-  });
-}
-
-// Move every column into the new order: addresses stay valid.
-template <class T>
-void reorder(ParticleState<T>& s, const std::vector<std::uint32_t>& order) {
-  std::vector<double> spare(s.count);  // wide enough for every column
-  s.each_column([&](auto* column) {
-    auto* to = reinterpret_cast<decltype(column)>(spare.data());
-    each_chunk(s.count, [&](int, std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p) to[p] = column[order[p]];
-    });
-    each_chunk(s.count, [&](int, std::size_t begin, std::size_t end) {
-      std::copy(to + begin, to + end, column + begin);
-    });
   });
 }
 
@@ -239,7 +112,7 @@ template <class T>
 struct RebuildRoom {
   Neighbours<T> lists;
   std::vector<std::uint32_t> order;
-  std::vector<detail::FoundRows<T>> found;
+  std::vector<detail::FoundRows> found;
 };
 
 // Sort the particles by cell and make the lists of all pairs within `near` [m] and some spare, the more the faster they
@@ -252,7 +125,7 @@ void rebuild(ParticleState<T>& s, Neighbours<T>& lists, RebuildRoom<T>& room, do
   Neighbours<T>& fresh = room.lists;
   fresh.reach = near + spare, fresh.skin = spare, fresh.drift = motion.drift, fresh.elapsed = 0;
   const Cells cells = cells_of(s, fresh.reach, room.order);
-  detail::reorder(s, room.order);
+  reorder(s, room.order);
   detail::find_neighbours(s, cells, fresh, room.found);
   detail::carry_over(lists, room.order, fresh);
   fresh.start.resize(s.count);

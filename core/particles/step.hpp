@@ -1,7 +1,7 @@
 // The step of the discrete element method: forces of pairs, then velocities, solids, compaction, positions.
 #pragma once
 
-#include "particles/gather.hpp"
+#include "neighbours/gather.hpp"
 #include "particles/neighbours.hpp"
 
 namespace neve {

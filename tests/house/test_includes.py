@@ -13,8 +13,8 @@ LAYERS = [
     {"constitutive", "transfer", "geometry"},  # laws; particles and grid; shapes
     {"coupling"},  # what snow and solids do to each other
     {"mpm"},  # the step of one particle and one node, from values to values
-    # where particles and nodes lie, and how data moves between them; the camera
-    {"cpu/grid", "cuda/grid", "render/view"},
+    # where particles and nodes lie, who is near whom, how data moves between them; the camera
+    {"cpu/grid", "cuda/grid", "render/view", "neighbours"},
     {"render/solids"},  # solids on a picture
     {"render"},  # what draws
     {"cpu", "surface", "cuda"},  # the stages of the step over all of them
