@@ -37,14 +37,16 @@ class Advance {
     for (int k = 0; k < 3; ++k)
       pack.v[k] += pack.sums[std::size_t(Sums::force + k)] * rate + world_.gravity[k] * dt_;
     const auto runs = here & (load<R>(s.liquid.column(0) + p, count) >= one);
+    SolidContacts<R> colliders;
     for (const Solid<T>* solid : near(pack.x, pack.r, here)) {
       const auto contact = SolidContact<R>::at(*solid, pack.x, pack.r, here, runs, dt_);
       if (solid->body < 0) {
-        meet(contact, pack, exchange);
+        colliders.contacts.push_back(contact);
       } else if (any(here & (contact.room * dt_ < pack.r * T(2)))) {
         waiting.contacts.push_back(contact);
       }
     }
+    meet(colliders, pack, exchange);
     pack.end = waiting.contacts.size();
     if (pack.end > pack.begin) {
       waiting.packs.push_back(pack);
@@ -92,14 +94,13 @@ class Advance {
     return out;
   }
 
-  // Let a collider act.
-  void meet(const SolidContact<R>& contact, Pack& pack, ExchangeSum& exchange) const {
-    const Solid<T>& solid = *contact.solid;
-    const Vec3<R> before = pack.v, v_co = solid.surface_velocity_at(contact.x, contact.n);
-    if (!any(contact.met(before, v_co))) return;
-    const Vec3<R> v_rel = contact.sped(before) - v_co;
-    pack.v = contact.after(before, facing(solid, contact.x, contact.n, v_rel, splat<R>(dt_)), v_co);
-    note(contact, v_co, before, pack.v, pack, exchange);
+  // Let the colliders act.
+  void meet(SolidContacts<R>& colliders, Pack& pack, ExchangeSum& exchange) const {
+    pack.v = colliders.act(pack.v, dt_);
+    for (std::size_t e = 0; e < colliders.contacts.size(); ++e) {
+      const ContactChange<R>& change = colliders.changes[e];
+      note(colliders.contacts[e], change.v_co, change.before, change.after, pack, exchange);
+    }
   }
 
   // Record what a solid did, and let its forces count in compaction.

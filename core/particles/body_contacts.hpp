@@ -2,7 +2,7 @@
 #pragma once
 
 #include "coupling/body_solver.hpp"
-#include "particles/solid_contact.hpp"
+#include "particles/solid_contacts.hpp"
 #include "particles/step.hpp"
 
 namespace neve {
