@@ -110,7 +110,10 @@ class PhaseChange {
     T& hold = lists_.hold[e];
     const double now = std::max(std::abs(double(hold)), double(loose<T>));
     const T grown = T(sintering::grown(now, limit, most, celsius, dt));
-    if (hold == T(0) && !(overlap > T(0))) return;
+    if (hold == T(0)) {  // a contact that no step has seen yet: its spring has not turned
+      if (!(overlap > T(0))) return;
+      lists_.a[e] = lists_.b[e] = lists_.c[e] = T(0);
+    }
     hold = hold > T(0) ? grown : -grown;
   }
   double density(std::size_t p) const {

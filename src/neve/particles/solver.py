@@ -157,7 +157,7 @@ class ParticleSolver(Solver):
         if self.placed.solids_move:
             with self.timer.stage("bodies"):
                 self.placed.place_solids(time)
-        dt, bound = self._longest(self._report)
+        dt, bound = self._longest(self._report.speed)
         if not dt > 1e-9 * remaining:
             raise Blowup(
                 f"after step {steps} contacts of particles ask for a time step of {dt:.3g} s: "
@@ -168,7 +168,7 @@ class ParticleSolver(Solver):
             self._report = self.state.step(self.placed.native, dt)
         return StepSummary(dt, bound, 0)
 
-    def _longest(self, report: ParticleReport) -> tuple[float, str]:
+    def _longest(self, fastest: float) -> tuple[float, str]:
         """Return the time step [s] and what bounds it.
 
         Half the limit 2 / sqrt(sum k / m) of the particle whose contacts are stiffest for its mass, where the
@@ -177,11 +177,11 @@ class ParticleSolver(Solver):
         """
         numerics = self.scene.numerics
         dt, bound = numerics.dt_max, "dt_max"
-        stable = 1.0 / math.sqrt(max(report.stiffest, self._least_stiff))
+        stable = 1.0 / math.sqrt(self.stiffest)
         if stable < dt:
             dt, bound = stable, "contact"
         way = numerics.cfl * numerics.spacing
-        for speed, name in ((report.speed, "speed"), (self.placed.solid_speed, "solid")):
+        for speed, name in ((fastest, "speed"), (self.placed.solid_speed, "solid")):
             if speed * dt > way:
                 dt, bound = way / speed, name
         if numerics.dt != "auto" and float(numerics.dt) <= dt:
@@ -214,6 +214,11 @@ class ParticleSolver(Solver):
         self._heat_taken += report.taken
         if not report.finite:
             raise Blowup(f"a particle has no finite heat after step {steps} (t = {time:.6g} s): check [heat]")
+
+    @property
+    def stiffest(self) -> float:
+        """Largest sum of the stiffness of a particle's contacts over its mass, of the last step [1/s2]."""
+        return max(self._report.stiffest, self._least_stiff)
 
     def _set_time(self, time: float) -> None:
         """Give gravity the value that it has at `time` [s]."""

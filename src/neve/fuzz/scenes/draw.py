@@ -1,5 +1,5 @@
-"""Draw random scenes: every law, transfer and spline, parameters over their legal ranges, situations that
-hurt. What is drawn is legal.
+"""Draw random scenes: every method, law, transfer and spline, parameters over their legal ranges, situations
+that hurt. What is drawn is legal.
 
 Lengths are drawn in cells, speeds in wave speeds and times in steps, so that every scene costs about the
 same, whatever its dx, stiffness and density.
@@ -42,10 +42,18 @@ STEPS = 150
 """About so many steps of its first dt a scene lasts."""
 
 
-def draw(seed: int, number: int) -> tuple[Scene, str]:
+PARTICLES = 0.25
+"""Share of the scenes that are run as particles in contact."""
+
+ON_ITS_OWN = 1
+"""Tells the random numbers of what other methods have from those of a scene."""
+
+
+def draw(seed: int, number: int, method: str | None = None) -> tuple[Scene, str]:
     """Return scene `number` of the campaign `seed`, and the name of its situation.
 
-    The situations take turns; everything else is random. Equal arguments give the equal scene.
+    The situations take turns; everything else is random. Equal arguments give the equal scene. method: draws
+    for one numerics.method alone; what the scene is besides does not depend on it.
     """
     rng = np.random.default_rng([seed, number])
     names = sorted(SITUATIONS)
@@ -87,7 +95,7 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
         numerics["dt"] = min(fixed, 1.0)
     duration = STEPS * step
     pull = rng.standard_normal(3) * _log(rng, 1e-3, 1.0) * dx / duration**2  # about a cell or so of fall
-    tables = {
+    tables: dict[str, Any] = {
         "about": f"fuzz {seed}/{number}: {name}",
         "world": {"gravity": [float(np.clip(a, -1e4, 1e4)) for a in pull]},
         "numerics": numerics,
@@ -95,7 +103,29 @@ def draw(seed: int, number: int) -> tuple[Scene, str]:
         **lists,
         "run": {"duration": float(np.clip(duration, SHORTEST, 86400)), "film": False},
     }
+    own = np.random.default_rng([seed, number, ON_ITS_OWN])
+    drawn = "particles" if own.random() < PARTICLES else "mpm"
+    if (method or drawn) == "particles":
+        _as_particles(own, tables)
     return scene_from(tables, where=f"fuzz scene {seed}/{number}"), name
+
+
+def _as_particles(rng: Random, tables: dict[str, Any]) -> None:
+    """Let a scene be run as particles in contact: without what they have not, half of the scenes with heat."""
+    kept = ("dx", "precision", "particles_per_cell", "sampling", "cfl", "dt", "dt_max", "seed")
+    numerics = tables["numerics"]
+    tables["numerics"] = {"method": "particles"} | {key: numerics[key] for key in kept if key in numerics}
+    if rng.random() < 0.5:
+        tables["heat"] = {
+            "snow_temperature": float(rng.choice([0.0, rng.uniform(-40, 0)])),
+            "air_temperature": float(rng.uniform(-40, 40)),
+            "air_exchange": float(rng.choice([0.0, _log(rng, 1.0, 1e3)])),
+            "sun": float(rng.choice([0.0, _log(rng, 10.0, 1e4)])),
+            "albedo": float(rng.uniform(0, 1)),
+            "conductivity": "density" if rng.random() < 0.5 else _log(rng, 1e-3, 1e3),
+            "heat_speed": _log(rng, 1e-3, 1e6),
+            "sintering": bool(rng.random() < 0.5),
+        }
 
 
 def _numerics(rng: Random, dx: float) -> dict[str, Any]:

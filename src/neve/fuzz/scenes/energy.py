@@ -18,16 +18,9 @@ symplectic Euler method) [M].
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import NamedTuple
 
 from neve.diagnostics import Balance
-from neve.simulation import Simulation
-
-if TYPE_CHECKING:
-    from neve.mpm.solver import MpmSolver
 
 MOST_GAIN = 0.05
 """Rise of the shadow energy that is allowed, as a share of all that was put in since the start."""
@@ -109,69 +102,3 @@ class Budget:
         if self.swing > MOST_SWING:
             return f"energy swung to {100 * self.swing:.3g} % more than was put in"
         return ""
-
-
-class Meter:
-    """Read the moments of a run; `step` is to be called after each step of `sim`."""
-
-    def __init__(self, sim: Simulation) -> None:
-        self._sim = sim
-        self._solver: MpmSolver = sim.solver  # type: ignore[assignment]
-        self._exchanged = np.zeros((len(self._solver.solids), 7))
-        state = self._solver.state
-        self._pair = self._solver.model.core.State(int(state.count), state.modes.shape[1])
-        self._pair.F_E[:] = np.eye(3)
-        self._eps = float(np.finfo(state.x.dtype).eps)
-        self._mass = float(np.sum(state.m, dtype=np.float64))
-        self._put_in = self._strained = 0.0
-        self._steps = 0
-        self._pushed_out = self._lift_out_of_solids()
-        self._before = self._seen()
-
-    def _lift_out_of_solids(self) -> float:
-        """Return at most how much gravity does on snow that is pushed out of solids that it starts in [J].
-
-        The push is a displacement without a velocity, so no work of the solid tells of it.
-        """
-        model, state = self._solver.model, self._solver.state
-        x, m = state.x.astype(np.float64), state.m.astype(np.float64)
-        depth = [m @ np.maximum(-model.distance(i, x), 0.0) for i in range(len(self._solver.solids))]
-        return float(np.linalg.norm(self._sim.scene.world.gravity) * sum(depth))
-
-    def _seen(self) -> tuple[Balance, dict[str, NDArray[Any]]]:
-        """Return sums and velocities now, rows in the order of birth."""
-        state = self._solver.state
-        order = np.argsort(state.id)
-        columns = {name: np.asarray(getattr(state, name))[order] for name in ("x", "m", "v", "C", "modes")}
-        return Balance.of(self._solver.diagnostics(self._sim.exchanged + self._exchanged)), columns
-
-    def step(self) -> Moment:
-        """Return what the last step says about the state before it."""
-        self._steps += 1
-        self._exchanged += self._solver.take_exchanged()  # with bodies, Simulation has taken it
-        (before, old), (after, new) = self._before, self._seen()
-        self._before = after, new
-        shared = 0.25 * (self._kinetic(old, new, 1.0) - self._kinetic(old, new, -1.0))
-        g, x = np.abs(self._sim.scene.world.gravity), np.abs(new["x"].astype(np.float64))
-        scale = float(np.sum(new["m"] * (x @ g)))
-        self._put_in = max(self._put_in, before.kinetic_and_elastic, abs(after.work))
-        self._strained += self._energy_of_rounded_strain()
-        rounding = self._eps * self._steps * (scale + self._put_in) + self._strained + self._pushed_out
-        return Moment(shared, before, after, rounding)
-
-    def _energy_of_rounded_strain(self) -> float:
-        """Return at most how much a step's rounding of F_E adds to the elastic energy on average [J].
-
-        Three diagonal entries near 1 are rounded by eps / 2 at most, each way alike, so that on average the
-        squares add up: 3/2 (eps / 2)^2 sum V0 (lam + 2 mu), at most 3/8 eps^2 m c^2 with the fastest wave c.
-        """
-        return 0.375 * self._eps**2 * self._mass * self._solver.report.wave**2
-
-    def _kinetic(self, old: dict[str, NDArray[Any]], new: dict[str, NDArray[Any]], sign: float) -> float:
-        """Return the kinetic energy of the velocities `new` + `sign` `old`, of all modes [J]."""
-        pair = self._pair
-        pair.x[:], pair.m[:] = new["x"], new["m"]
-        for name in ("v", "C", "modes"):
-            getattr(pair, name)[:] = new[name] + sign * old[name]
-        totals = self._solver.model.core.totals(self._solver.model.native, pair)
-        return float(totals.kinetic + totals.affine)

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from neve.fuzz.outcome import Outcome
 from neve.fuzz.scenes.draw import draw
-from neve.fuzz.scenes.energy import MOST_GAIN, MOST_SURGE, MOST_SWING, Budget, Meter
-from neve.mpm.state_checks import inspect
+from neve.fuzz.scenes.energy import MOST_GAIN, MOST_SURGE, MOST_SWING
+from neve.fuzz.scenes.judges import JUDGES, Judge
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene
-from neve.scene.values.choices import TRANSFERS
 from neve.simulation import Simulation
 from neve.solver import Blowup
-
-if TYPE_CHECKING:
-    from neve.mpm.solver import MpmSolver
 
 PARTS = 30
 """So often in its duration a scene is looked at."""
@@ -34,16 +29,16 @@ MOST_STEPS = 20_000
 """Steps after which a scene counts as stuck; one whose snow is pressed to ice, which is stiff, ends there."""
 
 
-def endure(seed: int, number: int) -> Outcome:
-    """Run scene `number` of the campaign `seed`.
+def endure(seed: int, number: int, method: str | None = None) -> Outcome:
+    """Run scene `number` of the campaign `seed`, drawn for one method if that is named.
 
-    Facts of the outcome: particles; steps; rejected: steps that were rejected and tried again; gain, surge
-    and swing of `neve.fuzz.scenes.energy.Budget`; judged: whether they count, as where the transfer bounds
-    energy; cut_short: whether the scene ended early, with snow pressed to ice.
+    Facts of the outcome: method; particles; steps; rejected: steps that were rejected and tried again; gain,
+    surge and swing of `neve.fuzz.scenes.energy.Budget`; judged: whether they count (see
+    `neve.fuzz.scenes.judges`); cut_short: whether the scene ended early, with snow pressed to ice.
     """
     where = f"fuzz scene {seed}/{number}"
     try:
-        scene, situation = draw(seed, number)
+        scene, situation = draw(seed, number, method)
         trial = _Trial(scene, situation)
     except SceneError as error:
         fault = unclear(str(error), where)
@@ -52,22 +47,32 @@ def endure(seed: int, number: int) -> Outcome:
         fault = trial.run()
     except Blowup as stop:
         fault = f"gave up: {stop}"
-    budget = trial.budget
+    judge, numerics = trial.judge, scene.numerics
     facts = {
+        "method": numerics.method,
         "particles": trial.sim.count,
         "steps": trial.sim.steps,
         "rejected": trial.rejected,
-        "gain": budget.gain,
-        "surge": budget.surge,
-        "swing": budget.swing,
-        "judged": trial.is_judged,
+        "gain": judge.budget.gain,
+        "surge": judge.budget.surge,
+        "swing": judge.budget.swing,
+        "judged": judge.is_judged,
         "cut_short": trial.is_cut_short,
     }
-    numerics = scene.numerics
     laws = "+".join(dict.fromkeys(scene.snow_of(source).law for source in scene.sources))
-    kind = ", ".join((laws, numerics.transfer, numerics.spline, numerics.precision, f"dx {numerics.dx:.2g}"))
+    kind = ", ".join((laws, *judge.kind, numerics.precision, f"dx {numerics.dx:.2g}"))
     about = f"{situation:10} {trial.sim.count:6,} particles {trial.sim.steps:6,} steps  {kind}"
     return Outcome(seed, number, "failed" if fault else "held", about, fault, facts=facts)
+
+
+def endure_mpm(seed: int, number: int) -> Outcome:
+    """Run a scene by the material point method."""
+    return endure(seed, number, "mpm")
+
+
+def endure_particles(seed: int, number: int) -> Outcome:
+    """Run a scene as particles in contact."""
+    return endure(seed, number, "particles")
 
 
 def unclear(sentence: str, where: str) -> str:
@@ -106,36 +111,31 @@ class _Trial:
         self.sim = Simulation(scene, threads=1)
         if situation == "coincident":
             _stack(self.sim)
+        self.judge: Judge = JUDGES[scene.numerics.method](self.sim)
         self.rejected = 0
-        self.budget = Budget(scene.numerics.transfer)
         self.is_cut_short = False
-        self.is_judged = TRANSFERS[scene.numerics.transfer].has_bounded_energy
 
     def run(self) -> str:
         """Run the scene; return its fault, "" if there is none. Errors: Blowup."""
-        sim, meter = self.sim, Meter(self.sim)
+        sim, judge = self.sim, self.judge
+        judge.begin()
         mass = _mass_by_id(sim)
 
         def enough() -> bool:
-            self.budget.record(meter.step())
-            return sim.steps > MOST_STEPS or (self.is_judged and bool(self.budget.fault()))
+            judge.record()
+            return sim.steps > MOST_STEPS or judge.energy_fault() != ""
 
-        for _ in range(PARTS):
+        for part in range(PARTS):
             sim.advance(self.scene.run.duration / PARTS, enough)
             self.rejected += sim.stats.rejected
-            fault = _fault(sim, mass) or (self.budget.fault() if self.is_judged else "")
+            fault = _fault(sim, mass) or judge.energy_fault() or judge.fault()
             if fault:
                 return f"{fault}, after {sim.steps} steps"
             if sim.steps > MOST_STEPS:
-                self.is_cut_short = _is_ice(sim)
+                self.is_cut_short = judge.is_ice()
                 return "" if self.is_cut_short else f"stuck: more than {MOST_STEPS:,} steps"
-        return ""
-
-
-def _is_ice(sim: Simulation) -> bool:
-    """Tell whether snow is pressed to the density of ice, and waves in it are what keeps steps short."""
-    solver: MpmSolver = sim.solver  # type: ignore[assignment]
-    return inspect(solver.model, solver.state).crowding > 1.0 and sim.stats.bound in ("wave", "retry")
+            judge.after(part, PARTS)
+        return judge.fault_of_end()
 
 
 def _stack(sim: Simulation) -> None:
