@@ -116,8 +116,9 @@ class Advance {
       pack.sums[std::size_t(Sums::against + k)] += max(R(-force), zero);
     }
     const Vec3<R> way = contact.way_out();
-    R against = zero;  // work of setting particles out, against the forces of the others [J]
-    for (int k = 0; k < 3; ++k) against += pack.sums[std::size_t(Sums::force + k)] * way[k];
+    R against = zero;  // work of setting particles out, against the forces of the others and gravity [J]
+    for (int k = 0; k < 3; ++k)
+      against += (pack.sums[std::size_t(Sums::force + k)] + pack.m * world_.gravity[k]) * way[k];
     exchange.of(contact.solid->index).work -= double(sum_lanes(select(met, against, zero)));
     pack.out = pack.out + way;
   }

@@ -65,6 +65,7 @@ struct HeatReport {
   double taken = 0;  // from air and sun [J]
   int rounds = 0;    // in which it was made
   bool finite = true;
+  bool endless = false;  // so many that it was not made
 };
 
 // Directions in which the surface of a particle is looked at: the corners of an icosahedron and of a dodecahedron.

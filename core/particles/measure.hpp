@@ -20,7 +20,8 @@ struct ParticleTotals {
 
 namespace detail {
 
-// Half of what a pair stores [J], seen from one side.
+// Half of what a pair stores [J], seen from one side. A bond or a contact that is stretched too far stores nothing: it
+// breaks before it pulls.
 template <class T>
 double stored(const ParticleState<T>& s, const Neighbours<T>& lists, const ContactLaw<T>& law, std::size_t p,
               std::uint32_t e) {
@@ -33,9 +34,11 @@ double stored(const ParticleState<T>& s, const Neighbours<T>& lists, const Conta
   const double overlap = double(s.radius.column(0)[p]) + double(s.radius.column(0)[q]) - std::sqrt(d2);
   const double k = 0.5 * (double(s.k.column(0)[p]) + double(s.k.column(0)[q]));
   const double a = lists.a[e], b = lists.b[e], c = lists.c[e];
-  if (lists.hold[e] > T(0)) return 0.25 * k * (overlap - a) * (overlap - a);
-  const double rubbed = lists.hold[e] < T(0) ? double(law.tangential) * (a * a + b * b + c * c) : 0.0;
-  return 0.25 * k * ((lists.hold[e] < T(0) || overlap > 0 ? overlap * overlap : 0.0) + rubbed);
+  const double hold = lists.hold[e];
+  if (hold > 0) return a - overlap > hold ? 0.0 : 0.25 * k * (overlap - a) * (overlap - a);
+  if (overlap <= hold) return 0.0;  // the gap that a contact bridges is -hold
+  const double rubbed = hold < 0 ? double(law.tangential) * (a * a + b * b + c * c) : 0.0;
+  return 0.25 * k * (overlap * overlap + rubbed);
 }
 
 }  // namespace detail

@@ -6,8 +6,10 @@
 
 namespace neve {
 
-// How fast a particle that lies inside a solid is set out of it: the share of the depth per step.
-inline constexpr double set_out = 0.1;
+// How fast a particle that lies inside a solid is set out of it: the share of the depth per step, of colliders and of
+// bodies, and the most over the radius. The work of setting out is force times way with the force before, so a way that
+// grows or falls fast hides some; bodies, which lie less deep in snow, come to rest sooner by the larger share.
+inline constexpr double set_out = 0.02, set_out_of_bodies = 0.1, most_out = 0.01;
 
 // A pack of particles of radius r at one solid. A particle that would sink in moves to the surface in this step, with the
 // laws of contact of the material point method; one that lies inside is set out, without a velocity.
@@ -20,7 +22,7 @@ struct SolidContact {
   Mask runs;          // which are water, which runs along any surface
   Vec3<R> x, n, arm;  // position [m], the solid's normal there, place from the solid's centre [m]
   R room;             // speed along -n with which a particle just arrives in this step [m/s]
-  R depth;            // how far particles lie inside [m]
+  R out;              // how far particles that lie inside are set out in this step [m]
 
   static SolidContact at(const Solid<T>& solid, const Vec3<R>& x, const R& r, const Mask& here,
                          const Mask& runs, T dt) {
@@ -35,7 +37,7 @@ struct SolidContact {
             surface.normal,
             x - spread<R>(solid.centre),
             R(max(gap, zero) * (T(1) / dt)),
-            R(max(R(-gap), zero))};
+            R(min(max(R(-gap), zero) * T(solid.body < 0 ? set_out : set_out_of_bodies), r * T(most_out)))};
   }
   // What snow that lies at the surface does there: friction with play would need a memory of how far it has left.
   ContactMode mode() const {
@@ -56,7 +58,7 @@ struct SolidContact {
     return select(met(v, v_co), then - n * room, v);
   }
   // How far the solid sets particles out in this step [m].
-  Vec3<R> way_out() const { return n * select(here, R(depth * T(set_out)), splat<R>(0)); }
+  Vec3<R> way_out() const { return n * select(here, out, splat<R>(0)); }
 };
 
 }  // namespace neve

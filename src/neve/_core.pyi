@@ -593,6 +593,8 @@ class HeatReport:
     """Rounds in which the heat flowed."""
     finite: bool
     """Every particle has finite heat."""
+    endless: bool
+    """Whether it asks for so many rounds that it was not made."""
 
 class Particles(Protocol):
     """Particles of the discrete element method, and what is remembered of their pairs.

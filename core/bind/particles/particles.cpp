@@ -222,6 +222,7 @@ void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64) {
   nb::class_<HeatReport>(m, "HeatReport", "What a pass over the heat found.")
       .def_ro("taken", &HeatReport::taken)
       .def_ro("rounds", &HeatReport::rounds)
+      .def_ro("endless", &HeatReport::endless)
       .def_ro("finite", &HeatReport::finite);
   bind_of<float>(f32);
   bind_of<double>(f64);

@@ -23,6 +23,8 @@ inline constexpr double blocked = 0.5;
 inline constexpr double growth_in_air = 0.45, growth_in_sun = 1.3;
 // Of a difference of temperatures in one round [1].
 inline constexpr double most_change = 0.4;
+// Rounds of one pass: a step of motion that asks for more would never end.
+inline constexpr double most_rounds = 1e5;
 
 // Distance of particles p and q [m].
 template <class T>
@@ -64,7 +66,10 @@ class HeatFlow {
     for (std::size_t p = 0; p < s_.count; ++p)
       fastest = std::max(fastest, rate[p] / (double(s_.m.column(0)[p]) * heat::c_ice));
     HeatReport report;
-    report.rounds = std::max(1, int(std::ceil(dt * fastest / most_change)));
+    const double rounds = std::max(1.0, std::ceil(dt * fastest / most_change));
+    report.endless = rounds > most_rounds;
+    report.rounds = int(std::min(rounds, 2e9));
+    if (report.endless) return report;
     for (int round = 0; round < report.rounds; ++round) exchange(dt / report.rounds);
     for (std::size_t p = 0; p < s_.count; ++p) {
       report.taken += taken_[p];

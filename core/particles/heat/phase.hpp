@@ -135,6 +135,7 @@ HeatReport pass_heat(const HeatModel& model, ParticleState<T>& s, Neighbours<T>&
                      const std::vector<ContactMaterial>& table, double dt) {
   const double own = dt * model.speed;
   const HeatReport report = detail::HeatFlow<T>(model, s, lists).flow(own);
+  if (report.endless) return report;
   detail::PhaseChange<T>(model, s, lists).apply(own, [&](std::size_t p) { derive(s, table, p); });
   return report;
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 import click
 
@@ -48,31 +49,10 @@ def seconds(ctx: click.Context, param: click.Parameter, value: float | None) -> 
     return value
 
 
-def _command(campaign: Campaign) -> click.Command:
-    """Make the command of a campaign."""
-
-    def run(
-        seed: int | None,
-        seeds: range | None,
-        count: int | None,
-        only: int | None,
-        jobs: int | None,
-        limit: float | None,
-        as_json: bool,
-        out: str | None,
-    ) -> None:
-        if seed is not None and seeds is not None:
-            raise click.UsageError("--seed and --seeds: give one of the two")
-        if count is not None and only is not None:
-            raise click.UsageError("--count and --only: give one of the two")
-        from neve.fuzz.run import run as attack
-
-        chosen = seeds or range(seed or 0, (seed or 0) + 1)
-        if not attack(campaign, chosen, count, only, jobs or os.cpu_count() or 1, limit, as_json, out):
-            raise SystemExit(1)
-
+def _options(campaign: Campaign) -> list[Any]:
+    """Return the options of the command of a campaign, as decorators."""
     things = campaign.things
-    options = (
+    options = [
         click.option("--seed", type=click.IntRange(0, 10**18), metavar="S", help="Seed; 0 by default."),
         click.option("--seeds", metavar="A:B", callback=seed_range, help="Seeds from A up to, without, B."),
         click.option(
@@ -99,9 +79,40 @@ def _command(campaign: Campaign) -> click.Command:
         ),
         click.option("--json", "as_json", is_flag=True, help="Print a line of JSON for each."),
         click.option("--out", metavar="FILE", help="Write them to FILE too; if it is there, go on with it."),
-    )
+    ]
+    if campaign.methods:
+        words = click.Choice(list(campaign.methods))
+        options.append(click.option("--method", type=words, help="Draw for this numerics.method alone."))
+    return options
+
+
+def _command(campaign: Campaign) -> click.Command:
+    """Make the command of a campaign."""
+
+    def run(
+        seed: int | None,
+        seeds: range | None,
+        count: int | None,
+        only: int | None,
+        jobs: int | None,
+        limit: float | None,
+        as_json: bool,
+        out: str | None,
+        method: str | None = None,
+    ) -> None:
+        if seed is not None and seeds is not None:
+            raise click.UsageError("--seed and --seeds: give one of the two")
+        if count is not None and only is not None:
+            raise click.UsageError("--count and --only: give one of the two")
+        from neve.fuzz.run import run as attack
+
+        chosen = seeds or range(seed or 0, (seed or 0) + 1)
+        drawn = campaign if method is None else campaign.by(method)
+        if not attack(drawn, chosen, count, only, jobs or os.cpu_count() or 1, limit, as_json, out):
+            raise SystemExit(1)
+
     decorated = run
-    for option in reversed(options):
+    for option in reversed(_options(campaign)):
         decorated = option(decorated)
     return click.command(campaign.name, help=campaign.about)(decorated)
 

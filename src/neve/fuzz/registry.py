@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Any
 
@@ -17,6 +17,7 @@ class Campaign:
     `neve.fuzz.outcome.Outcome`; it runs in a process of its own, and whatever it raises is a failure.
     count: trials for each seed by default. limit: seconds [s] after which a trial is stuck, by default.
     summary: "module:function"; the function takes the list of outcomes and returns a sentence about them.
+    methods: trials as `trial` that are drawn for one numerics.method alone, by its word.
     """
 
     name: str
@@ -26,6 +27,11 @@ class Campaign:
     count: int
     limit: float
     summary: str | None = None
+    methods: Mapping[str, str] = field(default_factory=dict)
+
+    def by(self, method: str) -> Campaign:
+        """Return the campaign whose trials are drawn for one method; its name says so."""
+        return replace(self, name=f"{self.name} --method {method}", trial=self.methods[method])
 
 
 CAMPAIGNS = {
@@ -33,13 +39,17 @@ CAMPAIGNS = {
     for campaign in (
         Campaign(
             name="scenes",
-            about="Random scenes of any law, with parameters over their ranges, that collide, are pressed and"
-            " stirred: no crash, no NaN, nothing lost, mass exact, no energy from nowhere.",
+            about="Random scenes of any method and law, with parameters over their ranges, that collide, are"
+            " pressed and stirred: no crash, no NaN, nothing lost, mass exact, no energy from nowhere.",
             things="scenes",
             trial="neve.fuzz.scenes.trial:endure",
             count=200,
             limit=600.0,
             summary="neve.fuzz.scenes.trial:summary",
+            methods={
+                "mpm": "neve.fuzz.scenes.trial:endure_mpm",
+                "particles": "neve.fuzz.scenes.trial:endure_particles",
+            },
         ),
         Campaign(
             name="files",

@@ -210,6 +210,11 @@ class ParticleSolver(Solver):
             return
         with self.timer.stage("heat"):
             report = self.state.pass_heat(self._heat_due)
+        if report.endless:
+            raise Blowup(
+                f"heat asks for {report.rounds:,} rounds in {self._heat_due:.3g} s of motion after step "
+                f"{steps} (t = {time:.6g} s): lower heat.heat_speed, heat.conductivity or heat.air_exchange"
+            )
         self._heat_due = 0.0
         self._heat_taken += report.taken
         if not report.finite:

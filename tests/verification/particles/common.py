@@ -8,8 +8,11 @@ from neve.scene.schema.scene import Scene
 NAMES = ("x", "v", "m", "V0", "radius", "J_P", "stiffness", "strength", "material", "source", "id")
 
 
-def particles(sources, colliders=(), gravity=(0.0, 0.0, 0.0), snow=None, threads=1, **numerics):
-    """Make a simulation of particles, in double precision with 0.05 m if nothing else is said."""
+def particles(sources, colliders=(), gravity=(0.0, 0.0, 0.0), snow=None, threads=1, more=None, **numerics):
+    """Make a simulation of particles, in double precision with 0.05 m if nothing else is said.
+
+    more: further tables of the scene.
+    """
     given = {"method": "particles", "dx": 0.05, "precision": "float64"} | numerics
     return simulate(
         Scene.model_validate(
@@ -20,6 +23,7 @@ def particles(sources, colliders=(), gravity=(0.0, 0.0, 0.0), snow=None, threads
                 "sources": sources,
                 "colliders": colliders,
             }
+            | (more or {})
         ),
         threads,
     )

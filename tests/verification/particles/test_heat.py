@@ -11,6 +11,7 @@ import neve
 from neve.particles.heat import C_ICE, LATENT, temperature
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.load import scene_from
+from neve.solver import Blowup
 
 AREA_OF_BOND = 0.79
 """Area of a bond over pi r^2, as docs/particles.md says."""
@@ -244,3 +245,29 @@ def test_method_without_heat_refuses_it():
     sim = simulate([{"shape": "sphere", "radius": 0.2}], {})
     with pytest.raises(SceneError, match="heat cannot come or go"):
         sim.change(sim.scene.model_copy(update={"heat": None}))
+
+
+def test_contacts_that_sinter_unseen_keep_momentum():
+    """A contact that sinters before a step has seen it begins without a spring: momentum stays.
+
+    The loose lumps touch and part again; what the lists of neighbours held there before must not count.
+    """
+    lumps = [
+        {"shape": "sphere", "center": (s * 0.13, 0.01 * s, 0), "radius": 0.12, "velocity": (-0.02 * s, 0, 0)}
+        for s in (-1, 1)
+    ]
+    sim = simulate(lumps, {"sintering": True, "air_exchange": 0.0}, snow={"theta_s": 1e-6, "theta_c": 1e-3})
+    start = np.array(sim.diagnostics().momentum)
+    sim.advance(0.5)
+    d = sim.diagnostics()
+    assert d.contacts > 0
+    scale = math.sqrt(2 * d.mass * (d.kinetic + d.elastic)) + 1e-3 * d.mass
+    assert np.abs(np.array(d.momentum) - start).max() < 1e-12 * scale
+
+
+def test_heat_that_takes_too_many_rounds_is_told():
+    """A speed of heat that a pass would not end at is one sentence that names what to lower."""
+    lump = {"shape": "sphere", "radius": 0.1}
+    sim = simulate([lump], {"conductivity": 1000.0, "heat_speed": 1e6})
+    with pytest.raises(Blowup, match=r"rounds .*: lower heat.heat_speed"):
+        sim.advance(0.02)

@@ -169,6 +169,35 @@ def test_energy_never_grows():
     assert lowest < 0.5 * start
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_energy_between_solids(order):
+    """A floor that holds what a paddle moves on adds no energy, whichever of the two acts first.
+
+    The floor stops a particle that the paddle then moves on. Counted as a force on a particle at rest, the
+    floor's impulse would do no work, though it is what moves the particle against the bonds.
+    """
+    dx = 0.02
+    floor = {"shape": "plane", "mode": "sticky"}
+    paddle = {
+        "shape": "box", "center": (0, 0, 1.5 * dx), "size": (6 * dx, 1.5 * dx, 2.5 * dx),
+        "spin": (0, 0, 4.5), "mu_c": 0.5,
+    }  # fmt: skip
+    sim = particles(
+        [{"shape": "box", "size": (7 * dx, 7 * dx, 2.5 * dx), "center": (0, 0, 1.3 * dx)}],
+        [floor, paddle][::order],
+        snow={"law": "drucker_prager", "rho0": 6.3, "E0": 2900.0, "cohesion": 94.0, "friction_angle": 54.0},
+        dx=dx, particles_per_cell=1,
+    )  # fmt: skip
+    lowest, moved = energy(sim), 0.0
+    for _ in range(100):
+        sim.advance(2e-3)
+        d = sim.diagnostics()
+        moved = max(moved, d.kinetic + d.elastic)
+        assert energy(sim) <= lowest + 5e-3 * moved
+        lowest = min(lowest, energy(sim))
+    assert moved > 1e-5
+
+
 @pytest.mark.parametrize(("angle", "mu", "slides"), [(30.0, 0.3, True), (20.0, 0.6, False)])
 def test_block_on_a_slope(angle, mu, slides):
     """An elastic block slides with g (sin a - mu cos a), or stays where mu > tan a."""

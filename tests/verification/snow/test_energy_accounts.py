@@ -5,7 +5,8 @@ import pytest
 from verification.scenes import ball, box, scene, simulate
 from verification.snow.test_random_scenes import balances
 
-from neve.fuzz.scenes.energy import Budget, Meter
+from neve.fuzz.scenes.energy import Budget
+from neve.fuzz.scenes.meters import MpmMeter
 
 QUIET = pytest.mark.filterwarnings("ignore::neve.scene.errors.SceneWarning")
 
@@ -40,7 +41,7 @@ def test_press_into_ice_at_its_wave_speed():
             initial_volume="sampled",
         )
     )
-    meter, budget = Meter(sim), Budget("asflip")
+    meter, budget = MpmMeter(sim), Budget("asflip")
     for _ in range(15):
         sim.advance(2.1e-7, lambda: budget.record(meter.step()) or False)
     assert budget.gain < 0.01
@@ -111,7 +112,7 @@ def test_rounded_strains_are_no_gain():
                 **{"precision": precision, "dt": "auto", "transfer": "aflip", "aflip_damping": 0.0},
             )
         )
-        meter, budget, moments = Meter(sim), Budget("aflip"), []
+        meter, budget, moments = MpmMeter(sim), Budget("aflip"), []
 
         def look(meter=meter, budget=budget, moments=moments):
             moments.append(meter.step())

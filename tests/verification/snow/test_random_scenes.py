@@ -6,7 +6,8 @@ from verification.scenes import ball, scene, simulate
 
 from neve.diagnostics import Balance
 from neve.fuzz.scenes import draw, endure
-from neve.fuzz.scenes.energy import MOST_SURGE, Budget, Meter, Moment
+from neve.fuzz.scenes.energy import MOST_SURGE, Budget, Moment
+from neve.fuzz.scenes.meters import MpmMeter
 from neve.fuzz.scenes.situations import SITUATIONS
 from neve.fuzz.scenes.trial import _fault, _mass_by_id, unclear
 from neve.scene.errors import SceneError
@@ -24,10 +25,21 @@ def test_scene_holds(number):
 
 
 def test_campaign_is_seeded_and_wide():
-    """The same number is the same scene; 70 scenes take every situation, law, transfer and spline."""
-    scenes = [draw(7, k) for k in range(70)]
-    assert scenes[3] == draw(7, 3)
-    assert scenes[3] != draw(8, 3)
+    """The same number is the same scene; 70 scenes take every situation, law, transfer and spline.
+
+    A quarter is of particles in contact, but each can be drawn for either method.
+    """
+    drawn = [draw(7, k) for k in range(70)]
+    scenes = [draw(7, k, "mpm") for k in range(70)]
+    assert drawn[3] == draw(7, 3)
+    assert drawn[3] != draw(8, 3)
+    assert {s.numerics.method for s, _ in scenes} == {"mpm"}
+    of_particles = [k for k, (s, _) in enumerate(drawn) if s.numerics.method == "particles"]
+    assert 8 < len(of_particles) < 28
+    for k in range(70):
+        other = draw(7, k, "particles")[0]
+        assert drawn[k][0] == (other if k in of_particles else scenes[k][0])
+        assert (other.snow, other.sources) == (scenes[k][0].snow, scenes[k][0].sources)
     assert {name for _, name in scenes} == set(SITUATIONS)
     for seen, count in (
         ({s.snow.law for s, _ in scenes}, len(LAWS)),
@@ -63,7 +75,7 @@ def test_faults_are_seen():
 
 def balances(sim, seconds):
     """Let a simulation go on, and give its budget after each step."""
-    meter, budget = Meter(sim), Budget(sim.scene.numerics.transfer)
+    meter, budget = MpmMeter(sim), Budget(sim.scene.numerics.transfer)
 
     def look():
         budget.record(meter.step())
@@ -120,7 +132,7 @@ def test_swing_of_explicit_steps_is_no_gain(modes):
     )
     assert sim.count == 1
     sim.state.F_E[:] = 1.0001 * np.eye(3)
-    meter, moments = Meter(sim), []
+    meter, moments = MpmMeter(sim), []
 
     def look():
         moments.append(meter.step())

@@ -45,6 +45,9 @@ STEPS = 150
 PARTICLES = 0.25
 """Share of the scenes that are run as particles in contact."""
 
+MOST_SPREAD = 30.0
+"""How far heat spreads between two passes, squared, over the spacing squared: more takes as many rounds."""
+
 ON_ITS_OWN = 1
 """Tells the random numbers of what other methods have from those of a scene."""
 
@@ -111,19 +114,23 @@ def draw(seed: int, number: int, method: str | None = None) -> tuple[Scene, str]
 
 
 def _as_particles(rng: Random, tables: dict[str, Any]) -> None:
-    """Let a scene be run as particles in contact: without what they have not, half of the scenes with heat."""
+    """Let a scene be run as particles in contact, half of the scenes with heat."""
     kept = ("dx", "precision", "particles_per_cell", "sampling", "cfl", "dt", "dt_max", "seed")
     numerics = tables["numerics"]
     tables["numerics"] = {"method": "particles"} | {key: numerics[key] for key in kept if key in numerics}
     if rng.random() < 0.5:
+        conductivity = _log(rng, 1e-3, 1e3)
+        spacing = numerics["dx"] * numerics["particles_per_cell"] ** (-1 / 3)
+        capacity = 2100.0 * tables["snow"]["rho0"] * spacing**2  # over conductivity and time, of a particle
+        most = MOST_SPREAD * capacity / max(conductivity, 1.0) / 0.01
         tables["heat"] = {
             "snow_temperature": float(rng.choice([0.0, rng.uniform(-40, 0)])),
             "air_temperature": float(rng.uniform(-40, 40)),
             "air_exchange": float(rng.choice([0.0, _log(rng, 1.0, 1e3)])),
             "sun": float(rng.choice([0.0, _log(rng, 10.0, 1e4)])),
             "albedo": float(rng.uniform(0, 1)),
-            "conductivity": "density" if rng.random() < 0.5 else _log(rng, 1e-3, 1e3),
-            "heat_speed": _log(rng, 1e-3, 1e6),
+            "conductivity": "density" if rng.random() < 0.5 else conductivity,
+            "heat_speed": max(min(_log(rng, 1e-3, 1e6), most), 1e-3),
             "sintering": bool(rng.random() < 0.5),
         }
 

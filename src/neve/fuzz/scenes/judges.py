@@ -99,7 +99,8 @@ class ParticleJudge(Judge):
     meter_of = ParticleMeter
 
     def begin(self) -> None:
-        """Take in the state at the start."""
+        """Take in the state at the start, with all pairs that touch in it."""
+        self.sim.solver.begin(0, 0.0)
         super().begin()
         heat = self.sim.scene.heat
         self.kind = ("particles",) if heat is None else ("particles", f"heat x {heat.heat_speed:.2g}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -92,7 +93,9 @@ def summary(outcomes: Sequence[Outcome]) -> str:
         100 * max((float(facts[name]) for facts in judged), default=0.0)
         for name in ("gain", "surge", "swing")
     )
+    methods = Counter(str(facts["method"]) for facts in ran)
     return (
+        f"{', '.join(f'{count:,} by {method}' for method, count in sorted(methods.items()))}; "
         f"{sum(facts['steps'] for facts in ran):,} steps, "
         f"{sum(facts['rejected'] for facts in ran):,} of them shortened; "
         f"{sum(facts['cut_short'] for facts in ran):,} scenes cut short with snow pressed to ice; "
