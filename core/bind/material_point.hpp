@@ -65,7 +65,7 @@ nb::tuple isotropic_function_of(const Matrices<T>& F, const In<T, nb::shape<-1, 
   constexpr std::size_t L = lane_count<T>;
   for (std::size_t p = 0; p < n; p += L) {
     const int count = static_cast<int>(std::min(L, n - p));
-    const auto spectrum = spectrum3(matrices<T>(F.data() + 9 * p, count));
+    const auto spectrum = spectrum3(strain_of(matrices<T>(F.data() + 9 * p, count)));
     Vec3<Lanes<T>> at{};
     for (int l = 0; l < count; ++l) {
       for (int k = 0; k < 3; ++k) {
@@ -159,7 +159,7 @@ void bind_material_point(nb::module_& m) {
   m.attr("lanes") = lane_count<T>;
   m.def("svd", &svd<T>, nb::arg("F"), "Polar SVD of F (n, 3, 3): rotations U and V, singular values (n, 3).");
   m.def("isotropic_function", &isotropic_function_of<T>, nb::arg("F"), nb::arg("y"),
-        "Eigenvalues (n, 3) of F^T F - I, the one that stands apart first, and the symmetric matrices (n, 3, "
+        "Eigenvalues (n, 3) of F F^T - I, the one that stands apart first, and the symmetric matrices (n, 3, "
         "3) "
         "with its eigenvectors and the eigenvalues y (n, 3).");
   m.def(

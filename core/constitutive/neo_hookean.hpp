@@ -25,6 +25,15 @@ struct NeoHookeanElasticity {
             mu * top * top + max(mu + lam * (T(1) - ln_J), splat<R>(0))};
   }
 
+  // mu B + lam ln J I.
+  template <class R>
+  NEVE_INLINE static Stress<R> small_response(const SmallStrain<R>& at, R mu, R lam) {
+    using T = scalar_t<R>;
+    const R ln_J = T(0.5) * log1p(at.square_volume_change());
+    return {lam * ln_J + times(at.B, mu),
+            mu * (T(1) + at.largest()) + max(R(mu + lam * (T(1) - ln_J)), splat<R>(0))};
+  }
+
   template <class R>
   NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     using T = scalar_t<R>;

@@ -12,7 +12,7 @@
 #pragma once
 
 #include "constitutive/law.hpp"
-#include "constitutive/spectrum3.hpp"
+#include "constitutive/small_strain.hpp"
 #include "math/svd3.hpp"
 
 namespace neve {
@@ -40,10 +40,10 @@ inline Lame lame(const ElasticConstants& snow) {
 }
 
 // The principal stretches of F near the identity, and what a law makes of its response to them, as functions of
-// E = F^T F - I:
+// B = F F^T - I:
 //
-//   tau = sum_k tau_k u_k u_k^T = F (sum_k tau_k / sigma_k^2 v_k v_k^T) F^T
-//   F_E = sum_k (sigma_k - excess_k) u_k v_k^T = F - F sum_k excess_k / sigma_k v_k v_k^T
+//   tau = sum_k tau_k u_k u_k^T
+//   F_E = sum_k (sigma_k - excess_k) u_k v_k^T = F - (sum_k excess_k / sigma_k u_k u_k^T) F
 //
 // The isotropic part of the stress stays out of the products, so that shear stresses keep their digits; and a lane without
 // excess keeps F to the bit.
@@ -64,34 +64,17 @@ struct Stretches {
   }
 
   NEVE_INLINE Stress<R> stress(const Response<R>& r) const {
-    Vec3<R> y;
-    for (int k = 0; k < 3; ++k) y[k] = r.axial[k] * inverse[k] * inverse[k];
-    return {in_frame(F, isotropic_function(spectrum, y), r.isotropic), r.modulus};
+    return {r.isotropic + isotropic_function(spectrum, r.axial), r.modulus};
   }
 
   NEVE_INLINE Mat3<R> without(const Vec3<R>& excess) const {
     const Vec3<R> y{excess.x * inverse.x, excess.y * inverse.y, excess.z * inverse.z};
-    const Mat3<R> part = F * full(isotropic_function(spectrum, y));
+    const Mat3<R> part = full(isotropic_function(spectrum, y)) * F;
     return {F.c0 - part.c0, F.c1 - part.c1, F.c2 - part.c2};
-  }
-
- private:
-  // isotropic I + F Y F^T
-  NEVE_INLINE static Sym3<R> in_frame(const Mat3<R>& F, const Sym3<R>& Y, const R& isotropic) {
-    const Mat3<R> G = F * full(Y);
-    const auto entry = [&](int i, int j) NEVE_INLINE_LAMBDA {
-      return G.c0[i] * F.c0[j] + G.c1[i] * F.c1[j] + G.c2[i] * F.c2[j];
-    };
-    return {isotropic + entry(0, 0),
-            isotropic + entry(1, 1),
-            isotropic + entry(2, 2),
-            entry(0, 1),
-            entry(0, 2),
-            entry(1, 2)};
   }
 };
 
-// The same of any F, by its singular value decomposition: far from the identity, or inverted, E has lost digits.
+// The same of any F, by its singular value decomposition: far from the identity, or inverted, B has lost digits.
 template <class R>
 struct FarStretches : Svd3<R> {
   const Mat3<R>& F;
@@ -134,15 +117,19 @@ NEVE_RARE auto with_far_stretches(const Mat3<R>& A, F&& f) {
 }
 }  // namespace detail
 
-// f(stretches of A).
+// f(stretches of A), with its strain B.
 template <class R, class F>
-NEVE_INLINE auto with_stretches(const Mat3<R>& A, F&& f) {
+NEVE_INLINE auto with_stretches(const Mat3<R>& A, const Sym3<R>& B, F&& f) {
   using T = scalar_t<R>;
-  const Spectrum3<R> spectrum = spectrum3(A);
+  const Spectrum3<R> spectrum = spectrum3(B);
   if (any((spectrum.lowest() < splat<R>(T(-0.75))) | (spectrum.highest() > splat<R>(T(8))) |
           (determinant(A) <= splat<R>(0))))
     return detail::with_far_stretches(A, f);
   return f(Stretches<R>(A, spectrum));
+}
+template <class R, class F>
+NEVE_INLINE auto with_stretches(const Mat3<R>& A, F&& f) {
+  return with_stretches(A, strain_of(A), f);
 }
 
 // J - 1 from the principal strains, without the cancellation of the product.

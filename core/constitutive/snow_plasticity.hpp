@@ -141,7 +141,14 @@ struct SnowPlasticity {
 
   template <class R>
   static Stress<R> stress(const Mat3<R>& F_E, R J_P, const Parameters<R>& q) {
-    return with_stretches(F_E, [&](const auto& at) NEVE_INLINE_LAMBDA {
+    const Sym3<R> B = strain_of(F_E);
+    if constexpr (has_small_response<R>) {
+      const SmallStrain<R> small(B);
+      const R most = splat<R>(scalar_t<R>(small_strain));
+      if (!any(negated(small.lies_between(R(-most), most) & (determinant(F_E) > splat<R>(0)))))
+        return small_elastic(F_E, small, J_P, q).stress;
+    }
+    return with_stretches(F_E, B, [&](const auto& at) NEVE_INLINE_LAMBDA {
       return at.stress(hardened(Elasticity::respond(at.strain, q.mu0, q.lam0), hardening(J_P, q)));
     });
   }
@@ -200,8 +207,35 @@ struct SnowPlasticity {
 
   template <class R>
   static Mapped<R> return_map(const Mat3<R>& F_trial, R J_P, const Parameters<R>& q) {
-    return with_stretches(F_trial,
+    const Sym3<R> B = strain_of(F_trial);
+    if constexpr (has_small_response<R>) {
+      const SmallStrain<R> small(B);
+      if (!any(negated(is_elastic(small, q) & (determinant(F_trial) > splat<R>(0)))))
+        return small_elastic(F_trial, small, J_P, q);
+    }
+    return with_stretches(F_trial, B,
                           [&](const auto& trial) NEVE_INLINE_LAMBDA { return map_stretches(trial, J_P, q); });
+  }
+
+  // Whether the elasticity gives the response to a small strain without its eigenvalues:
+  // Elasticity::small_response(strain, mu, lam), the stress.
+  template <class R>
+  static constexpr bool has_small_response =
+      requires(const SmallStrain<R>& at, R a) { Elasticity::small_response(at, a, a); };
+
+  // Where a small strain is proven to lie between the critical ones.
+  template <class R>
+  NEVE_INLINE static auto is_elastic(const SmallStrain<R>& at, const Parameters<R>& q) {
+    using T = scalar_t<R>;
+    const R least = q.theta_c * (q.theta_c - T(2)), most = q.theta_s * (q.theta_s + T(2));  // s^2 - 1
+    return at.lies_between(max(least, splat<R>(T(-small_strain))), min(most, splat<R>(T(small_strain))));
+  }
+
+  template <class R>
+  NEVE_INLINE static Mapped<R> small_elastic(const Mat3<R>& F, const SmallStrain<R>& at, const R& J_P,
+                                             const Parameters<R>& q) {
+    const R kept = min(q.J_P_max, J_P), h = hardening(kept, q);
+    return {F, kept, Elasticity::small_response(at, R(q.mu0 * h), R(q.lam0 * h))};
   }
 
   template <class S, class R>

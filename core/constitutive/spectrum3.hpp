@@ -1,10 +1,10 @@
-// The eigenvalues of the strain E = F^T F - I of 3x3 matrices, and isotropic functions of it, without its eigenvectors.
+// The eigenvalues of the strain B = F F^T - I of 3x3 matrices, and isotropic functions of it, without its eigenvectors.
 //
-// With q = tr E / 3, p^2 = |E - q I|^2 / 6 and D = (E - q I) / p the eigenvalues of E are q + p d, and those of D are the
+// With q = tr B / 3, p^2 = |B - q I|^2 / 6 and D = (B - q I) / p the eigenvalues of B are q + p d, and those of D are the
 // roots of d^3 - 3 d = det D (Smith 1961). One, a = +-2 cos(theta / 3) with cos theta = |det D| / 2, stands apart: |a| >=
 // sqrt 3. The others are -a/2 +- g/2. From the cubic, g^2 = 12 - 3 a^2, they would be known to the root of rounding where
-// they meet. But B = (D - a)(D + a/2) is zero along the first and (g/2)(g/2 -+ 3/2 a) along the others, so that
-// g^2 (9 a^2 + g^2) = 8 |B|^2, hence g^2 = 8 |B|^2 / (6 a^2 + 12), to rounding.
+// they meet. But P = (D - a)(D + a/2) is zero along the first and (g/2)(g/2 -+ 3/2 a) along the others, so that
+// g^2 (9 a^2 + g^2) = 8 |P|^2, hence g^2 = 8 |P|^2 / (6 a^2 + 12), to rounding.
 //
 // A function that gives y_k for the eigenvalue d_k is the polynomial through these three points, taken of D. Nothing has
 // to converge. As in svd3 the eigenvalues carry an absolute error of the order of eps (1 + sigma_0^2).
@@ -17,7 +17,7 @@ namespace neve {
 // Of the three eigenvalues the first stands apart; the second is at least the third.
 template <class R>
 struct Spectrum3 {
-  Vec3<R> e;      // eigenvalues of E
+  Vec3<R> e;      // eigenvalues of B
   R a, g;         // those of D: a, (g - a) / 2, (-g - a) / 2
   Sym3<R> D, D2;  // D and its square
 
@@ -73,14 +73,29 @@ NEVE_INLINE Sym3<R> combined(const R& c, const R& b, const Sym3<R>& B, const R& 
 
 }  // namespace detail
 
+// F F^T - I. The one is taken from the first square, which near the identity leaves a small number, exactly.
 template <class R>
-NEVE_INLINE Spectrum3<R> spectrum3(const Mat3<R>& F) {
+NEVE_INLINE Sym3<R> strain_of(const Mat3<R>& F) {
+  using T = scalar_t<R>;
+  const auto entry = [&](int i, int j) NEVE_INLINE_LAMBDA {
+    return R(F.c0[i] * F.c0[j] + F.c1[i] * F.c1[j] + F.c2[i] * F.c2[j]);
+  };
+  const auto square = [](const R& one, const R& b, const R& c)
+                          NEVE_INLINE_LAMBDA { return R((one * one - T(1)) + b * b + c * c); };
+  return {square(F.c0.x, F.c1.x, F.c2.x),
+          square(F.c1.y, F.c0.y, F.c2.y),
+          square(F.c2.z, F.c0.z, F.c1.z),
+          entry(0, 1),
+          entry(0, 2),
+          entry(1, 2)};
+}
+
+template <class R>
+NEVE_INLINE Spectrum3<R> spectrum3(const Sym3<R>& B) {
   using T = scalar_t<R>;
   const R tiny = splat<R>(std::is_same_v<T, float> ? T(1e-30) : T(1e-280)), one = splat<R>(1);
-  const R xx = dot(F.c0, F.c0) - T(1), yy = dot(F.c1, F.c1) - T(1), zz = dot(F.c2, F.c2) - T(1);
-  const R xy = dot(F.c0, F.c1), xz = dot(F.c0, F.c2), yz = dot(F.c1, F.c2);
-  const R q = (xx + yy + zz) * T(1.0 / 3);
-  const Sym3<R> pD{xx - q, yy - q, zz - q, xy, xz, yz};
+  const R q = (B.xx + B.yy + B.zz) * T(1.0 / 3);
+  const Sym3<R> pD{B.xx - q, B.yy - q, B.zz - q, B.xy, B.xz, B.yz};
   const R p2 = detail::norm2(pD) * T(1.0 / 6), per_p = rsqrt(max(p2, tiny)), p = p2 * per_p;
 
   Spectrum3<R> out;
@@ -92,13 +107,13 @@ NEVE_INLINE Spectrum3<R> spectrum3(const Mat3<R>& F) {
   const R size = detail::root_apart(min(abs(det) * T(0.5), one));
   out.a = select(det < splat<R>(0), -size, size);
   const R half = out.a * T(0.5);
-  const R B2 = detail::norm2(detail::combined(R(half * out.a * T(-1)), R(-half), D, one, out.D2));
-  out.g = B2 * rsqrt(max(B2, tiny)) * rsqrt(R(out.a * out.a * T(0.75) + T(1.5)));
+  const R P2 = detail::norm2(detail::combined(R(half * out.a * T(-1)), R(-half), D, one, out.D2));
+  out.g = P2 * rsqrt(max(P2, tiny)) * rsqrt(R(out.a * out.a * T(0.75) + T(1.5)));
   out.e = {q + p * out.a, q + p * (out.g * T(0.5) - half), q - p * (out.g * T(0.5) + half)};
   return out;
 }
 
-// sum_k y_k v_k v_k^T, v_k the eigenvectors of E in its order: mean + slope (D + a/2) + bend ((D + a/2)^2 - g^2/4).
+// sum_k y_k v_k v_k^T, v_k the eigenvectors of B in its order: mean + slope (D + a/2) + bend ((D + a/2)^2 - g^2/4).
 template <class R>
 NEVE_INLINE Sym3<R> isotropic_function(const Spectrum3<R>& of, const Vec3<R>& y) {
   using T = scalar_t<R>;

@@ -21,6 +21,15 @@ struct FixedCorotated {
             two_mu * top * top + lam * J * J};
   }
 
+  // 2 mu (V^2 - V) + lam (J - 1) J I.
+  template <class R>
+  NEVE_INLINE static Stress<R> small_response(const SmallStrain<R>& at, R mu, R lam) {
+    using T = scalar_t<R>;
+    const R dJ2 = at.square_volume_change(), J2 = T(1) + dJ2, J = J2 * rsqrt(J2), two_mu = T(2) * mu;
+    const R isotropic = lam * (dJ2 * J * reciprocal(R(T(1) + J)));
+    return {isotropic + times(at.less_root(), two_mu), two_mu * (T(1) + at.largest()) + lam * J2};
+  }
+
   template <class R>
   NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     const R dJ = volume_change(e);

@@ -7,8 +7,8 @@
 namespace neve {
 
 // How many packs before their use columns are asked for. A step walks along some forty columns at once, more than the
-// processor follows by itself; one pack ahead is too late for particles to grid, which takes half as long a pack.
-inline constexpr std::size_t packs_ahead = 3;
+// processor follows by itself; two packs ahead are too late for particles to grid, which takes less than half as long a pack.
+inline constexpr std::uint32_t packs_ahead = 5;
 
 // Ask for the cache lines of columns that belong to the particle p and its pack, to be read or also written.
 enum class Access { read, write };

@@ -17,6 +17,7 @@ namespace detail {
 template <class T, class Spline, class Transfer>
 class HomeGather {
   using R = Lanes<T>;
+  using Weights = StoredWeights<typename Transfer::GatherWeights, Transfer::modes>;
   static constexpr int L = width<R>;
 
  public:
@@ -67,7 +68,7 @@ class HomeGather {
 
   void advance_pack(std::size_t p, int count) {
     const Pack pack{state_, p, count, load_vector<R>(state_.x, p, count)};
-    stencils_.template fill<typename Transfer::GatherWeights>(frame_, pack.at);
+    stencils_.template fill<Weights>(frame_, pack.at);
     fetch_ahead(p + packs_ahead * L);
     gather(count);
     Advanced<R> now = advance<Transfer>(
@@ -97,19 +98,13 @@ class HomeGather {
   }
 
   void gather(int count) {
-    for (int l = 0; l < count; ++l) {
-      if constexpr (Transfer::modes > 4) {
-        from_.modes(stencils_, l, sums_);
-      } else {
-        const Row<T> s = from_.sums(stencils_, l);
-        for (int k = 0; k < 4; ++k) store_quad<T>(sums_[k] + 4 * l, s, k);
-      }
+    if constexpr (Transfer::modes > 4) {
+      for (int l = 0; l < count; ++l) from_.modes(stencils_, l, sums_);
+    } else {
+      from_.affine(stencils_, count, sums_);
     }
     if constexpr (Transfer::has_affine_change) {
-      for (int l = 0; l < count; ++l) {
-        const Row<T> s = from_change_.sums(stencils_, l);
-        for (int k = 0; k < 4; ++k) store_quad<T>(sums_[Transfer::modes + k] + 4 * l, s, k);
-      }
+      from_change_.affine(stencils_, count, sums_ + Transfer::modes);
     } else if constexpr (Transfer::has_change) {
       for (int l = 0; l < count; ++l)
         store_quad<T>(sums_[Transfer::modes] + 4 * l, from_change_.sum(stencils_, l), 0);
@@ -122,12 +117,20 @@ class HomeGather {
     load_quads(sums_[n], a.x, a.y, a.z, unused);
     return a;
   }
+  // sum g u^T, of which `n` is the first of three sums; sum w u^T = v.
+  Mat3<R> matrix_sum(int n, const Vec3<R>& v) const {
+    Mat3<R> G{vector_sum(n), vector_sum(n + 1), vector_sum(n + 2)};
+    if constexpr (Weights::count == 1) {
+      for (int a = 0; a < 3; ++a) G.column(a) = G.column(a) + v * stencils_.shift[a];
+    }
+    return G;
+  }
   Gathered<R> gathered() const {
-    Gathered<R> g{vector_sum(0), {vector_sum(1), vector_sum(2), vector_sum(3)}};
+    Gathered<R> g{vector_sum(0), {}};
+    g.G = matrix_sum(1, g.v);
     constexpr int n = Transfer::modes;
     if constexpr (Transfer::has_change) g.change = vector_sum(n);
-    if constexpr (Transfer::has_affine_change)
-      g.G_change = {vector_sum(n + 1), vector_sum(n + 2), vector_sum(n + 3)};
+    if constexpr (Transfer::has_affine_change) g.G_change = matrix_sum(n + 1, g.change);
     return g;
   }
 
@@ -200,7 +203,7 @@ class HomeGather {
   Tile<T> tile_, change_;
   Gather<T, Spline> from_, from_change_;
   std::vector<Solid<T>> solids_;
-  Stencils<T, Spline, Transfer::GatherWeights::count> stencils_;
+  Stencils<T, Spline, Weights::count> stencils_;
   Extremes<R> extremes_;
   R drift2_{};
   bool drifted_ = false;

@@ -19,8 +19,11 @@ struct Carried {
   alignas(64) T mode[Modes][4 * L];
 
   void set(int k, const Vec3<Lanes<T>>& a, Lanes<T> last) { store_quads(mode[k], a.x, a.y, a.z, last); }
-  void set_matrix(const Mat3<Lanes<T>>& A) {
+  // q and A. `shift`: what A does of itself is added to q where A then multiplies whole numbers alone.
+  void set_affine(const Vec3<Lanes<T>>& q, Lanes<T> last, const Mat3<Lanes<T>>& A,
+                  const Vec3<Lanes<T>>* shift) {
     const auto zero = splat<Lanes<T>>(0);
+    set(0, shift ? q + A * *shift : q, last);
     set(1, A.c0, zero), set(2, A.c1, zero), set(3, A.c2, zero);
   }
 };
@@ -43,15 +46,6 @@ NEVE_INLINE void scatter_plain(const Stencils<T, Spline, Q>& st, const Carried<T
   }
 }
 template <class T, class Spline, int Q, int Modes>
-NEVE_INLINE void scatter_matrix(const Stencils<T, Spline, Q>& st, const Carried<T, Modes>& c, int count,
-                                Scatter<T, Spline>& to) {
-  for (int l = 0; l < count; ++l) {
-    to.move_to(st.cell[l]);
-    to.add(st, l, Row<T>{}, row_of_quad(c.mode[1] + 4 * l), row_of_quad(c.mode[2] + 4 * l),
-           row_of_quad(c.mode[3] + 4 * l));
-  }
-}
-template <class T, class Spline, int Q, int Modes>
 NEVE_INLINE void scatter_modes(const Stencils<T, Spline, Q>& st, const Carried<T, Modes>& c, int count,
                                Scatter<T, Spline>& to) {
   for (int l = 0; l < count; ++l) {
@@ -69,8 +63,10 @@ NEVE_INLINE void fetch_ahead(const State<T>& state, std::size_t p) {
   prefetch<Access::read>(state.modes, p);
 }
 
+// `next`: the home that this thread is likely to come to after this one.
 template <class T, class Spline, class Transfer>
-void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const Home& home, double dt) {
+void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const Home& home, const Home& next,
+              double dt) {
   using R = Lanes<T>;
   Tile<T> tile, force;
   tile.clear();
@@ -78,19 +74,24 @@ void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const
   const auto step = StepConstants<T>::template of<Spline>(model.dx, dt, model.alpha(dt));
   const auto frame = TileFrame<T>::template of<Spline>(model.dx, home.at);
   Scatter<T, Spline> to(tile), to_force(force);
-  Stencils<T, Spline, Transfer::ScatterWeights::count> st;
+  using Weights = StoredWeights<typename Transfer::ScatterWeights, Transfer::modes>;
+  Stencils<T, Spline, Weights::count> st;
+  const Vec3<R>* shift = Weights::count == 1 ? &st.shift : nullptr;
   Carried<T, Transfer::modes> carried;
   for (std::uint32_t done = 0; done < home.count; done += width<R>) {
     const std::size_t p = home.begin + done;
     const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
-    fetch_ahead<Transfer>(state, p + packs_ahead * width<R>);
-    st.template fill<typename Transfer::ScatterWeights>(frame, load_vector<R>(state.x, p, count));
+    const std::uint32_t ahead = done + packs_ahead * width<R>;
+    fetch_ahead<Transfer>(state, ahead < home.count ? home.begin + ahead : next.begin + (ahead - home.count));
+    st.template fill<Weights>(frame, load_vector<R>(state.x, p, count));
     const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
     const Contribution<R> given =
         contribution<Transfer>(load_vector<R>(state.v, p, count), m, load_matrix<R>(state.C, p, count),
                                load_symmetric<R>(state.tau, p, count), V0, step);
-    carried.set(0, given.momentum, given.mass);
-    if constexpr (Transfer::has_matrix) carried.set_matrix(given.A);
+    if constexpr (Transfer::has_matrix)
+      carried.set_affine(given.momentum, given.mass, given.A, shift);
+    else
+      carried.set(0, given.momentum, given.mass);
     if constexpr (Transfer::modes > 4) {
       for (int k = 4; k < Transfer::modes; ++k)
         carried.set(k, load_vector<R>(state.modes, p, count, 3 * (k - 4)) * m, splat<R>(0));
@@ -101,8 +102,9 @@ void p2g_home(const Model<T>& model, const State<T>& state, Grid<T>& grid, const
       scatter_plain(st, carried, count, to);
     }
     if constexpr (Transfer::has_change) {
-      carried.set_matrix(Transfer::force(load_symmetric<R>(state.tau, p, count), V0, step.cells));
-      scatter_matrix(st, carried, count, to_force);
+      carried.set_affine(Vec3<R>{}, R{},
+                         Transfer::force(load_symmetric<R>(state.tau, p, count), V0, step.cells), shift);
+      scatter_affine(st, carried, count, to_force);
     }
   }
   to.flush();
@@ -124,6 +126,7 @@ void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt)
 #endif
   {
     const auto blocks = static_cast<std::int64_t>(grid.blocks.size());
+    const std::int64_t threads = thread_count();
 #if defined(_OPENMP)
 #pragma omp for schedule(static)
 #endif
@@ -141,9 +144,11 @@ void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt)
 #pragma omp for schedule(dynamic, 1)
 #endif
       for (std::int64_t k = 0; k < homes; ++k) {
-        const auto h = static_cast<std::size_t>(colour[static_cast<std::size_t>(k)]);
-        detail::p2g_home<T, Spline, Transfer>(model, state, grid, grid.homes[h], dt);
-        if (grid.has_lift) scatter_lift<T, Spline>(model, state, grid, grid.homes[h]);
+        const Home& home = grid.homes[static_cast<std::size_t>(colour[static_cast<std::size_t>(k)])];
+        const auto after = static_cast<std::size_t>(std::min(k + threads, homes - 1));
+        const Home& next = grid.homes[static_cast<std::size_t>(colour[after])];
+        detail::p2g_home<T, Spline, Transfer>(model, state, grid, home, next, dt);
+        if (grid.has_lift) scatter_lift<T, Spline>(model, state, grid, home);
       }
     }
   }

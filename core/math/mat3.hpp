@@ -99,6 +99,15 @@ NEVE_INLINE Sym3<R> select(const M& mask, const Sym3<R>& a, const Sym3<R>& b) {
           select(mask, a.xy, b.xy), select(mask, a.xz, b.xz), select(mask, a.yz, b.yz)};
 }
 template <class R>
+NEVE_INLINE Sym3<R> times(const Sym3<R>& s, const R& a) {
+  return {s.xx * a, s.yy * a, s.zz * a, s.xy * a, s.xz * a, s.yz * a};
+}
+// isotropic I + s
+template <class R>
+NEVE_INLINE Sym3<R> operator+(const R& isotropic, const Sym3<R>& s) {
+  return {isotropic + s.xx, isotropic + s.yy, isotropic + s.zz, s.xy, s.xz, s.yz};
+}
+template <class R>
 NEVE_INLINE Mat3<R> full(const Sym3<R>& s) {
   return {{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}};
 }

@@ -11,21 +11,21 @@ namespace neve::probe {
 using S = Quadratic;
 
 template <class T>
-void scatter(const Stencils<T, S>& stencils, const detail::Carried<T, 4>& carried, Tile<T>& tile) {
+void scatter(const Stencils<T, S, 1>& stencils, const detail::Carried<T, 4>& carried, Tile<T>& tile) {
   Scatter<T, S> to(tile);
   detail::scatter_affine(stencils, carried, lane_count<T>, to);
   to.flush();
 }
 
 template <class T>
-void gather(const Stencils<T, S>& stencils, const Tile<T>& tile, T* out) {
+void gather(const Stencils<T, S, 1>& stencils, const Tile<T>& tile, T (*out)[4 * lane_count<T>]) {
   const Gather<T, S> from(tile);
-  for (int l = 0; l < lane_count<T>; ++l) store_row<T>(out + 16 * l, from.sums(stencils, l));
+  from.affine(stencils, lane_count<T>, out);
 }
 
 template <class T>
-void fill(Stencils<T, S>& stencils, const TileFrame<T>& frame, const Vec3<Lanes<T>>& x) {
-  stencils.template fill<AffineWeights>(frame, x);
+void fill(Stencils<T, S, 1>& stencils, const TileFrame<T>& frame, const Vec3<Lanes<T>>& x) {
+  stencils.template fill<SplineWeights>(frame, x);
 }
 
 template <class T>

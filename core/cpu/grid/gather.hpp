@@ -11,8 +11,8 @@ class Gather {
  public:
   explicit Gather(const Tile<T>& tile) : tile_(tile.value) {}
 
-  // Four quads: sum w u, sum g_x u, sum g_y u, sum g_z u, of lane l.
-  NEVE_INLINE Row<T> sums(const Stencils<T, S>& st, int l) const {
+  // Four rows, whose nodes add up to the quads sum w u, sum g_x u, sum g_y u, sum g_z u, of lane l.
+  NEVE_INLINE void rows(const Stencils<T, S>& st, int l, Row<T> (&out)[4]) const {
     const T* corner = tile_ + st.cell[l];
     Row<T> a{}, ax{}, ay{};
 #pragma GCC unroll 4
@@ -29,7 +29,44 @@ class Gather {
       ay += st.x[0][i][l] * ry;
     }
     const Row<T> wz = row_of_weights(st.z[0] + 4 * l), sz = row_of_weights(st.z[1] + 4 * l);
-    return sum_nodes<T>(wz * a, wz * ax, wz * ay, sz * a);
+    out[0] = wz * a, out[1] = wz * ax, out[2] = wz * ay, out[3] = sz * a;
+  }
+
+  // The same with the whole numbers in place of x_i - x_p.
+  NEVE_INLINE void rows(const Stencils<T, S, 1>& st, int l, Row<T> (&out)[4]) const {
+    const T* corner = tile_ + st.cell[l];
+    Row<T> a[4], ay{};
+#pragma GCC unroll 4
+    for (int i = 0; i < S::nodes; ++i) {
+      Row<T> u[4];
+#pragma GCC unroll 4
+      for (int j = 0; j < S::nodes; ++j) u[j] = st.y[0][j][l] * load_row<T>(corner + row_offset(i, j));
+      a[i] = st.x[0][i][l] * sum(u);
+      ay += st.x[0][i][l] * first_moment(u);
+    }
+    const Row<T> wz = row_of_weights(st.z[0] + 4 * l);
+    out[0] = wz * sum(a), out[1] = wz * first_moment(a), out[2] = wz * ay;
+    out[3] = whole_offsets<T>() * out[0];
+  }
+
+  // Their sums, four quads of each of the first `count` lanes, into to[0..3] + 4 l. Where a row is one register, four lanes at
+  // a time: then whole rows are written.
+  template <int Q>
+  NEVE_INLINE void affine(const Stencils<T, S, Q>& st, int count, T (*to)[4 * lane_count<T>]) const {
+    constexpr int together = register_count<Row<T>> == 1 ? 4 : 1;
+    for (int l = 0; l < count; l += together) {
+      Row<T> of[together][4];
+#pragma GCC unroll 4
+      for (int k = 0; k < together; ++k) rows(st, l + k, of[k]);
+      if constexpr (together == 4) {
+#pragma GCC unroll 4
+        for (int n = 0; n < 4; ++n)
+          store_row<T>(to[n] + 4 * l, sum_nodes<T>(of[0][n], of[1][n], of[2][n], of[3][n]));
+      } else {
+        const Row<T> s = sum_nodes<T>(of[0][0], of[0][1], of[0][2], of[0][3]);
+        for (int n = 0; n < 4; ++n) store_quad<T>(to[n] + 4 * l, s, n);
+      }
+    }
   }
 
   // For each mode, in the order of modes.hpp, the quad sum x_a y_b z_c u of lane l, into sum[mode] + 4 l.
@@ -77,6 +114,17 @@ class Gather {
   }
 
  private:
+  NEVE_INLINE static Row<T> sum(const Row<T> (&u)[4]) {
+    const Row<T> three = u[0] + u[2] + u[1];
+    if constexpr (S::nodes == 3) return three;
+    return three + u[3];
+  }
+  NEVE_INLINE static Row<T> first_moment(const Row<T> (&u)[4]) {
+    const Row<T> three = u[2] - u[0];
+    if constexpr (S::nodes == 3) return three;
+    return three + (u[3] + u[3]);
+  }
+
   const T* tile_;
 };
 

@@ -5,6 +5,16 @@
 
 namespace neve {
 
+namespace detail {
+
+// a + k b, for k from -1 to 2.
+template <class R>
+NEVE_INLINE R plus_times(const R& a, int k, const R& b) {
+  return k == 0 ? a : k < 0 ? R(a - b) : k == 1 ? R(a + b) : R(a + (b + b));
+}
+
+}  // namespace detail
+
 // Sums particles into the tile; particles of one cell, being neighbours in memory, meet in registers.
 template <class T, class S>
 class Scatter {
@@ -18,7 +28,8 @@ class Scatter {
   }
 
   // Add w q of the batch's lane l.
-  NEVE_INLINE void add(const Stencils<T, S>& st, int l, Row<T> q) {
+  template <int Q>
+  NEVE_INLINE void add(const Stencils<T, S, Q>& st, int l, Row<T> q) {
     const Row<T> p = row_of_weights(st.z[0] + 4 * l) * q;
 #pragma GCC unroll 4
     for (int i = 0; i < S::nodes; ++i) {
@@ -38,6 +49,19 @@ class Scatter {
 #pragma GCC unroll 4
       for (int j = 0; j < S::nodes; ++j)
         sum_[i][j] = (sum_[i][j] + st.y[0][j][l] * r) + st.y[1][j][l] * y;  // two fused multiply-adds
+    }
+  }
+
+  // The same where A multiplies the whole numbers.
+  NEVE_INLINE void add(const Stencils<T, S, 1>& st, int l, Row<T> q, Row<T> ax, Row<T> ay, Row<T> az) {
+    const Row<T> wz = row_of_weights(st.z[0] + 4 * l);
+    const Row<T> p = wz * (q + whole_offsets<T>() * az), px = wz * ax, py = wz * ay;
+#pragma GCC unroll 4
+    for (int i = 0; i < S::nodes; ++i) {
+      const T x = st.x[0][i][l];
+      const Row<T> r = detail::plus_times(p, i - 1, px) * x, y = py * x;
+#pragma GCC unroll 4
+      for (int j = 0; j < S::nodes; ++j) sum_[i][j] += st.y[0][j][l] * detail::plus_times(r, j - 1, y);
     }
   }
 

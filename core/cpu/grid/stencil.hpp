@@ -6,13 +6,32 @@
 // second weights: w (x_i - x_p) for affine transfers, grad w for classic ones. Both factor over the axes,
 //     g_x = s_x w_y w_z,  g_y = w_x s_y w_z,  g_z = w_x w_y s_z     (s: second weights of one axis),
 // so a row of nodes in z is one vector, and x and y are two short loops around it.
+//
+// Where g = w (x_i - x_p), x_i - x_p in cells is a whole number, that of node i from the stencil's second node, plus `shift`,
+// the way there from the particle. Then only w is stored; the whole numbers are additions of rows, and the shift is
+// done for all particles of a batch at once:
+//     w_i q + g_i . A = w_i ((q + shift . A) + whole_i . A)
 #pragma once
 
 #include "cpu/grid/tile.hpp"
 #include "math/bspline.hpp"
 #include "transfer/modes.hpp"
+#include "transfer/weights.hpp"
 
 namespace neve {
+
+// The spline's weights alone: with the shift, all that affine transfers need.
+struct SplineWeights {
+  static constexpr int count = 1;
+  template <class S, class R>
+  NEVE_INLINE static void axis(R f, R (*w)[4]) {
+    R dw[4];
+    S::weights(f, w[0], dw);
+  }
+};
+// What a batch stores of the weights W of a transfer with so many modes.
+template <class W, int modes>
+using StoredWeights = std::conditional_t<std::is_same_v<W, AffineWeights> && modes == 4, SplineWeights, W>;
 
 // Weights of up to lane_count particles: for each axis the spline's [0] and the transfer's second [1] (and third).
 template <class T, class S, int Q = 2>
@@ -21,6 +40,7 @@ struct Stencils {
   alignas(64) T x[Q][K][L], y[Q][K][L];
   alignas(64) T z[Q][4 * L];         // quads per particle, zero-padded
   alignas(64) std::int32_t cell[L];  // index of the stencil's first value in the tile
+  Vec3<Lanes<T>> shift;              // from the particle to the second node [cells]
 
   // W gives the weights of one axis.
   template <class W>
@@ -34,6 +54,7 @@ struct Stencils {
       const R u = clamp(frame.local(at[a], a), splat<R>(0), splat<R>(T(S::reach)));
       const R base = floor(u), f = u - base;
       W::template axis<S>(f, w[a]);
+      if constexpr (Q == 1) shift[a] = S::template offset<R>(f, 1);
       index = index * T(tile_width) + base;
     }
     for (int q = 0; q < Q; ++q) {
@@ -44,6 +65,13 @@ struct Stencils {
     store_integers(cell, R(index * T(4)));
   }
 };
+
+// The whole numbers of the four nodes of a row, for each of a node's four numbers.
+template <class T>
+NEVE_INLINE Row<T> whole_offsets() {
+  alignas(64) static constexpr T k[16] = {-1, -1, -1, -1, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2};
+  return load_row<T>(k);
+}
 
 // Offset in the tile of the stencil's row (i, j).
 inline constexpr int row_offset(int i, int j) { return (i * tile_width + j) * tile_width * 4; }

@@ -1,4 +1,4 @@
-"""E = F^T F - I: its eigenvalues, and isotropic functions of it, against LAPACK in float64."""
+"""B = F F^T - I: its eigenvalues, and isotropic functions of it, against LAPACK in float64."""
 
 import numpy as np
 import pytest
@@ -24,9 +24,9 @@ def stretched(stretches, n=1000):
 
 
 def exact(F):
-    """Return the eigenvalues (n, 3), rising, and eigenvectors of F^T F - I."""
+    """Return the eigenvalues (n, 3), rising, and eigenvectors of F F^T - I."""
     F = F.astype(float)
-    return np.linalg.eigh(transpose(F) @ F - np.eye(3))
+    return np.linalg.eigh(F @ transpose(F) - np.eye(3))
 
 
 def function(y, e, V):
@@ -35,7 +35,7 @@ def function(y, e, V):
 
 @pytest.mark.parametrize("kind", STRETCHES)
 def test_eigenvalues(core, precision, eps, kind):
-    """Weyl: each is off by no more than the rounding of F^T F, three products each of (1 + e), and of D."""
+    """Weyl: each is off by no more than the rounding of F F^T, three products each of (1 + e), and of D."""
     F = stretched(STRETCHES[kind]).astype(precision)
     e = np.sort(core.isotropic_function(F, np.zeros((len(F), 3), precision))[0], axis=1)
     answer = exact(F)[0]

@@ -159,7 +159,8 @@ def test_shear_ends_at_the_critical_state(core, precision, clay, xi, share):
     """Snow at a share of p0, sheared at constant volume, ends within 1 % of its critical state.
 
     Whether it was consolidated beyond its pressure and softens, or hardens; in steps of 0.5 %, whose size
-    does not matter: a third of them gives the same to 0.5 % (float32 rounds a strain of p0 / K = 1e-3).
+    does not matter: a third of them gives the same to 0.5 %. In float32 a step rounds the strain by 1e-7, and
+    hardening multiplies that by xi = 100: 1 %.
     """
     if clay.beta == 1:
         pytest.skip("without a critical state: p = 0 there")
@@ -168,7 +169,8 @@ def test_shear_ends_at_the_critical_state(core, precision, clay, xi, share):
     answer = critical_state(law, share * law.p0)
     assert (J_P > 1) == (share < 0.5 * (1 - law.beta))
     np.testing.assert_allclose([p, q], answer, rtol=0.01)
-    np.testing.assert_allclose(sheared(core, precision, law, share * law.p0, 15e-3)[:2], [p, q], rtol=5e-3)
+    longer = sheared(core, precision, law, share * law.p0, 15e-3)[:2]
+    np.testing.assert_allclose(longer, [p, q], rtol=5e-3 if precision == "float64" else 1e-2)
 
 
 def test_shear_softens_loose_and_hardens_dense_snow():
