@@ -101,6 +101,20 @@ NEVE_INLINE Quartets<R> gather_quartets(const Quartet<scalar_t<R>>* from, const 
   return {load<R>(v[0], width<R>), load<R>(v[1], width<R>), load<R>(v[2], width<R>), load<R>(v[3], width<R>)};
 }
 
+// The smallest and the largest of all lanes.
+template <IsPack R>
+NEVE_INLINE scalar_t<R> least_lane(const R& a) {
+  scalar_t<R> out = a[0];
+  for (int l = 1; l < width<R>; ++l) out = a[l] < out ? a[l] : out;
+  return out;
+}
+template <IsPack R>
+NEVE_INLINE scalar_t<R> largest_lane(const R& a) {
+  scalar_t<R> out = a[0];
+  for (int l = 1; l < width<R>; ++l) out = a[l] > out ? a[l] : out;
+  return out;
+}
+
 // The sum of all lanes.
 template <IsPack R>
 NEVE_INLINE scalar_t<R> sum_lanes(const R& a) {

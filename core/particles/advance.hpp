@@ -6,19 +6,50 @@
 
 namespace neve {
 
+// What a step has to tell of particles: who leaves the place where its neighbours were listed, and who wakes and falls asleep.
+struct StepEvents {
+  std::vector<std::int32_t> moved;  // rows
+  std::vector<std::uint32_t> wakes,
+      calm;  // groups: sleepers that are pushed; what has rested for long enough
+  bool any() const { return !moved.empty() || !wakes.empty() || !calm.empty(); }
+  void clear() { moved.clear(), wakes.clear(), calm.clear(); }
+  void add(const StepEvents& o) {
+    moved.insert(moved.end(), o.moved.begin(), o.moved.end());
+    wakes.insert(wakes.end(), o.wakes.begin(), o.wakes.end());
+    calm.insert(calm.end(), o.calm.begin(), o.calm.end());
+  }
+};
+
 namespace detail {
+
+// What one chunk of groups found in a step.
+template <class T>
+struct ChunkResult {
+  ParticleReport report;
+  StepEvents events;
+  ExchangeSum exchange;
+  BodyContacts<T> waiting;
+};
 
 template <class T>
 class Advance {
  public:
   using R = Lanes<T>;
   using Sums = PairSums<T>;
-  Advance(const ParticleModel<T>& model, const Model<T>& world, const PairSums<T>& sums, double dt)
-      : model_(model), world_(world), sums_(sums), dt_(T(dt)) {}
+  Advance(const ParticleModel<T>& model, const Model<T>& world, const Listing<T>& listing,
+          PairQuads<T>& quads, bool any_asleep, const PairSums<T>& sums, double dt)
+      : model_(model),
+        world_(world),
+        listing_(listing),
+        quads_(quads),
+        any_asleep_(any_asleep),
+        sums_(sums),
+        shift_(listing.shift()),
+        dt_(T(dt)) {}
 
   // Advance particles [p, p + count), or keep them in `waiting` if they may touch bodies.
-  void batch(ParticleState<T>& s, std::size_t p, int count, BodyContacts<T>& waiting,
-             ExchangeSum& exchange) const {
+  void batch(ParticleState<T>& s, std::size_t p, int count, ChunkResult<T>& out) const {
+    BodyContacts<T>& waiting = out.waiting;
     const auto here = first_lanes<R>(count);
     const R one = splat<R>(1), zero = splat<R>(0);
     Pack pack{p,
@@ -37,61 +68,49 @@ class Advance {
     for (int k = 0; k < 3; ++k)
       pack.v[k] += pack.sums[std::size_t(Sums::force + k)] * rate + world_.gravity[k] * dt_;
     const auto runs = here & (load<R>(s.liquid.column(0) + p, count) >= one);
+    const Around<T> ball = ball_around(pack.x, pack.r, here);
     SolidContacts<R> colliders;
-    for (const Solid<T>* solid : near(pack.x, pack.r, here)) {
-      const auto contact = SolidContact<R>::at(*solid, pack.x, pack.r, here, runs, dt_);
-      if (solid->body < 0) {
+    for (const Solid<T>& solid : world_.solids) {
+      if (!is_near(solid, ball.middle, ball.radius)) continue;
+      const auto contact = SolidContact<R>::at(solid, pack.x, pack.r, here, runs, dt_);
+      if (solid.body < 0) {
         colliders.contacts.push_back(contact);
       } else if (any(here & (contact.room * dt_ < pack.r * T(2)))) {
         waiting.contacts.push_back(contact);
       }
     }
-    meet(colliders, pack, exchange);
+    meet(colliders, pack, out.exchange);
     pack.end = waiting.contacts.size();
     if (pack.end > pack.begin) {
       waiting.packs.push_back(pack);
     } else {
-      finish(s, pack);
+      finish(s, pack, out);
     }
   }
 
   // Advance the particles that have waited, now that the bodies' velocities U are known.
-  void finish_waiting(ParticleState<T>& s, BodyContacts<T>& waiting, const std::vector<Twist>& U,
-                      ExchangeSum& exchange) const {
-    for (Pack& pack : waiting.packs) {
+  void finish_waiting(ParticleState<T>& s, const std::vector<Twist>& U, ChunkResult<T>& out) const {
+    for (Pack& pack : out.waiting.packs) {
       pack.v =
-          touch_bodies(waiting, pack, U,
+          touch_bodies(out.waiting, pack, U,
                        [&](const auto& contact, const Vec3<R>& v_co, const Vec3<R>& before,
-                           const Vec3<R>& after) { note(contact, v_co, before, after, pack, exchange); });
-      finish(s, pack);
+                           const Vec3<R>& after) { note(contact, v_co, before, after, pack, out.exchange); });
+      finish(s, pack, out);
     }
   }
 
  private:
   using Pack = typename BodyContacts<T>::Pack;
 
-  // The solids that lanes of `here` may meet: what is within reach of the ball around them.
-  std::vector<const Solid<T>*> near(const Vec3<R>& x, const R& r, const auto& here) const {
-    std::vector<const Solid<T>*> out;
-    if (world_.solids.empty()) return out;
+  // A ball around the lanes of `here`, within which they may meet a solid.
+  static Around<T> ball_around(const Vec3<R>& x, const R& r, const auto& here) {
     Vec3<T> low{}, high{};
-    T radius = 0;
-    bool first = true;
-    for (int l = 0; l < width<R>; ++l) {
-      if (!here[l]) continue;
-      for (int k = 0; k < 3; ++k) {
-        low[k] = first ? x[k][l] : std::min(low[k], x[k][l]);
-        high[k] = first ? x[k][l] : std::max(high[k], x[k][l]);
-      }
-      radius = std::max(radius, r[l]);
-      first = false;
+    for (int k = 0; k < 3; ++k) {
+      const R u = select(here, x[k], splat<R>(x[k][0]));
+      low[k] = least_lane(u), high[k] = largest_lane(u);
     }
-    const Vec3<T> half = (high - low) * T(0.5), middle = low + half;
-    const T reach = std::sqrt(dot(half, half)) + T(4) * radius;
-    for (const Solid<T>& solid : world_.solids) {
-      if (is_near(solid, middle, reach)) out.push_back(&solid);
-    }
-    return out;
+    const Vec3<T> half = (high - low) * T(0.5);
+    return {low + half, std::sqrt(dot(half, half)) + T(4) * largest_lane(select(here, r, splat<R>(0)))};
   }
 
   // Let the colliders act.
@@ -123,11 +142,70 @@ class Advance {
     pack.out = pack.out + way;
   }
 
-  // Compact the particles, and move them.
-  void finish(ParticleState<T>& s, Pack& pack) const {
-    compact(s, pack.p, pack.count, first_lanes<R>(pack.count), pack.sums.data(), pack.r);
-    store_vector(s.x, pack.p, pack.x + pack.v * dt_ + pack.out, pack.count);
-    store_vector(s.v, pack.p, pack.v, pack.count);
+  // Compact the particles, move them, and see what becomes of them.
+  void finish(ParticleState<T>& s, Pack& pack, ChunkResult<T>& out) const {
+    const std::size_t p = pack.p;
+    const int count = pack.count;
+    compact(s, p, count, first_lanes<R>(count), pack.sums.data(), pack.r);
+    const Vec3<R> x = pack.x + pack.v * dt_ + pack.out;
+    store_vector(s.x, p, x, count);
+    store_vector(s.v, p, pack.v, count);
+    report(x, pack, out);
+    if (model_.sleep.way > 0) rest(s, x, pack, out);
+    for (std::size_t q = p; q < p + std::size_t(count); ++q) quads_.set(s, q, false);
+  }
+
+  void report(const Vec3<R>& x, const Pack& pack, ChunkResult<T>& out) const {
+    const R zero = splat<R>(0);
+    const auto here = first_lanes<R>(pack.count);
+    std::int32_t rows[width<R>];
+    for (int l = 0; l < width<R>; ++l) rows[l] = std::int32_t(pack.p) + std::min(l, pack.count - 1);
+    const Quartets<R> start = gather_quartets<R>(listing_.grid.starts(), rows);
+    const Vec3<R> way = x - spread<R>(shift_) - Vec3<R>{start.a, start.b, start.c};
+    const R way2 = dot(way, way), v2 = dot(pack.v, pack.v);
+    const R stiffest = pack.sums[std::size_t(Sums::stiffness)] / pack.m;
+    const R all = select(here, R(way2 + v2 + stiffest), zero);
+    ParticleReport mine;
+    mine.finite = !any(negated(all - all == T(0)));
+    mine.speed = std::sqrt(double(largest_lane(select(here, v2, zero))));
+    mine.stiffest = double(largest_lane(select(here, stiffest, zero)));
+    out.report.merge(mine);
+    const auto leaves = here & negated(way2 <= start.d * start.d);
+    if (!any(leaves)) return;
+    for (int l = 0; l < pack.count; ++l) {
+      if (leaves[l]) out.events.moved.push_back(rows[l]);
+    }
+  }
+
+  // How long the particles have stayed near a place. One that gets away from it twice as fast as what rests may wakes the sleepers
+  // that it is in contact with.
+  void rest(ParticleState<T>& s, const Vec3<R>& x, const Pack& pack, ChunkResult<T>& out) const {
+    const SleepRule& rule = model_.sleep;
+    const auto here = first_lanes<R>(pack.count);
+    const Vec3<R> place = load_vector<R>(s.rest, pack.p, pack.count, 1), way = x - place;
+    const auto gone = here & negated(dot(way, way) <= T(rule.way * rule.way));
+    const R time = load<R>(s.rest.column(0) + pack.p, pack.count) + dt_;
+    const R rested = select(gone, splat<R>(0), time);
+    store(s.rest.column(0) + pack.p, rested, pack.count);
+    const auto fast = gone & (time < T(0.5 * rule.after));
+    if (any(gone)) store_vector(s.rest, pack.p, select(gone, x, place), pack.count, 1);
+    if (any_asleep_ && any(fast)) {
+      for (int l = 0; l < pack.count; ++l) {
+        if (fast[l]) push(pack.p + std::size_t(l), out.events.wakes);
+      }
+    }
+    if (!rule.may_sleep) return;
+    int calm = 0;
+    const auto rests = here & (rested >= T(rule.after));
+    for (int l = 0; l < pack.count; ++l) calm += rests[l] != 0;
+    if (calm >= rule.share * pack.count) out.events.calm.push_back(std::uint32_t(pack.p / group_rows<T>));
+  }
+  void push(std::size_t p, std::vector<std::uint32_t>& wakes) const {
+    const Neighbours<T>& lists = listing_.lists;
+    lists.each(p, [&](std::uint32_t e) {
+      const auto q = std::size_t(lists.row[e]);
+      if (lists.hold[e] != T(0) && quads_.asleep(q)) wakes.push_back(std::uint32_t(q / group_rows<T>));
+    });
   }
 
   // Compact particles that opposing forces press by more than the snow bears: in each axis as much as acts both ways
@@ -167,55 +245,43 @@ class Advance {
 
   const ParticleModel<T>& model_;
   const Model<T>& world_;
+  const Listing<T>& listing_;
+  PairQuads<T>& quads_;
+  const bool any_asleep_;
   const PairSums<T>& sums_;
+  const Vec3<T> shift_;
   const T dt_;
 };
 
-template <class T>
-ParticleReport look(const ParticleState<T>& s, const PairSums<T>& sums, const Neighbours<T>& lists,
-                    std::size_t p) {
-  ParticleReport out;
-  double v2 = 0, way2 = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double v = s.v.column(k)[p], x = s.x.column(k)[p];
-    const double way = x - double(lists.start.column(k)[p]) - lists.drift[k] * lists.elapsed;
-    v2 += v * v, way2 += way * way;
-  }
-  out.speed = std::sqrt(v2), out.moved = std::sqrt(way2);
-  out.stiffest = double(sums.values.column(PairSums<T>::stiffness)[p]) / double(s.m.column(0)[p]);
-  out.finite = std::isfinite(v2 + way2 + out.stiffest);
-  return out;
-}
-
 }  // namespace detail
 
-// Move the particles by dt [s] with the forces in `sums`, and the gravity and the solids of `world`; `exchanged` gets, by
-// solid, what snow and solids gave each other.
+// Move the particles that do not sleep by dt [s] with the forces in `sums`, and the gravity and the solids of `world`;
+// `exchanged` gets, by solid, what snow and solids gave each other, and `events` what there is to do.
 template <class T>
 ParticleReport advance(const ParticleModel<T>& model, const Model<T>& world, ParticleState<T>& s,
-                       Neighbours<T>& lists, const PairSums<T>& sums, double dt,
-                       std::vector<Exchange>& exchanged) {
-  using R = Lanes<T>;
-  constexpr std::size_t chunk = 16 * std::size_t(width<R>);
-  const detail::Advance<T> move(model, world, sums, dt);
-  const std::size_t chunks = (s.count + chunk - 1) / chunk;
-  std::vector<ExchangeSum> parts(chunks);
-  std::vector<BodyContacts<T>> waiting(chunks);
-  const auto end = [&](std::size_t c) { return std::min(s.count, (c + 1) * chunk); };
-  lists.elapsed += dt;
-  each_index(chunks, [&](std::size_t c) {
-    for (std::size_t p = c * chunk; p < end(c); p += width<R>)
-      move.batch(s, p, int(std::min<std::size_t>(width<R>, s.count - p)), waiting[c], parts[c]);
+                       Listing<T>& listing, PairQuads<T>& quads, const Groups<T>& groups,
+                       const PairSums<T>& sums, double dt, std::vector<Exchange>& exchanged,
+                       StepEvents& events) {
+  constexpr std::size_t chunk = 8;
+  listing.elapsed += dt;
+  const detail::Advance<T> move(model, world, listing, quads, groups.sleepers > 0, sums, dt);
+  const std::vector<std::uint32_t>& awake = groups.awake;
+  std::vector<detail::ChunkResult<T>> parts((awake.size() + chunk - 1) / chunk);
+  each_index(parts.size(), [&](std::size_t c) {
+    for (std::size_t i = c * chunk; i < std::min(awake.size(), (c + 1) * chunk); ++i) {
+      const std::size_t p = awake[i] * groups.lanes;
+      move.batch(s, p, int(std::min(groups.lanes, s.count - p)), parts[c]);
+    }
   });
+  std::vector<const BodyContacts<T>*> waiting;
+  for (const auto& part : parts) waiting.push_back(&part.waiting);
   const std::vector<Twist> U = body_velocities(world.bodies, waiting, dt);
-  const auto report = merge_each<ParticleReport>(chunks, [&](std::size_t c) {
-    ParticleReport out;
-    move.finish_waiting(s, waiting[c], U, parts[c]);
-    for (std::size_t p = c * chunk; p < end(c); ++p) out.merge(detail::look(s, sums, lists, p));
-    return out;
-  });
+  if (!U.empty()) each_index(parts.size(), [&](std::size_t c) { move.finish_waiting(s, U, parts[c]); });
+  ParticleReport report;
   exchanged.resize(world.solids.size());
-  for (const ExchangeSum& part : parts) part.add_to(exchanged);
+  for (const auto& part : parts) {
+    report.merge(part.report), events.add(part.events), part.exchange.add_to(exchanged);
+  }
   return report;
 }
 

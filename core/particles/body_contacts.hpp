@@ -60,11 +60,11 @@ void add_to_response(BodyResponse& sum, const SolidContact<Lanes<T>>& contact, c
 // The velocities of the bodies after a step of dt [s], found together with those of the particles that touch them; none
 // if nothing does. Sums are made chunk by chunk, then in the order of the chunks, whatever the threads do.
 template <class T>
-std::vector<Twist> body_velocities(const CoupledBodies& bodies, const std::vector<BodyContacts<T>>& chunks,
-                                   double dt) {
+std::vector<Twist> body_velocities(const CoupledBodies& bodies,
+                                   const std::vector<const BodyContacts<T>*>& chunks, double dt) {
   std::vector<const BodyContacts<T>*> busy;
-  for (const auto& chunk : chunks) {
-    if (!chunk.packs.empty()) busy.push_back(&chunk);
+  for (const auto* chunk : chunks) {
+    if (!chunk->packs.empty()) busy.push_back(chunk);
   }
   if (busy.empty()) return {};
   const std::size_t count = bodies.solids.size();

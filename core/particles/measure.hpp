@@ -60,11 +60,11 @@ ParticleTotals totals(const ContactLaw<T>& law, const Vec3<T>& gravity, const Pa
         sum.kinetic += 0.5 * m * v * v;
         sum.potential -= m * double(gravity[k]) * double(s.x.column(k)[p]);
       }
-      for (std::uint32_t e = lists.begin[p]; e < lists.begin[p + 1]; ++e) {
+      lists.each(p, [&](std::uint32_t e) {
         sum.elastic += detail::stored(s, lists, law, p, e);
         sum.bonds += 0.5 * (lists.hold[e] > T(0));
         sum.contacts += 0.5 * (lists.hold[e] < T(0));
-      }
+      });
     }
   });
   ParticleTotals total;

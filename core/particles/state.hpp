@@ -1,7 +1,12 @@
 // Particles of the discrete element method: everything per particle, as a structure of arrays.
 #pragma once
 
+#include <cmath>
+#include <vector>
+
 #include "mpm/state.hpp"
+#include "neighbours/start_grid.hpp"
+#include "threads.hpp"
 
 namespace neve {
 
@@ -16,22 +21,26 @@ struct ContactMaterial {
 template <class T>
 struct ParticleState {
   std::size_t count = 0;
-  Field<T, 3> x, v;         // position [m], velocity [m/s]
-  Field<T, 1> m, V0;        // mass [kg], volume of snow at birth [m3]
-  Field<T, 1> radius;       // now [m]
-  Field<T, 1> J_P;          // volume over that at birth [1]
-  Field<T, 1> stiffness;    // factor on the modulus [1]
-  Field<T, 1> strength;     // factor on bond_strain and yield [1]
-  Field<T, 1> liquid;       // share of the mass that is water, as size and strength follow it [1]
-  Column<double> enthalpy;  // zero for ice at the melting point [J]
+  Field<T, 3> x, v;       // position [m], velocity [m/s]
+  Field<T, 1> m, V0;      // mass [kg], volume of snow at birth [m3]
+  Field<T, 1> radius;     // now [m]
+  Field<T, 1> J_P;        // volume over that at birth [1]
+  Field<T, 1> stiffness;  // factor on the modulus [1]
+  Field<T, 1> strength;   // factor on bond_strain and yield [1]
+  Field<T, 1> liquid;     // share of the mass that is water, as size and strength follow it [1]
+  Field<T, 4>
+      rest;  // how long it has stayed near a place [s], and the place [m]; in sleep infinite, and the force on it [N]
+  Column<double> enthalpy;                 // zero for ice at the melting point [J]
   Column<std::uint16_t> material, source;  // rows of the material table and of the scene's sources
   Column<std::uint32_t> id;                // birth number
 
   // What follows from these and the material table, see derive().
-  Field<T, 1> k;      // modulus times radius at birth [N/m]
-  Field<T, 1> mu;     // friction [1]
-  Field<T, 1> bond;   // bond_strain times strength [1]
-  Field<T, 1> yield;  // [Pa]
+  Field<T, 1> k;        // modulus times radius at birth [N/m]
+  Field<T, 1> mu;       // friction [1]
+  Field<T, 1> bond;     // bond_strain times strength [1]
+  Field<T, 1> yield;    // [Pa]
+  Field<T, 1> born;     // radius at birth [m]
+  Field<T, 1> born_of;  // volume from which that was found [m3]
 
   template <class F>
   void each_column(F&& f) {
@@ -60,13 +69,27 @@ struct ParticleState {
  private:
   template <class F>
   void each_field(F&& f) {
-    f(x), f(v), f(m), f(V0), f(radius), f(J_P), f(stiffness), f(strength), f(liquid), f(k), f(mu), f(bond),
-        f(yield);
+    f(x), f(v), f(m), f(V0), f(radius), f(J_P), f(stiffness), f(strength), f(liquid), f(rest), f(k), f(mu),
+        f(bond), f(yield), f(born), f(born_of);
   }
 };
 
 // Stiffness of water's contacts over that of the snow it was [1].
 inline constexpr double soft = 0.1;
+
+// Bounds of what follows from the columns of the particles.
+struct ConstantBounds {
+  double stiffest = 0;  // largest k / m of a particle [1/s2]
+  double radius = 0;    // largest at birth [m]
+  double stretch = 0;   // largest bond strain that is one [1]
+  void merge(const ConstantBounds& o) {
+    stiffest = std::max(stiffest, o.stiffest), radius = std::max(radius, o.radius),
+    stretch = std::max(stretch, o.stretch);
+  }
+};
+
+// Strains from here on are those of bonds that never break [1].
+inline constexpr double never = 1e20;
 
 // Fill the columns of particle p that follow from others. The stiffness of contacts stays while a particle is compacted: its
 // modulus rises as its radius falls. With the liquid share it falls, and strength and friction go.
@@ -74,16 +97,55 @@ template <class T>
 void derive(ParticleState<T>& s, const std::vector<ContactMaterial>& table, std::size_t p) {
   const ContactMaterial& material = table[s.material[p]];
   const double wet = s.liquid.column(0)[p], strength = double(s.strength.column(0)[p]) * (1 - wet);
-  const double at_birth = double(s.radius.column(0)[p]) / std::cbrt(double(s.J_P.column(0)[p]));
   const double stiffness = double(s.stiffness.column(0)[p]) * (1 - wet * (1 - soft));
-  s.k.column(0)[p] = T(material.modulus * stiffness * at_birth);
+  s.k.column(0)[p] = T(material.modulus * stiffness * double(s.born.column(0)[p]));
   s.mu.column(0)[p] = T(material.friction * (1 - wet));
   s.bond.column(0)[p] = T(material.bond_strain * strength);
   s.yield.column(0)[p] = T(material.yield * strength);
 }
+// All particles; spheres of the radii at birth fill the share `packing` of the volumes.
 template <class T>
-void derive(ParticleState<T>& s, const std::vector<ContactMaterial>& table) {
-  for (std::size_t p = 0; p < s.count; ++p) derive(s, table, p);
+ConstantBounds derive(ParticleState<T>& s, const std::vector<ContactMaterial>& table, double packing) {
+  std::vector<ConstantBounds> parts(static_cast<std::size_t>(thread_count()));
+  each_chunk(s.count, [&](int chunk, std::size_t begin, std::size_t end) {
+    ConstantBounds mine;
+    for (std::size_t p = begin; p < end; ++p) {
+      const T V0 = s.V0.column(0)[p];
+      if (s.born_of.column(0)[p] != V0) {
+        s.born_of.column(0)[p] = V0;
+        s.born.column(0)[p] = T(std::cbrt(packing * double(V0) * 0.75 / 3.14159265358979));
+      }
+      derive(s, table, p);
+      const double k = s.k.column(0)[p], bond = s.bond.column(0)[p];
+      mine.merge({k / double(s.m.column(0)[p]), double(s.born.column(0)[p]), bond < never ? bond : 0.0});
+    }
+    parts[std::size_t(chunk)] = mine;
+  });
+  ConstantBounds out;
+  for (const ConstantBounds& part : parts) out.merge(part);
+  return out;
 }
+
+// What the forces of pairs need of particles, by rows. place: x, y, z [m], radius [m]. motion: velocity [m/s], and stiffness [N/m], below zero for a particle that sleeps. grip:
+// friction [1], bond strain [1]. One row more than there are particles, and what fills its group, are near nothing.
+template <class T>
+struct PairQuads {
+  Column<Quartet<T>> place, motion, grip;
+
+  void resize(std::size_t n) {
+    const std::size_t room = n + 1 + std::size_t(lane_count<T>);
+    if (place.size() != room) place.resize(room), motion.resize(room), grip.resize(room);
+    constexpr T far = StartGrid<T>::nowhere;
+    for (std::size_t p = n; p < room; ++p) place[p] = {far, far, far, T(0)}, motion[p] = grip[p] = {};
+  }
+  // Read particle p.
+  void set(const ParticleState<T>& s, std::size_t p, bool asleep) {
+    const T k = s.k.column(0)[p];
+    place[p] = {s.x.column(0)[p], s.x.column(1)[p], s.x.column(2)[p], s.radius.column(0)[p]};
+    motion[p] = {s.v.column(0)[p], s.v.column(1)[p], s.v.column(2)[p], asleep ? -k : k};
+    grip[p] = {s.mu.column(0)[p], s.bond.column(0)[p], T(0), T(0)};
+  }
+  bool asleep(std::size_t p) const { return motion[p].d < T(0); }
+};
 
 }  // namespace neve

@@ -557,8 +557,6 @@ class ParticleReport:
     """Largest speed of a particle [m/s]."""
     stiffest: float
     """Largest sum of the stiffness of a particle's contacts and bonds over its mass [1/s2]."""
-    moved: float
-    """Longest way of a particle since `Particles.rebuild`, against the mean velocity of then [m]."""
     finite: bool
     """Every particle has a finite place and velocity."""
 
@@ -599,7 +597,7 @@ class HeatReport:
 class Particles(Protocol):
     """Particles of the discrete element method, and what is remembered of their pairs.
 
-    Arrays are views of the core's memory, rows in an order that `rebuild` changes.
+    Arrays are views of the core's memory, rows in an order that `prepare` may change.
     """
 
     x: Reals
@@ -620,12 +618,16 @@ class Particles(Protocol):
     """Factors on the strain that bonds bear and on the yield pressure (n,) [1]."""
     liquid: Reals
     """Shares of water that size and strength follow (n,) [1]."""
+    rest: Reals
+    """Times near a place [s] and the places [m], (n, 4); in sleep infinite, and the forces [N]."""
     enthalpy: Array64
     """Heat above that of ice at the melting point (n,) [J], in double precision."""
     k: Reals
     """Modulus times radius at birth (n,) [N/m]; from `set_materials`."""
     bond: Reals
     """Strain that bonds bear (n,) [1]; from `set_materials`."""
+    born: Reals
+    """Radii at birth (n,) [m]; from `set_materials`."""
     material: NDArray[np.uint16]
     """Rows of the material table (n,)."""
     source: NDArray[np.uint16]
@@ -640,9 +642,25 @@ class Particles(Protocol):
     @property
     def bytes(self) -> int:
         """Memory [bytes]."""
+    order: int
+    """How wide the groups of rows were when they were last sorted, below 0: never; part of the state."""
+    may_sleep: bool
+    """Whether snow may fall asleep now."""
     @property
-    def current(self) -> bool:
-        """The lists hold all pairs that can touch: no `rebuild` is needed before the next step."""
+    def asleep(self) -> int:
+        """Number of particles that sleep."""
+    @property
+    def is_due(self) -> bool:
+        """Whether `renew` is needed before the next step."""
+    @property
+    def stiffest(self) -> float:
+        """Largest k / m of a particle [1/s2]; from `set_materials`, as the two that follow."""
+    @property
+    def largest_radius(self) -> float:
+        """Of a particle at birth [m]."""
+    @property
+    def largest_stretch(self) -> float:
+        """Largest bond strain, of bonds that can break [1]."""
     def set_law(self, damping: float, tangential: float, ice: float, hardening: float) -> None:
         """Set what all contacts share.
 
@@ -650,10 +668,17 @@ class Particles(Protocol):
         which nothing is compacted more [kg/m3]; hardening: rise of density for an e-fold yield pressure
         [kg/m3].
         """
-    def set_materials(self, rows: Array64, /) -> None:
+    def set_materials(self, rows: Array64, packing: float) -> None:
         """Set the table, (k, 4): modulus [Pa], friction [1], bond strain [1], yield pressure [Pa].
 
+        packing: share of the volumes that spheres fill at birth [1].
+
         Errors: ValueError if a particle names a row that is not there.
+        """
+    def set_sleep(self, way: float, after: float, slow: float) -> None:
+        """Set when snow sleeps: it stays within `way` [m], 0: never, for `after` [s].
+
+        slow: what hangs on it may swing up to this speed [m/s].
         """
     def set_heat(
         self,
@@ -673,11 +698,14 @@ class Particles(Protocol):
         """
     def pass_heat(self, dt: float) -> HeatReport:
         """Let heat flow for dt [s] of motion, and change phases, sizes and bonds; needs `set_materials`."""
-    def rebuild(self, near: float, dt: float) -> None:
-        """Sort the particles by cell and list all pairs within `near` [m] and some spare for steps of dt [s].
+    def prepare(self, near: float, dt: float) -> None:
+        """Get ready for steps of dt [s] after the state may have been written to.
 
+        See who sleeps, sort the rows where they are in disorder, list all pairs within `near` [m].
         Errors: ValueError with the birth number of a particle that is lost.
         """
+    def renew(self, solids: _Model, steps: int) -> None:
+        """After step number `steps` list pairs of what moved, wake, put to sleep. Errors: as `prepare`."""
     def make_bonds(self, first: int, gap: float) -> None:
         """Bond the listed pairs of one source and of ids from `first` on whose gap is at most `gap` radii."""
     def relax(self) -> None:
@@ -694,8 +722,13 @@ class Particles(Protocol):
         Of a bond the stretch that it bears, above 0, and the overlap at rest; of a contact less the gap that
         its cohesion bridges, and the spring of its friction (3).
         """
-    def set_contacts(self, begin: NDArray[np.uint32], row: NDArray[np.int32], values: Reals) -> None:
-        """Take over what `contacts` returned. Errors: ValueError if it is of other particles."""
+    def set_contacts(
+        self, near: float, begin: NDArray[np.uint32], row: NDArray[np.int32], values: Reals
+    ) -> None:
+        """List all pairs within `near` [m], with what `contacts` returned.
+
+        Errors: ValueError if it is of other particles.
+        """
     def take_exchanged(self, solids: int) -> Array64:
         """Return what snow and each of the solids exchanged since the last call, (solids, 7)."""
 

@@ -28,6 +28,25 @@ if TYPE_CHECKING:
     from neve._core import Model as CoreModel
     from neve.rigid.coupled_bodies import CoupledBodies
 
+WAKING = (
+    "world",
+    "numerics",
+    "snow",
+    "snow_keyframes",
+    "sources",
+    "emitters",
+    "sinks",
+    "colliders",
+    "bodies",
+    "robots",
+)
+"""Parts of a scene whose change wakes snow that sleeps."""
+
+
+def wakes_all(scene: Scene, new_scene: Scene) -> bool:
+    """Return whether snow that sleeps in `scene` wakes where a run goes on with `new_scene`."""
+    return any(getattr(scene, part) != getattr(new_scene, part) for part in WAKING)
+
 
 def coupled(scene: Scene) -> tuple[tuple[Solid, ...], CoupledBodies | None]:
     """Return all that snow can meet, and who moves the rigid bodies among it, if there are any.

@@ -4,8 +4,7 @@
 
 #include "bind/arrays.hpp"
 #include "bind/solids.hpp"
-#include "particles/advance.hpp"
-#include "particles/heat/phase.hpp"
+#include "particles/heat/pass.hpp"
 #include "particles/measure.hpp"
 #include "particles/relax.hpp"
 
@@ -14,71 +13,48 @@ namespace neve::bind {
 namespace {
 
 template <class T>
-struct Particles {
-  explicit Particles(std::size_t n) { state.resize(n); }
-  ParticleModel<T> model;
-  HeatModel heat;
-  std::vector<ContactMaterial> table;
-  ParticleState<T> state;
-  Neighbours<T> lists;
-  RebuildRoom<T> room;
-  PairQuads<T> quads;
-  PairSums<T> sums;
-  std::vector<Exchange> exchanged;
-  bool current = false;  // the lists hold all pairs that can touch
-
+struct Particles : ParticleSnow<T> {
+  explicit Particles(std::size_t n) { this->state.resize(n); }
   void require_lists() const {
-    if (lists.begin.size() != state.count + 1) throw nb::value_error("call rebuild() first");
+    if (!this->listing.made_for(this->state.count)) throw nb::value_error("call prepare() first");
   }
 };
 
 template <class T>
 ParticleReport step(Particles<T>& p, const Model<T>& solids, double dt) {
   p.require_lists();
-  pair_forces(p.state, p.lists, p.model.law, p.quads, p.sums);
-  const ParticleReport report = advance(p.model, solids, p.state, p.lists, p.sums, dt, p.exchanged);
-  p.model.law.dt = T(dt);
-  p.current = report.moved <= 0.5 * p.lists.skin;
-  return report;
+  return take_step(p, solids, dt);
 }
 
 // What is remembered of pairs: begin (n + 1,), and of each entry the row of the other particle and four numbers.
 template <class T>
-nb::tuple contacts(const Particles<T>& p) {
-  const Neighbours<T>& lists = p.lists;
-  std::vector<std::uint32_t> begin{0};
-  std::vector<std::int32_t> row;
-  std::vector<T> values;
-  for (std::size_t i = 0; i + 1 < lists.begin.size(); ++i) {
-    for (std::uint32_t e = lists.begin[i]; e < lists.begin[i + 1]; ++e) {
-      if (lists.hold[e] == T(0)) continue;
-      row.push_back(lists.row[e]);
-      for (const auto* of : {&lists.hold, &lists.a, &lists.b, &lists.c}) values.push_back((*of)[e]);
-    }
-    begin.push_back(std::uint32_t(row.size()));
-  }
-  const std::size_t n = row.size(), count = begin.size();
-  return nb::make_tuple(array(std::move(begin), {count}), array(std::move(row), {n}),
+nb::tuple contacts(Particles<T>& p) {
+  p.require_lists(), p.remind();
+  PairMemory<T> memory = memory_of(p.listing.lists);
+  const std::size_t n = memory.row.size(), count = memory.begin.size();
+  std::vector<T> values(4 * n);
+  for (std::size_t e = 0; e < n; ++e)
+    std::copy_n(memory.values[e].begin(), 4, values.begin() + 4 * std::ptrdiff_t(e));
+  return nb::make_tuple(array(std::move(memory.begin), {count}), array(std::move(memory.row), {n}),
                         array(std::move(values), {n, 4}));
 }
 
 template <class T>
-void set_contacts(Particles<T>& p, const In<std::uint32_t, nb::shape<-1>>& begin,
+void set_contacts(Particles<T>& p, double near, const In<std::uint32_t, nb::shape<-1>>& begin,
                   const In<std::int32_t, nb::shape<-1>>& row, const In<T, nb::shape<-1, 4>>& values) {
   const std::size_t n = row.shape(0), count = p.state.count;
   bool right = begin.shape(0) == count + 1 && values.shape(0) == n && begin(0) == 0 && begin(count) == n;
   for (std::size_t i = 0; right && i < count; ++i) right = begin(i) <= begin(i + 1) && begin(i + 1) <= n;
   for (std::size_t e = 0; right && e < n; ++e) right = row(e) >= 0 && std::size_t(row(e)) < count;
   if (!right) throw nb::value_error("the contacts are not those of these particles");
-  p.current = false;
-  p.lists = Neighbours<T>{};
-  p.lists.begin.assign(begin.data(), begin.data() + count + 1);
-  p.lists.resize(n);
-  std::copy_n(row.data(), n, p.lists.row.begin());
-  for (std::size_t e = 0; e < n; ++e) {
-    p.lists.hold[e] = values(e, 0), p.lists.a[e] = values(e, 1);
-    p.lists.b[e] = values(e, 2), p.lists.c[e] = values(e, 3);
-  }
+  PairMemory<T> memory;
+  memory.begin.assign(begin.data(), begin.data() + count + 1);
+  memory.row.assign(row.data(), row.data() + n);
+  for (std::size_t e = 0; e < n; ++e)
+    memory.values.push_back({values(e, 0), values(e, 1), values(e, 2), values(e, 3)});
+  p.listing.near = near;
+  list_all(p.state, p.listing, memory, false);
+  see_sleepers(p.state, p.groups, true);
 }
 
 template <class T>
@@ -97,9 +73,11 @@ void bind_columns(nb::class_<Particles<T>>& c) {
   NEVE_FIELD(stiffness);
   NEVE_FIELD(strength);
   NEVE_FIELD(liquid);
+  NEVE_FIELD(rest);
   NEVE_FIELD(enthalpy);
   NEVE_FIELD(k);
   NEVE_FIELD(bond);
+  NEVE_FIELD(born);
   NEVE_FIELD(material);
   NEVE_FIELD(source);
   NEVE_FIELD(id);
@@ -118,7 +96,7 @@ void bind_constants(nb::class_<Particles<T>>& c) {
        nb::arg("damping"), nb::arg("tangential"), nb::arg("ice"), nb::arg("hardening"))
       .def(
           "set_materials",
-          [](P& p, const In<double, nb::shape<-1, 4>>& rows) {
+          [](P& p, const In<double, nb::shape<-1, 4>>& rows, double packing) {
             std::vector<ContactMaterial> table;
             for (std::size_t i = 0; i < rows.shape(0); ++i)
               table.push_back({rows(i, 0), rows(i, 1), rows(i, 2), rows(i, 3)});
@@ -127,9 +105,22 @@ void bind_constants(nb::class_<Particles<T>>& c) {
                 throw nb::value_error("a particle names a material that is not there");
             }
             p.table = table;
-            derive(p.state, table);
+            p.bounds = derive(p.state, table, packing);
           },
-          nb::arg("rows"), "(n, 4): modulus [Pa], friction [1], bond_strain [1], yield [Pa].");
+          nb::arg("rows"), nb::arg("packing"),
+          "(n, 4): modulus [Pa], friction [1], bond_strain [1], yield [Pa].")
+      .def(
+          "set_sleep",
+          [](P& p, double way, double after, double slow) {
+            p.model.sleep.way = way, p.model.sleep.after = after, p.model.sleep.slow = slow;
+          },
+          nb::arg("way"), nb::arg("after"), nb::arg("slow"))
+      .def_prop_rw(
+          "may_sleep", [](const P& p) { return p.model.sleep.may_sleep; },
+          [](P& p, bool may) { p.model.sleep.may_sleep = may; })
+      .def_prop_ro("stiffest", [](const P& p) { return p.bounds.stiffest; })
+      .def_prop_ro("largest_radius", [](const P& p) { return p.bounds.radius; })
+      .def_prop_ro("largest_stretch", [](const P& p) { return p.bounds.stretch; });
 }
 
 template <class T>
@@ -147,9 +138,18 @@ void bind_heat(nb::class_<Particles<T>>& c) {
           [](P& p, double dt) {
             p.require_lists();
             if (p.table.empty()) throw nb::value_error("call set_materials() first");
-            return pass_heat(p.heat, p.state, p.lists, p.table, dt);
+            return pass_heat(static_cast<ParticleSnow<T>&>(p), dt);
           },
           nb::arg("dt"), nb::call_guard<nb::gil_scoped_release>());
+}
+
+template <class T>
+std::size_t sleepers_in(const Particles<T>& p) {
+  std::size_t sum = 0;
+  for (std::size_t g = 0; g < p.groups.asleep.size(); ++g) {
+    if (p.groups.asleep[g]) sum += detail::end_of_group(p.state, g) - g * p.groups.lanes;
+  }
+  return sum;
 }
 
 template <class T>
@@ -163,38 +163,45 @@ void bind_of(nb::module_& m) {
   bind_heat(c);
   c.def(nb::init<std::size_t>(), nb::arg("count"))
       .def_prop_ro("count", [](const P& p) { return p.state.count; })
-      .def_prop_ro("bytes", [](P& p) { return p.state.bytes() + p.lists.bytes() + p.sums.values.bytes(); })
+      .def_prop_ro("bytes", [](P& p) { return p.state.bytes() + p.listing.bytes() + p.sums.values.bytes(); })
+      .def_prop_ro("asleep", [](const P& p) { return p.state.count == 0 ? 0 : sleepers_in(p); })
+      .def_rw("order", &P::wide)
       .def_prop_rw(
           "last_dt", [](const P& p) { return p.model.law.dt; }, [](P& p, T dt) { p.model.law.dt = dt; })
       .def(
-          "rebuild",
+          "prepare",
           [](P& p, double near, double dt) {
             if (!(near > 0) || !(dt >= 0)) throw nb::value_error("near must be above 0, dt not below");
-            rebuild(p.state, p.lists, p.room, near, dt);
-            p.current = true;
+            prepare(p, near, dt);
           },
           nb::arg("near"), nb::arg("dt"), free_gil)
-      .def_prop_ro("current", [](const P& p) { return p.current; })
+      .def_prop_ro("is_due", [](const P& p) { return p.is_due(); })
+      .def(
+          "renew", [](P& p, const Model<T>& solids, std::int64_t steps) { renew(p, solids, steps); },
+          nb::arg("solids"), nb::arg("steps"), free_gil)
       .def(
           "make_bonds",
           [](P& p, std::uint32_t first, double gap) {
-            p.require_lists(), make_bonds(p.state, p.lists, first, T(gap));
+            p.require_lists(), make_bonds(p.state, p.listing.lists, first, T(gap));
           },
           nb::arg("first"), nb::arg("gap"))
       .def(
-          "relax", [](P& p) { p.require_lists(), relax(p.state, p.lists); }, free_gil)
+          "relax", [](P& p) { p.require_lists(), relax(p.state, p.listing.lists); }, free_gil)
       .def(
-          "stiffness_now", [](const P& p) { return p.require_lists(), stiffness_of(p.state, p.lists); },
+          "stiffness_now",
+          [](const P& p) { return p.require_lists(), stiffness_of(p.state, p.listing.lists, p.groups); },
           free_gil)
       .def("step", &step<T>, nb::arg("solids"), nb::arg("dt"), free_gil)
       .def(
           "totals",
-          [](const P& p, const Model<T>& solids) {
-            return p.require_lists(), totals(p.model.law, solids.gravity, p.state, p.lists);
+          [](P& p, const Model<T>& solids) {
+            p.require_lists(), p.remind();
+            return totals(p.model.law, solids.gravity, p.state, p.listing.lists);
           },
           nb::arg("solids"))
       .def("contacts", &contacts<T>)
-      .def("set_contacts", &set_contacts<T>, nb::arg("begin"), nb::arg("row"), nb::arg("values"))
+      .def("set_contacts", &set_contacts<T>, nb::arg("near"), nb::arg("begin"), nb::arg("row"),
+           nb::arg("values"))
       .def(
           "take_exchanged", [](P& p, std::size_t solids) { return take_exchanged(p.exchanged, solids); },
           nb::arg("solids"));
@@ -206,7 +213,6 @@ void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64) {
   nb::class_<ParticleReport>(m, "ParticleReport", "What a step found.")
       .def_ro("speed", &ParticleReport::speed)
       .def_ro("stiffest", &ParticleReport::stiffest)
-      .def_ro("moved", &ParticleReport::moved)
       .def_ro("finite", &ParticleReport::finite);
   nb::class_<ParticleTotals>(m, "ParticleTotals", "Sums over the particles, in double.")
       .def_ro("mass", &ParticleTotals::mass)

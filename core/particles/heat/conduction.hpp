@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "particles/heat/sunlight.hpp"
-#include "particles/neighbours.hpp"
+#include "particles/listing.hpp"
 
 namespace neve {
 
@@ -90,7 +90,7 @@ class HeatFlow {
   // Find the conductances of p's pairs [W/K], and return their sum.
   double connect(std::size_t p) {
     double sum = 0;
-    for (std::uint32_t e = lists_.begin[p]; e < lists_.begin[p + 1]; ++e) {
+    lists_.each(p, [&](std::uint32_t e) {
       const auto q = std::size_t(lists_.row[e]);
       const double r_p = s_.radius.column(0)[p], r_q = s_.radius.column(0)[q], d = distance(s_, p, q);
       const bool wet = s_.liquid.column(0)[p] > 0 || s_.liquid.column(0)[q] > 0, held = lists_.hold[e] > T(0);
@@ -102,7 +102,7 @@ class HeatFlow {
       const double r = std::min(r_p, r_q), k = 2 * k_[p] * k_[q] / (k_[p] + k_[q]);
       conductance_[e] = area > 0 ? k * area_of_bond * area * 3.14159265358979 * r * r / std::max(d, r) : 0;
       sum += conductance_[e];
-    }
+    });
     return sum;
   }
 
@@ -110,10 +110,11 @@ class HeatFlow {
   // that no neighbour hides.
   double expose(std::size_t p, bool lit) {
     std::uint32_t open = ~std::uint32_t(0);
-    for (std::uint32_t e = lists_.begin[p]; e < lists_.begin[p + 1] && open; ++e) {
+    lists_.each(p, [&](std::uint32_t e) {
+      if (!open) return;
       const auto q = std::size_t(lists_.row[e]);
       const double d = distance(s_, p, q);
-      if (d > (1 + bridge) * (double(s_.radius.column(0)[p]) + double(s_.radius.column(0)[q]))) continue;
+      if (d > (1 + bridge) * (double(s_.radius.column(0)[p]) + double(s_.radius.column(0)[q]))) return;
       std::array<double, 3> n{};
       for (std::size_t k = 0; k < 3; ++k)
         n[k] = double(s_.x.column(int(k))[q]) - double(s_.x.column(int(k))[p]);
@@ -122,9 +123,8 @@ class HeatFlow {
         if (n[0] * facet[0] + n[1] * facet[1] + n[2] * facet[2] > blocked * d)
           open &= ~(std::uint32_t(1) << i);
       }
-    }
+    });
     const double r = std::cbrt(volume(p) * 0.75 / 3.14159265358979);
-    const double share = std::popcount(open) / double(facet_count);
     const double hidden = 1 - std::popcount(open) / double(facet_count);
     const double area = 4 * 3.14159265358979 * r * r, facet_area = area / facet_count;
     double facing = 0;
@@ -146,8 +146,9 @@ class HeatFlow {
     each([&](std::size_t p) { temperature_[p] = heat::temperature(s_.enthalpy[p], s_.m.column(0)[p]); });
     each([&](std::size_t p) {
       double between = 0;
-      for (std::uint32_t e = lists_.begin[p]; e < lists_.begin[p + 1]; ++e)
+      lists_.each(p, [&](std::uint32_t e) {
         between += conductance_[e] * (temperature_[std::size_t(lists_.row[e])] - temperature_[p]);
+      });
       const double outside = dt * (from_air_[p] * (model_.air - temperature_[p]) + from_sun_[p]);
       s_.enthalpy[p] += dt * between + outside;
       taken_[p] += outside;

@@ -38,19 +38,22 @@ class PhaseChange {
   PhaseChange(const HeatModel& model, ParticleState<T>& s, Neighbours<T>& lists)
       : model_(model), s_(s), lists_(lists), grown_(s.count), freezes_(s.count) {}
 
-  // `derive`: called for a particle whose liquid share has changed. dt: of the heat's own time [s].
+  // `derive`: called for a particle whose liquid share has changed. dt: of the heat's own time [s]. Returns which have.
   template <class F>
-  void apply(double dt, F&& derive) {
+  std::vector<char> apply(double dt, F&& derive) {
+    std::vector<char> changed(s_.count);
     each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) {
-        if (change(p)) derive(p);
+        changed[p] = change(p);
+        if (changed[p]) derive(p);
       }
     });
     each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) {
-        for (std::uint32_t e = lists_.begin[p]; e < lists_.begin[p + 1]; ++e) pair(p, e, dt);
+        lists_.each(p, [&](std::uint32_t e) { pair(p, e, dt); });
       }
     });
+    return changed;
   }
 
  private:
@@ -129,14 +132,16 @@ class PhaseChange {
 
 }  // namespace detail
 
-// Let heat flow for dt [s] of motion, and change particles and bonds as it makes them.
+// Let heat flow for dt [s] of motion, and change particles and bonds as it makes them; `changed` gets by row whether the
+// liquid share, and with it size and strength, has.
 template <class T>
 HeatReport pass_heat(const HeatModel& model, ParticleState<T>& s, Neighbours<T>& lists,
-                     const std::vector<ContactMaterial>& table, double dt) {
+                     const std::vector<ContactMaterial>& table, double dt, std::vector<char>& changed) {
   const double own = dt * model.speed;
   const HeatReport report = detail::HeatFlow<T>(model, s, lists).flow(own);
+  changed.assign(s.count, 0);
   if (report.endless) return report;
-  detail::PhaseChange<T>(model, s, lists).apply(own, [&](std::size_t p) { derive(s, table, p); });
+  changed = detail::PhaseChange<T>(model, s, lists).apply(own, [&](std::size_t p) { derive(s, table, p); });
   return report;
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ def pose(collider: Collider, t: float) -> Pose:
     at rest before the first and from the last on. Otherwise constant velocity and spin from t = 0 on.
     """
     if collider.keyframes:
-        return _between_keyframes(collider, t)
+        return _path_of(collider).at(t)
     velocity, spin = np.array(collider.velocity), np.array(collider.spin)
     return Pose(
         _position(collider) + t * velocity,
@@ -31,23 +32,69 @@ def pose(collider: Collider, t: float) -> Pose:
     )
 
 
-def _between_keyframes(collider: Collider, t: float) -> Pose:
-    keys = collider.keyframes
-    i = bisect_right([key.t for key in keys], t) - 1
-    if i < 0 or i == len(keys) - 1:
-        key = keys[max(i, 0)]
-        return Pose(_position(collider, key), _rotation(collider, key), np.zeros(3), np.zeros(3))
-    a, b = keys[i], keys[i + 1]
-    span, share = b.t - a.t, (t - a.t) / (b.t - a.t)
-    x0, R0 = _position(collider, a), _rotation(collider, a)
-    displacement = _position(collider, b) - x0
-    angle = rotation_vector(product(_rotation(collider, b), R0.T))
-    return Pose(
-        x0 + share * displacement,
-        product(rotation_matrix(share * angle), R0),
-        displacement / span,
-        angle / span,
-    )
+class _Leg(NamedTuple):
+    """Hold the way from one keyframe to the next, which takes `span` [s]: a displacement, and a turn."""
+
+    t: float
+    span: float
+    position: Array
+    rotation: Array
+    displacement: Array
+    angle: Array
+    velocity: Array
+    omega: Array
+
+
+class _Path:
+    """Know a collider's way along its keyframes; each leg is worked out once, the last pose is kept."""
+
+    def __init__(self, collider: Collider) -> None:
+        self.collider = collider
+        self._times = [key.t for key in collider.keyframes]
+        self._legs: dict[int, _Leg] = {}
+        self._last: tuple[float, Pose] | None = None
+
+    def at(self, t: float) -> Pose:
+        if self._last is None or self._last[0] != t:
+            self._last = (t, self._pose(t))
+        return self._last[1]
+
+    def _pose(self, t: float) -> Pose:
+        keys = self.collider.keyframes
+        i = bisect_right(self._times, t) - 1
+        if i < 0 or i == len(keys) - 1:
+            key = keys[max(i, 0)]
+            still = np.zeros(3)
+            return Pose(_position(self.collider, key), _rotation(self.collider, key), still, still)
+        leg = self._legs.get(i) or self._legs.setdefault(i, self._leg(keys[i], keys[i + 1]))
+        share = (t - leg.t) / leg.span
+        return Pose(
+            leg.position + share * leg.displacement,
+            product(rotation_matrix(share * leg.angle), leg.rotation),
+            leg.velocity,
+            leg.omega,
+        )
+
+    def _leg(self, a: Keyframe, b: Keyframe) -> _Leg:
+        span = b.t - a.t
+        x0, R0 = _position(self.collider, a), _rotation(self.collider, a)
+        displacement = _position(self.collider, b) - x0
+        angle = rotation_vector(product(_rotation(self.collider, b), R0.T))
+        return _Leg(a.t, span, x0, R0, displacement, angle, displacement / span, angle / span)
+
+
+_PATHS: dict[int, _Path] = {}
+"""Paths of late, by the identity of their colliders, which they keep alive."""
+MOST_PATHS = 256
+
+
+def _path_of(collider: Collider) -> _Path:
+    path = _PATHS.get(id(collider))
+    if path is None:
+        if len(_PATHS) >= MOST_PATHS:
+            _PATHS.clear()
+        path = _PATHS[id(collider)] = _Path(collider)
+    return path
 
 
 def _position(collider: Collider, key: Keyframe | None = None) -> Array:

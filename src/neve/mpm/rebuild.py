@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import material_table, require_same_sources, with_one_more
+from neve.build import material_table, require_same_sources, wakes_all, with_one_more
 from neve.mpm.births import Births
 from neve.mpm.initial import make_model, snow_of
 from neve.mpm.model import Model
@@ -19,20 +19,6 @@ from neve.solver import joined
 
 if TYPE_CHECKING:
     from neve._core import State
-
-WAKING = (
-    "world",
-    "numerics",
-    "snow",
-    "snow_keyframes",
-    "sources",
-    "emitters",
-    "sinks",
-    "colliders",
-    "bodies",
-    "robots",
-)
-"""Parts of a scene whose change wakes snow that sleeps."""
 
 
 def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tuple[Model, State]:
@@ -62,7 +48,7 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
         arrays = to_arrays(state)
         rest = fit_rest(arrays["rest"], fresh.sleeps, arrays["x"])
         state = from_arrays(fresh.core, arrays, rest=rest)
-    if any(getattr(scene, part) != getattr(new_scene, part) for part in WAKING):
+    if wakes_all(scene, new_scene):
         state.rest[...] = 0.0
     if not np.array_equal(rows, np.arange(len(rows))):
         state.material[...] = rows[state.material]

@@ -21,6 +21,8 @@ ICE = 917.0
 """Density at which a particle is compacted no more [kg/m3]."""
 HARDENING = 100.0
 """Rise of density by which the yield pressure grows e-fold [kg/m3]; a port of Goswami et al. 2019 [C]."""
+SWINGING = 10.0
+"""Speed over sleep_speed below which particles that hang on what rests may sleep with it [1]; our choice."""
 NEVER = 1e30
 """A strain or a pressure [Pa] that nothing reaches."""
 

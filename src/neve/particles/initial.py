@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,8 @@ from neve.particles.constants import (
     DAMPING,
     HARDENING,
     ICE,
-    NEVER,
+    PACKING,
+    SWINGING,
     TANGENTIAL,
     contact_constants,
     radius_at_birth,
@@ -40,6 +42,7 @@ FIELDS = (
     Field("stiffness", (), "1", "real", "factor on E0"),
     Field("strength", (), "1", "real", "factor on the thresholds of bonds and compaction"),
     Field("liquid", (), "1", "real", "share of water that size and strength follow"),
+    Field("rest", (4,), "s, m, N", "real", "time near a place and it; in sleep infinite, and the force"),
     Field("enthalpy", (), "J", "float64", "heat; zero for ice at the melting point"),
     Field("material", (), "", "uint16", "row of the material table"),
     Field("source", (), "", "uint16", "number of the source"),
@@ -108,7 +111,7 @@ def packed(scene: Scene, samples: Samples, radius: NDArray[np.float64], solids: 
     around = solids.near(samples.x.min(axis=0) - near, samples.x.max(axis=0) + near)
     for done in range(ROUNDS):
         if done % ROUNDS_BETWEEN_LISTS == 0:
-            fresh.rebuild(1.2 * near, 0.0)
+            fresh.prepare(1.2 * near, 0.0)
         fresh.relax()
         for i in around:
             phi, normal = solids.native.surface(i, np.asarray(fresh.x, dtype=np.float64) + middle)
@@ -133,6 +136,7 @@ def _columns(
         "stiffness": s.stiffness,
         "strength": s.strength,
         "liquid": np.zeros(count),
+        "rest": np.zeros((count, 4)),
     }
     columns: dict[str, NDArray[Any]] = {
         name: np.asarray(values, dtype=real) for name, values in reals.items()
@@ -158,19 +162,16 @@ def set_constants(scene: Scene, particles: Particles) -> None:
     than the damping ratio DAMPING: c = 2 DAMPING k min_p sqrt(m_p / (2 k_p)).
     """
     table = np.array([contact_constants(snow) for snow in material_table(scene)], dtype=np.float64)
-    particles.set_materials(table)
-    k = np.asarray(particles.k, dtype=np.float64)
-    m = np.asarray(particles.m, dtype=np.float64)
-    damping = 2.0 * DAMPING * float(np.sqrt(np.min(m / (2.0 * k)))) if len(k) else 0.0
+    particles.set_materials(table, PACKING)
+    stiffest = particles.stiffest
+    damping = 2.0 * DAMPING * math.sqrt(0.5 / stiffest) if stiffest > 0.0 else 0.0
     particles.set_law(damping, TANGENTIAL, ICE, HARDENING)
+    numerics = scene.numerics
+    way = numerics.sleep_speed * numerics.sleep_after if numerics.sleep else 0.0
+    particles.set_sleep(way, numerics.sleep_after, SWINGING * numerics.sleep_speed)
     set_heat(scene, particles)
 
 
 def reach(particles: Particles) -> float:
     """Return the distance within which two particles may act on each other [m]."""
-    born = np.asarray(particles.radius, dtype=np.float64) / np.cbrt(
-        np.asarray(particles.J_P, dtype=np.float64)
-    )
-    bond = np.asarray(particles.bond, dtype=np.float64)
-    stretch = float(np.max(bond[bond < NEVER / 2], initial=0.0))
-    return 2.0 * float(np.max(born, initial=0.0)) * (1.0 + BOND_GAP + min(stretch, 0.5))
+    return 2.0 * particles.largest_radius * (1.0 + BOND_GAP + min(particles.largest_stretch, 0.5))

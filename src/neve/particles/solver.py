@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import material_table, require_same_sources, with_one_more
+from neve.build import material_table, require_same_sources, wakes_all, with_one_more
 from neve.colliders.solid import Solid
 from neve.diagnostics import row_of
 from neve.geometry.pose import Pose
@@ -44,9 +45,10 @@ class ParticleDiagnostics:
 
     mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic, elastic (of bonds, contacts and the springs of
     their friction), potential (-m g . x); affine is none. `work` [J]: of the colliders on the snow so far.
-    bonds, contacts: how many there are. Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic
-    and bodies_potential [J]. heat: enthalpy above that of ice at the melting point, heat_taken: from air and
-    sun so far [J]; water: liquid mass [kg]; heat_speed [1], 0 without heat.
+    bonds, contacts: how many there are; asleep: particles that no step moves.
+    Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic and bodies_potential [J].
+    heat: enthalpy above that of ice at the melting point, heat_taken: from air and sun so far [J];
+    water: liquid mass [kg]; heat_speed [1], 0 without heat.
     """
 
     mass: float
@@ -58,6 +60,7 @@ class ParticleDiagnostics:
     particles: int
     bonds: int
     contacts: int
+    asleep: int
     heat: float
     heat_taken: float
     water: float
@@ -98,6 +101,7 @@ class ParticleSolver(Solver):
         "particles",
         "bonds",
         "contacts",
+        "asleep",  # particles that no step moves
         "heat",  # above that of ice at the melting point [J]
         "heat_taken",  # from air and sun since the start [J]
         "water",  # mass that is liquid [kg]
@@ -117,8 +121,8 @@ class ParticleSolver(Solver):
         else:
             self.state = from_arrays(scene, saved)
             self._derive()
-            self.state.set_contacts(*(np.asarray(saved[name]) for name in CONTACTS))
-            self.state.last_dt = float(saved["last_dt"])
+            self.state.set_contacts(self._near, *(np.asarray(saved[name]) for name in CONTACTS))
+            self.state.last_dt, self.state.order = float(saved["last_dt"]), int(saved["order"])
             self._heat_due, self._heat_taken = map(float, saved["heat_clock"])
             if self.placed.rigid:
                 self.placed.rigid.restore(saved)
@@ -126,18 +130,23 @@ class ParticleSolver(Solver):
     def _derive(self) -> None:
         set_constants(self.scene, self.state)
         self._near = reach(self.state)
-        k, m = (np.asarray(a, dtype=np.float64) for a in (self.state.k, self.state.m))
-        self._least_stiff = FEWEST * float(np.max(k / m, initial=0.0))
+        self._least_stiff = FEWEST * self.state.stiffest
 
     def _bond(self, first: int) -> None:
         """Bond the snow of birth numbers from `first` on."""
-        self._rebuild()
+        self._prepare()
         self.state.make_bonds(first, BOND_GAP)
 
-    def _rebuild(self) -> None:
+    def _prepare(self) -> None:
+        with self._listing():
+            self.state.prepare(self._near, 1.0 / math.sqrt(self._least_stiff))
+
+    @contextmanager
+    def _listing(self) -> Iterator[None]:
+        """Time the listing of neighbours. Errors: Blowup for a particle that is lost."""
         with self.timer.stage("neighbours"):
             try:
-                self.state.rebuild(self._near, 1.0 / math.sqrt(self._least_stiff))
+                yield
             except ValueError as error:
                 raise Blowup(
                     f"particle {error} is lost, or more than {2**19 * self._near:.4g} m from the origin: "
@@ -145,10 +154,11 @@ class ParticleSolver(Solver):
                 ) from None
 
     def begin(self, steps: int, time: float) -> None:
-        """Sort the particles, find their neighbours, and see how stiff their contacts are. Errors: Blowup."""
+        """See who sleeps, list neighbours, and see how stiff contacts are. Errors: Blowup."""
         self._set_time(time)
         self._derive()
-        self._rebuild()
+        self.state.may_sleep = max((key.t for key in self.scene.world.keyframes), default=0.0) <= time
+        self._prepare()
         self._report = self.state.stiffness_now()
         self._require_finite(self._report, steps, time)
 
@@ -194,8 +204,9 @@ class ParticleSolver(Solver):
         self._set_time(time)
         if self.scene.heat is not None:
             self._pass_heat(dt, steps, time)
-        if not self.state.current:
-            self._rebuild()
+        if self.state.is_due:
+            with self._listing():
+                self.state.renew(self.placed.native, steps)
         if self.placed.rigid is None:
             return None
         with self.timer.stage("bodies"):
@@ -255,6 +266,7 @@ class ParticleSolver(Solver):
             particles=self.count,
             bonds=round(t.bonds),
             contacts=round(t.contacts),
+            asleep=int(self.state.asleep),
             heat=t.heat if self.scene.heat else 0.0,
             heat_taken=self._heat_taken,
             water=t.water if self.scene.heat else 0.0,
@@ -271,7 +283,11 @@ class ParticleSolver(Solver):
         contacts = dict(zip(CONTACTS, map(np.array, self.state.contacts()), strict=True))
         bodies = self.placed.rigid.save() if self.placed.rigid else {}
         clock = np.array([self._heat_due, self._heat_taken])
-        last = {"last_dt": np.array(self.state.last_dt), "heat_clock": clock}
+        last = {
+            "last_dt": np.array(self.state.last_dt),
+            "order": np.array(self.state.order),
+            "heat_clock": clock,
+        }
         return {**super().save(), **contacts, **last, **bodies}
 
     @property
@@ -295,11 +311,15 @@ class ParticleSolver(Solver):
         phase (n,) [1]: the share of water, 0 snow and ice, 1 water.
         """
         state = self.state
+        found = super().columns()
+        del found["rest"]  # infinite in sleep
         more: dict[str, Callable[[], Any]] = {"density": lambda: np.asarray(state.m / (state.V0 * state.J_P))}
         if self.scene.heat is not None:
             more["temperature"] = lambda: temperature(state.enthalpy, state.m)
             more["phase"] = lambda: liquid(state.enthalpy, state.m)
-        return super().columns() | more
+        if self.scene.numerics.sleep:
+            more["asleep"] = lambda: np.isinf(state.rest[:, 0]).astype(np.uint16)
+        return found | more
 
     @property
     def solids(self) -> Sequence[Solid]:
@@ -324,6 +344,8 @@ class ParticleSolver(Solver):
         table = material_table(scene)
         rows = np.array([table.index(scene.snow_of(source)) for source in scene.sources], dtype=np.uint16)
         self.state.material[...] = rows[self.state.source]
+        if wakes_all(self.scene, scene):
+            self.state.rest[...] = 0.0
         self.placed, self.scene = placed, scene
         self._derive()
 
@@ -340,6 +362,7 @@ class ParticleSolver(Solver):
         state = from_arrays(scene, both)
         self.scene, self.placed, self.state = scene, placed, state
         self._derive()
-        state.set_contacts(begin.astype(np.uint32), there["contact_row"], there["contact_memory"])
+        contacts = (begin.astype(np.uint32), there["contact_row"], there["contact_memory"])
+        state.set_contacts(self._near, *contacts)
         state.last_dt = float(there["last_dt"])
         self._bond(first)

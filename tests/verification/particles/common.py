@@ -58,7 +58,7 @@ def pair_of_particles(gap, speed=0.0, snow=None, bonded=False):
     state.v[...] = 0.0
     state.v[0, 0], state.v[1, 0] = -speed / 2, speed / 2
     begin = np.zeros(n + 1, dtype=np.uint32)
-    state.set_contacts(begin, np.zeros(0, dtype=np.int32), np.zeros((0, 4)))
+    state.set_contacts(sim.solver._near, begin, np.zeros(0, dtype=np.int32), np.zeros((0, 4)))
     if bonded:
         sim.solver._bond(0)
     return sim, r

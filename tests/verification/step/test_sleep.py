@@ -223,7 +223,6 @@ def test_snow_that_arrives_wakes_snow_and_goes_on_exactly():
 @pytest.mark.parametrize(
     ("numerics", "words"),
     [
-        ({"method": "particles"}, 'sleep = true .* with numerics.method = "particles": set "mpm"'),
         ({"device": "cuda"}, 'sleep = true .* with numerics.device = "cuda": set "cpu" or "auto"'),
         ({"sleep_speed": 0.0}, "numerics.sleep_speed"),
         ({"sleep_after": -1.0}, "numerics.sleep_after"),

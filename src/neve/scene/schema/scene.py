@@ -281,7 +281,7 @@ class Scene(Part):
     @model_validator(mode="after")
     def _sleep(self) -> Scene:
         if self.numerics.sleep:
-            for key, only in (("method", ("mpm",)), ("device", ("cpu", "auto"))):
+            for key, only in (("method", ("mpm", "particles")), ("device", ("cpu", "auto"))):
                 if (word := getattr(self.numerics, key)) not in only:
                     raise wrong(
                         "numerics.sleep", f'cannot be true with numerics.{key} = "{word}": set {words(only)}'
