@@ -164,7 +164,21 @@ void bind_density(nb::module_& m) {
           [](const Density& d, const Points& x, const Triple& normal) {
             return each(x, [&](Vec3f p) { return sky_light(d, p, normalize(vec(normal)), 0.0f, 0.0f); });
           },
-          "x"_a, "normal"_a, "Share of the open sky's light on a surface at the points [1].");
+          "x"_a, "normal"_a, "Share of the open sky's light on a surface at the points [1].")
+      .def(
+          "buried",
+          [](const Density& d, const Points& x, const Triple& eye) {
+            const Burial burial(d, vec(eye));
+            return each(x, [&](Vec3f p) { return burial.buried(p, d.sample(p)) ? 1.0f : 0.0f; });
+          },
+          "x"_a, "eye"_a, "1 where snow hides a point from the eye, else 0.")
+      .def(
+          "deep",
+          [](const Density& d, const Points& x, const Triple& eye) {
+            const Burial burial(d, vec(eye));
+            return each(x, [&](Vec3f p) { return burial.deep(p) ? 1.0f : 0.0f; });
+          },
+          "x"_a, "eye"_a, "1 where the block around a point says that snow hides it, else 0.");
 }
 
 // Let the light (h, w, 3) of a picture spread in its snow.

@@ -101,14 +101,17 @@ class Blocks {
     return mix(mix(v00, v01, b), mix(v10, v11, b), a);
   }
 
-  // Say whether samples around p can be anything but zero.
-  bool occupied(Vec3f p) const {
-    if (!inside(p)) return false;
+  // Return the index of the block that a sample at p reads, or -1.
+  int holding(Vec3f p) const {
+    if (!inside(p)) return -1;
     const Vec3f q = cell_of(p);
     const std::int32_t i = std::int32_t(std::floor(q.x)), j = std::int32_t(std::floor(q.y)),
                        k = std::int32_t(std::floor(q.z));
-    return find({i >> shift, j >> shift, k >> shift}) >= 0;
+    return find({i >> shift, j >> shift, k >> shift});
   }
+
+  // Say whether samples around p can be anything but zero.
+  bool occupied(Vec3f p) const { return holding(p) >= 0; }
 
   // Narrow [near, far], lengths [m] from p along the unit vector `dir`, to the bounds of all blocks.
   void clip(Vec3f p, Vec3f dir, float& near, float& far) const {

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "render/burial.hpp"
 #include "render/light.hpp"
 #include "render/view/camera.hpp"
 
@@ -80,24 +81,19 @@ class Cluster {
   Vec3f place_[places];
 };
 
-// Say whether so much snow lies between p and the eye that no grain of p can show. here: volume fraction
-// at p.
-inline bool buried(const Density& snow, Vec3f p, Vec3f eye, float here) {
-  constexpr float full = 0.55f;
-  if (here < full) return false;
-  const Vec3f step = normalize(eye - p) * snow.cell_size();
-  for (float far : {1.0f, 2.2f, 3.4f, 4.6f})
-    if (snow.sample(p + step * far) < full) return false;
-  return true;
-}
-
 // The particles' grains on the film.
 class Projection {
  public:
   // samples: per pixel and axis. J_P: empty, or one per particle.
   Projection(const Density& snow, std::span<const Vec3f> x, std::span<const float> J_P, const Camera& camera,
              const Cluster& cluster, int samples)
-      : snow_(snow), x_(x), J_P_(J_P), camera_(camera), cluster_(cluster), samples_(float(samples)) {}
+      : snow_(snow),
+        x_(x),
+        J_P_(J_P),
+        camera_(camera),
+        cluster_(cluster),
+        burial_(snow, camera.eye),
+        samples_(float(samples)) {}
 
   // Return all grains that can show, in the order of the particles.
   std::vector<Grain> grains() const {
@@ -127,9 +123,9 @@ class Projection {
 
   void add(std::size_t p, std::vector<Grain>& out) const {
     const Vec3f x = x_[p];
-    if (!on_film(camera_.project(x))) return;
+    if (!on_film(camera_.project(x)) || burial_.deep(x)) return;
     const float here = snow_.sample(x);
-    if (buried(snow_, x, camera_.eye, here)) return;
+    if (burial_.buried(x, here)) return;
     const float loose = 1.0f - smoothstep(0.12f, 0.5f, here);
     const float wider = J_P_.empty() ? 1.0f : std::clamp(std::cbrt(J_P_[p]), 0.9f, 1.35f);
     const float powder = Cluster::powder(std::uint32_t(p));
@@ -149,6 +145,7 @@ class Projection {
   std::span<const float> J_P_;
   const Camera& camera_;
   const Cluster& cluster_;
+  Burial burial_;
   float samples_;
 };
 

@@ -92,6 +92,12 @@ class Density:
     def sky(self, x: NDArray[np.float32], normal: Triple) -> NDArray[np.float32]:
         """Return the share (n,) of the open sky's light on a surface at the points (n, 3) [1]."""
 
+    def buried(self, x: NDArray[np.float32], eye: Triple) -> NDArray[np.float32]:
+        """Return (n,): 1 where snow hides the points (n, 3) from the `eye` [m], else 0."""
+
+    def deep(self, x: NDArray[np.float32], eye: Triple) -> NDArray[np.float32]:
+        """Return (n,): 1 where the block around a point says that it is buried; elsewhere it may be, 0."""
+
 class Painter:
     """Draw frames with the same camera and light. A frame depends on its own input only."""
 

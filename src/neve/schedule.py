@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from fractions import Fraction
@@ -79,25 +80,37 @@ class EverySeconds:
 class EveryWallSeconds:
     """Be due at the first frame, then whenever `seconds` [s] of wall time have passed since it last was.
 
-    What is written so must not matter to the results: wall time differs from run to run.
+    What is written so must not matter to the results: wall time differs from run to run. What says how long
+    it `took` becomes due less often, up to every `most` [s], so that it takes at most `share` of the time.
 
     Errors: ValueError if seconds < 0.
     """
 
-    def __init__(self, seconds: float, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        seconds: float,
+        clock: Callable[[], float] = time.monotonic,
+        share: float = 1.0,
+        most: float = math.inf,
+    ) -> None:
         if not seconds >= 0.0:
             raise ValueError(f"EveryWallSeconds({seconds}): the time must be 0 s or more.")
         self.seconds = seconds
-        self._clock = clock
+        self._clock, self._share, self._most = clock, share, most
+        self._wait = seconds
         self._last: float | None = None
 
     def due(self, frame: int) -> bool:
         """Return whether the time has passed, and if so start it again."""
         now = self._clock()
-        if self._last is not None and now - self._last < self.seconds:
+        if self._last is not None and now - self._last < self._wait:
             return False
         self._last = now
         return True
+
+    def took(self, seconds: float) -> None:
+        """Take note of how long it takes to do what is due [s]."""
+        self._wait = max(self.seconds, min(seconds / self._share, self._most))
 
 
 class Never:

@@ -99,3 +99,21 @@ def test_a_roof_hides_the_sky():
         np.array([[0, 0, 0.2], [2.2, 0, 0.2], [30, 0, 0.2]], np.float32), (0, 0, 1)
     )
     assert under < 0.25 < edge < 0.9 < away
+
+
+@pytest.mark.parametrize(
+    "eye", [(40, -60, 30), (0, 0, 5), (0.1, 0.2, 0.3), (1.2, 0, 0), (0, -1.05, 0.3), (-3, -3, -3)]
+)
+@pytest.mark.parametrize("holes", [0, 3, 40])
+def test_what_a_block_calls_buried_is_buried(eye, holes):
+    """A block speaks for all its points, whatever holes there are: it may miss some that looking towards the
+    eye finds, and never takes one that is to be seen. In a heap without holes it finds most."""
+    rng = np.random.default_rng(holes)
+    x = cube((-1, -1, -1), (1, 1, 1), H / 4)
+    x = (x + rng.uniform(-H / 8, H / 8, x.shape)).astype(np.float32)
+    for middle in rng.uniform(-1, 1, (holes, 3)):
+        x = x[((x - middle) ** 2).sum(1) > (1.5 * H) ** 2]
+    density = Density(x, (H / 4) ** 3, H / 2)
+    deep, buried = density.deep(x, eye) > 0, density.buried(x, eye) > 0
+    assert not (deep & ~buried).any()
+    assert deep.sum() > (0.6 * buried.sum() if holes == 0 else 0)

@@ -11,7 +11,7 @@ import zipfile
 import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from neve.system import disk
 MOST_RATIO = 64
 """Bytes of arrays for each byte of file that are believed. Neve does not compress; who does gets less."""
 _CHUNK = 2**20
+_PIECE = 2**22
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -33,8 +34,20 @@ def write_npz(file: BinaryIO, arrays: Mapping[str, Any]) -> int:
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
         for name, value in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, np.asanyarray(value), allow_pickle=False)
+                _write_array(member, np.asanyarray(value))
         return _mark(archive.infolist())
+
+
+def _write_array(file: IO[bytes], array: NDArray[Any]) -> None:
+    """Write what `np.lib.format.write_array` does, without a copy of an array that lies in one piece."""
+    whole = next((a for a in (array, array.T) if a.flags.c_contiguous), None)
+    if whole is None or not array.size or array.dtype.hasobject or array.dtype.kind not in "biufc":
+        np.lib.format.write_array(file, array, allow_pickle=False)
+        return
+    np.lib.format.write_array_header_1_0(file, np.lib.format.header_data_from_array_1_0(array))
+    data = whole.reshape(-1).view(np.uint8).data
+    for start in range(0, len(data), _PIECE):
+        file.write(data[start : start + _PIECE])
 
 
 def read_npz(path: Path) -> dict[str, NDArray[Any]]:

@@ -1,11 +1,14 @@
 """Frame files: what is read back, and what is refused."""
 
+import io
+import zipfile
+
 import numpy as np
 import pytest
 
 from neve.io.errors import RunError
-from neve.io.frames import arrays_of, frame_path, make_frame, read_frame, write_frame
-from neve.io.npz import write_npz
+from neve.io.frames import arrays_of, frame_path, make_frame, read_frame, rows_by_id, write_frame
+from neve.io.npz import read_npz, write_npz
 
 SOLIDS = [(np.array([1.0, 2.0, 3.0]), np.eye(3)), (np.zeros(3), -np.eye(3))]
 
@@ -36,3 +39,28 @@ def test_a_frame_of_an_older_neve_is_refused_in_one_sentence(tmp_path):
         RunError, match=r"000004\.npz was written by an older Neve; run its scene\.toml again"
     ):
         read_frame(tmp_path, 4)
+
+
+@pytest.mark.parametrize("id", [[], [0], [2, 0, 1], [5, 1, 3], [10**9, 7, 10**6]])
+def test_rows_come_in_the_order_of_their_id(id):
+    """With and without gaps, as a sort would put them."""
+    id = np.array(id, np.uint32)
+    assert id[rows_by_id(id)].tolist() == sorted(id.tolist())
+
+
+def test_arrays_come_back_whatever_their_layout(tmp_path):
+    """By rows, by columns, strided, empty, without dimension, of words: values, and bytes as of `np.save`."""
+    a = np.arange(24.0).reshape(2, 3, 4)
+    arrays = {"rows": a, "columns": a.T, "strided": a[:, ::2], "empty": a[:0], "none": np.float64(3)}
+    arrays |= {"words": np.array(["ab", "c"]), "big": a.astype(">f4"), "bools": a > 3, "whole": np.arange(3)}
+    with (tmp_path / "a.npz").open("wb") as file:
+        write_npz(file, arrays)
+    back = read_npz(tmp_path / "a.npz")
+    assert list(back) == list(arrays)
+    with zipfile.ZipFile(tmp_path / "a.npz") as archive:
+        for name, values in arrays.items():
+            assert np.array_equal(back[name], values)
+            assert back[name].dtype == values.dtype
+            buffer = io.BytesIO()
+            np.save(buffer, values)
+            assert archive.read(f"{name}.npy") == buffer.getvalue()

@@ -50,6 +50,23 @@ def test_wall_time():
         EveryWallSeconds(float("nan"))
 
 
+def test_what_takes_long_is_due_less_often():
+    """What takes 0.05 s may take a hundredth of the time every 5 s; the longest wait is a minute."""
+    now = [0.0]
+    timed = EveryWallSeconds(3.0, lambda: now[0], share=0.01, most=60.0)
+
+    def waits():
+        timed.due(0)
+        start, now[0] = now[0], now[0] + 0.5
+        while not timed.due(0):
+            now[0] += 0.5
+        return now[0] - start
+
+    for took, wait in ((0.0, 3.0), (0.05, 5.0), (2.0, 60.0), (0.001, 3.0)):
+        timed.took(took)
+        assert waits() == wait
+
+
 def test_only_regular_schedules_have_an_interval():
     """Wall time has none: how often it is due differs from run to run."""
     assert isinstance(EveryFrames(2), Regular)

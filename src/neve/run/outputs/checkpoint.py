@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Literal
 
 from neve.io.checkpoint import write_checkpoint
@@ -21,8 +22,9 @@ class CheckpointOptions(Scheduled):
 
     kind: Literal["checkpoint"] = entry(
         "checkpoint",
-        "All that a resume needs, in checkpoint; without a schedule every 3 s of wall time. The end of a "
-        "run always has one.",
+        "All that a resume needs, in checkpoint; without a schedule every 3 s of wall time, or less often, "
+        "up to every minute, where it would take more than a hundredth of the time. The end of a run always "
+        "has one.",
         "",
     )
 
@@ -37,10 +39,10 @@ class CheckpointOptions(Scheduled):
 
 @register_output("checkpoint", CheckpointOptions, unasked=lambda scene: True, completes=True)
 class CheckpointOutput:
-    """Write `checkpoint` every few seconds of wall time and at the end, after all else of its frame."""
+    """Write `checkpoint` now and then and at the end, after all else of its frame."""
 
     def __init__(self) -> None:
-        self.schedule: Schedule = EveryWallSeconds(3.0)
+        self.schedule = EveryWallSeconds(3.0, share=0.01, most=60.0)
         self._written: int | None = None
         self._last = 0  # job that writes it
 
@@ -53,12 +55,16 @@ class CheckpointOutput:
         run, frame = context.run, context.frame
         with context.timer.stage("write"):
             run.beside.wait(self._last)  # no two states wait in memory
+            start = time.monotonic()
             arrays, marks = context.sim.arrays(), run.marks()
+            copying = time.monotonic() - start
 
             def write() -> None:
+                start = time.monotonic()
                 disk.sync_folder(run.folder.frames)
                 path = run.folder.checkpoint
                 write_checkpoint(path, frame, run.toml, run.neve, arrays, run.now(marks))
+                self.schedule.took(copying + time.monotonic() - start)
 
             self._last = context.beside(write)
         self._written = frame

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from neve.io.frames import rows_by_id
 from neve.scene.values.curves import keyed
 from neve.solver import Quantised
 from neve.viewer.modes import measure
@@ -118,21 +119,11 @@ def _poses(sim: Simulation) -> list[Pose]:
 
 
 def by_birth(id: NDArray[Any]) -> Callable[[NDArray[Any]], Array]:
-    """Return a function that puts rows in the order of `id` and copies them as float32.
-
-    ids without gaps, as any run has them, need no sort.
-    """
-    n = len(id)
-    dense = n > 0 and int(id.max()) == n - 1
-    order = None if dense else np.argsort(id, kind="stable")
+    """Return a function that puts rows in the order of `id` and copies them as float32."""
+    order = rows_by_id(id)
 
     def ordered(rows: NDArray[Any]) -> Array:
-        rows = np.asarray(rows)
-        if order is not None:
-            out = rows[order].astype(np.float32)
-        else:
-            out = np.empty(rows.shape, np.float32)
-            out[id] = rows
+        out = np.asarray(rows).take(order, axis=0).astype(np.float32, copy=False)
         out.flags.writeable = False
         return out
 
