@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.io.atomic import replacing
+from neve.io.compact.frame import packed, unpacked
+from neve.io.compact.places import DEFLATED
 from neve.io.errors import RunError, cannot_read
 from neve.io.npz import read_npz, write_npz
 
@@ -151,6 +153,10 @@ def _short(values: NDArray[Any]) -> NDArray[Any]:
 
 FOR_LIFE = ("m", "V0")
 """Fields that a particle keeps for life, which stand in the checkpoint."""
+EXACT = (*FOR_LIFE, "solid_position", "solid_rotation", "time")
+"""Arrays that a compact frame has as a plain one."""
+BLOCK_CELLS = 4
+"""Cells along the edge of a block."""
 
 
 def fields_of(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
@@ -187,13 +193,37 @@ def arrays_of(content: Frame) -> dict[str, Any]:
     return {**own, **content.more}
 
 
-def write_frame(folder: Path, frame: int, content: Frame) -> int:
+def block_edge(scene: Scene) -> float | None:
+    """Return the edge [m] of the blocks of a scene's compact frames; None: its frames are plain."""
+    return BLOCK_CELLS * scene.numerics.dx if scene.run.frames == "compact" else None
+
+
+def stored(content: Frame, edge: float | None) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a frame as its file holds them: compact, with blocks of `edge` [m], or plain.
+
+    A frame that is not finite, or too far away, is plain in any case.
+    """
+    plain = {name: np.asarray(values) for name, values in arrays_of(content).items()}
+    return (packed(plain, edge, EXACT) if edge is not None else None) or plain
+
+
+def frame_of_stored(arrays: Mapping[str, NDArray[Any]]) -> Frame:
+    """Return the frame whose file holds these arrays. Errors: ValueError, KeyError, TypeError for others."""
+    return _frame(unpacked(arrays))
+
+
+def write_frame(folder: Path, frame: int, content: Frame, edge: float | None = None) -> int:
     """Write one frame as a file that `np.load` opens; return its mark (see `neve.io.npz.mark_of`).
 
-    Errors: RunError if the disk refuses.
+    edge: as of `stored`. Errors: RunError if the disk refuses.
     """
+    return write_stored(folder, frame, stored(content, edge))
+
+
+def write_stored(folder: Path, frame: int, arrays: Mapping[str, Any]) -> int:
+    """Write a frame of which these are the arrays, and return the same. Errors: RunError."""
     with replacing(frame_path(folder, frame)) as file:
-        return write_npz(file, arrays_of(content))
+        return write_npz(file, arrays, DEFLATED)
 
 
 def read_frame(folder: Path, frame: int) -> Frame:
@@ -206,7 +236,7 @@ def read_frame(folder: Path, frame: int) -> Frame:
         arrays = read_npz(path)
         if "body_position" in arrays:
             raise RunError(f"{path} was written by an older Neve; run its scene.toml again to read it.")
-        return _frame(arrays)
+        return frame_of_stored(arrays)
     except OSError as error:
         raise cannot_read(path, error) from error
     except (ValueError, KeyError, TypeError) as error:

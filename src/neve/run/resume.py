@@ -19,6 +19,7 @@ FREE = (
     "run.duration",
     "run.film",
     "run.fragments",
+    "run.frames",
 )
 """Keys whose values may differ between the scene of a run and the scene that it is resumed with."""
 

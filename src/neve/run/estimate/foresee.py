@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from neve.io.frames import arrays_of, fields_of, frame_of
+from neve.io.frames import block_edge, fields_of, frame_of, stored
 from neve.run.beside import DEPTH
 from neve.run.estimate.crowd import crowd
 from neve.run.estimate.trial import Trial, likeness, pace, silence, trial
@@ -131,7 +131,7 @@ def estimate(
     if scene.is_open:
         return _open(scene, last, foreseen, near, drawing, threads, begin)
     particles = near.count * times
-    frame_bytes = _archive(arrays_of(frame)) * times
+    frame_bytes = _archive(stored(frame, block_edge(scene))) * times
     need, unknown = _needs(scene, last, Sizes(frame_bytes, saved * times, len(near.solids()) * ROW_BYTES))
     steps = _steps(foreseen, last, scene.run.fps)
     state = near.bytes * foreseen.growth + saved + DEPTH * frame_bytes / times
@@ -170,7 +170,7 @@ def guess(scene: Scene, frames: int | None = None, threads: int | None = None) -
     if scene.is_open:
         return _open(scene, last, foreseen, None, PICTURE_SECONDS, threads, begin)
     particles = foreseen.particles * placed_in(scene) / placed_in(likeness(scene, foreseen.coarser))
-    frame_bytes = particles * FRAME_BYTES
+    frame_bytes = particles * FRAME_BYTES[scene.run.frames]
     solids = len(scene.colliders) + len(scene.bodies)
     need, unknown = _needs(scene, last, Sizes(frame_bytes, particles * SAVED_BYTES, solids * ROW_BYTES))
     steps = _steps(foreseen, last, scene.run.fps)
@@ -204,9 +204,14 @@ def _open(
     near: the scene itself or something near it, after some steps; drawing: seconds that a picture takes
     """
     some = crowd(scene, foreseen, last / scene.run.fps)
-    each_frame, each_saved, each = float(FRAME_BYTES), float(SAVED_BYTES), float(SAMPLE_BYTES)
+    each_frame, each_saved, each = (
+        float(FRAME_BYTES[scene.run.frames]),
+        float(SAVED_BYTES),
+        float(SAMPLE_BYTES),
+    )
     if near is not None and near.count:
-        each_frame, each_saved = _archive(arrays_of(_frame(near))) / near.count, _saved(near) / near.count
+        each_frame = _archive(stored(_frame(near), block_edge(scene))) / near.count
+        each_saved = _saved(near) / near.count
         each = near.bytes / near.count
     each_frame += 8.0 if scene.sinks and near is None else 0.0
     solids = len(scene.colliders) + len(scene.bodies)
@@ -233,8 +238,8 @@ SHORT = 4e5
 """Particles times frames, below which a run takes a minute at most with thousand steps a frame."""
 ROW_BYTES = 200
 """Bytes of a row for a solid; measured."""
-FRAME_BYTES, SAVED_BYTES = 34, 122
-"""Bytes of a particle in a frame and in a checkpoint, as MPM writes them."""
+FRAME_BYTES, SAVED_BYTES = {"plain": 34, "compact": 15}, 122
+"""Bytes of a particle in frames and in a checkpoint, as MPM writes them."""
 
 
 def _trial(scene: Scene, particles: float, last: int, seconds: float, threads: int | None) -> Trial | None:

@@ -8,10 +8,19 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from neve.io.errors import RunError
-from neve.io.frames import Frame, fields_of, frame_of, frame_path, write_frame
+from neve.io.frames import (
+    Frame,
+    block_edge,
+    fields_of,
+    frame_of,
+    frame_of_stored,
+    frame_path,
+    stored,
+    write_stored,
+)
 from neve.io.inventory import Inventory
 from neve.io.npz import mark_of
 from neve.io.table import Table
@@ -135,9 +144,9 @@ class RunContext:
         self._frames[frame] = mark
         return True
 
-    def write_frame(self, frame: int, content: Frame) -> None:
-        """Write a frame file of the run. Errors: RunError."""
-        self._frames[frame] = write_frame(self.folder.frames, frame, content)
+    def write_frame(self, frame: int, arrays: Mapping[str, Any]) -> None:
+        """Write a frame file of the run, with these arrays. Errors: RunError."""
+        self._frames[frame] = write_stored(self.folder.frames, frame, arrays)
 
     def seen_from(self, camera: Camera | None) -> Scene:
         """Return the scene with another camera, or with its own."""
@@ -199,12 +208,26 @@ class FrameContext:
         """
         return self.run.beside.do(self.frame, job)
 
+    def take(self) -> None:
+        """Copy the particles now, so that `stored` and `content` can be made of them beside the steps."""
+        _ = self._moment
+
     @functools.cached_property
-    def content(self) -> Frame:
-        """The particles and solids of this frame as a frame file holds them, in the order of their id."""
+    def _moment(self) -> Frame:
+        """A copy of the particles and solids now, in the order of their id."""
         poses = [(pose.position, pose.rotation) for _, pose in self.sim.solids()]
         columns = self.sim.columns()
         return frame_of(columns, poses, self.sim.time, fields_of(self.run.scene, columns))
+
+    @functools.cached_property
+    def stored(self) -> dict[str, Any]:
+        """The arrays of the frame file."""
+        return stored(self._moment, block_edge(self.run.scene))
+
+    @functools.cached_property
+    def content(self) -> Frame:
+        """The particles and solids of this frame as its file says, so that all that shows them agrees."""
+        return self._moment if block_edge(self.run.scene) is None else frame_of_stored(self.stored)
 
     def add_row(self, name: str, values: Mapping[str, object]) -> None:
         """Append a row to the CSV file `name` in the run folder: `frame`, `time` [s], then `values`.

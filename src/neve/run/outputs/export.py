@@ -103,8 +103,9 @@ class ExportOutput:
         """Write the files of this frame."""
         with context.timer.stage("write"):
             self._prepare(context)
-            life, content = self._life(context), context.content
-            context.beside(lambda: self._export(context.frame, content, life))
+            life = self._life(context)
+            context.take()
+            context.beside(lambda: self._export(context.frame, context.content, life))
 
     def close(self, context: FrameContext) -> None:
         """Write what belongs to all frames."""

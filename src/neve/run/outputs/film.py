@@ -85,8 +85,8 @@ class FilmOutput:
     def write(self, context: FrameContext) -> None:
         """Add the frame to the film."""
         with context.timer.stage("film"):
-            content = context.content
-            context.beside(lambda: self._film_frame(context.frame, content))
+            context.take()
+            context.beside(lambda: self._film_frame(context.frame, context.content))
 
     def _film_frame(self, frame: int, content: Frame) -> None:
         self._add_lost()

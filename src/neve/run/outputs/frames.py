@@ -38,7 +38,7 @@ class FrameOutput:
     def resume(self, context: FrameContext) -> None:
         """Write the last frame anew if it is lost, and tell what cannot be written again."""
         if context.frame in self._lost:
-            context.run.write_frame(context.frame, context.content)
+            context.run.write_frame(context.frame, context.stored)
             self._lost.remove(context.frame)
         if self._lost:
             more = f" and {len(self._lost) - 1} more" if len(self._lost) > 1 else ""
@@ -51,8 +51,8 @@ class FrameOutput:
     def write(self, context: FrameContext) -> None:
         """Write the frame."""
         with context.timer.stage("write"):
-            content = context.content
-            context.beside(lambda: context.run.write_frame(context.frame, content))
+            context.take()
+            context.beside(lambda: context.run.write_frame(context.frame, context.stored))
 
     def close(self, context: FrameContext) -> None:
         """Do nothing: each frame is complete."""

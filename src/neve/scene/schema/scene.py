@@ -237,6 +237,12 @@ class Run(Part):
     fragments: Switch = entry(
         False, "Whether to count the pieces of broken snow in every frame and write fragments.csv.", ""
     )
+    frames: Literal["plain", "compact"] = entry(
+        "plain",
+        "Numbers in frame files: `plain`, float32; `compact`, less than half of the bytes, positions to "
+        "3.1e-5 dx and others to 0.05 % ([run folder](run_folder.md#compact-frames)). Checkpoints are exact.",
+        "",
+    )
     fields: tuple[str, ...] = entry(
         (),
         "Further fields of the particles in each frame file, for exports: F_E, tau, density, C, m, V0, "

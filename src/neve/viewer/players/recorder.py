@@ -9,7 +9,7 @@ from neve.io.assets import assets_of, keep_assets, portable
 from neve.io.atomic import write_text, writing
 from neve.io.card import FORMAT, Card, write_card
 from neve.io.errors import RunError
-from neve.io.frames import fields_of, frame_of, write_frame
+from neve.io.frames import block_edge, fields_of, frame_of, write_frame
 from neve.io.run_folder import RunFolder
 from neve.io.version import version
 from neve.scene.errors import SceneError
@@ -63,7 +63,7 @@ class Recorder:
         poses = [(pose.position, pose.rotation) for _, pose in sim.solids()]
         content = frame_of(sim.columns(), poses, sim.time, fields_of(sim.scene, sim.columns()))
         try:
-            write_frame(self.last.frames, self.frames, content)
+            write_frame(self.last.frames, self.frames, content, block_edge(sim.scene))
         except RunError as error:
             self.on = False
             raise SceneError(str(error)) from error
