@@ -5,11 +5,12 @@ import tomllib
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
 import pytest
 
 from neve import fragments
 from neve.io import log
-from neve.io.frames import Frame
+from neve.io.frames import Frame, make_frame, stored
 from neve.io.run_folder import RunFolder
 from neve.mpm.time_step import Bound
 from neve.run.outputs import solids
@@ -32,7 +33,7 @@ def names(table):
     return [name for first, *_ in table for name in re.findall(r"`([^`]+)`", first)]
 
 
-FILES, LOG, FRAGMENTS, SOLIDS, ARRAYS = tables()
+FILES, LOG, FRAGMENTS, SOLIDS, ARRAYS, COMPACT = tables()
 
 
 @pytest.mark.parametrize(
@@ -48,6 +49,25 @@ def test_all_columns_stand_in_the_page(table, columns):
     """Each column and array has its place, and a meaning in the last cell of its row."""
     assert tuple(names(table)) == tuple(columns)
     assert all(row[-1] for row in table)
+
+
+def test_arrays_of_compact_frames_stand_in_the_page():
+    """Each array of a compact frame is named, or stands as NAME with one of the ends that the page names."""
+    n = 64
+    x, ids = np.zeros((n, 3)), np.arange(n, dtype=np.uint32)
+    more = {"m": np.ones(n), "V0": np.ones(n), "tau": np.full((n, 6), 1e6), "source": np.zeros(n, np.uint16)}
+    content = make_frame(x, x, np.ones(n), ids, np.zeros(n, np.uint16), [(x[0], np.eye(3))], 0.0, more)
+    words = {word for row in COMPACT for cell in row for word in re.findall(r"`([^`]+)`", cell)}
+    whole = "material", "source", "id"
+    known = {
+        *words,
+        "tau",
+        "tau_scale",
+        *(f"{name}{end}" for name in whole for end in ("_values", "_counts")),
+    }
+    assert {"NAME_scale", "NAME_values", "NAME_counts"} <= words
+    assert set(stored(content, 0.4)) <= known
+    assert set(names(COMPACT)) >= {name for name in Frame._fields if name != "more"}
 
 
 def test_all_files_stand_in_the_page():
