@@ -189,15 +189,15 @@ def test_full_disk_in_the_middle_of_a_run(fake, scene, tmp_path, monkeypatch):
 
     straight, out = tmp_path / "straight", tmp_path / "full"
     run(fake.Simulation(scene), straight, quiet=True)
-    real = context.write_frame
+    real = context.write_stored
 
-    def write(folder, frame, frame_content):
+    def write(folder, frame, arrays):
         if frame == 3:
             raise RunError(f"{folder} could not be written: the disk is full.")
-        return real(folder, frame, frame_content)
+        return real(folder, frame, arrays)
 
     with monkeypatch.context() as patch:
-        patch.setattr(context, "write_frame", write)
+        patch.setattr(context, "write_stored", write)
         assert "the disk is full" in refusal(run_scene, scene, out, quiet=True)
     run_scene(scene, out, resume=True, quiet=True)
     paths = [(out / "frames" / f"{k:06d}.npz", straight / "frames" / f"{k:06d}.npz") for k in range(9)]

@@ -109,7 +109,7 @@ def test_killed_run_resumes(fake, listed, scene_file, tmp_path, monkeypatch):
         "    real(self, seconds)\n"
         "    if self.steps == 20: import os, signal; os.kill(os.getpid(), signal.SIGKILL)\n"
         "fake_neve.Simulation.advance = advance\n"
-        "from neve.run.outputs import checkpoint; checkpoint.EveryWallSeconds = lambda s: None\n"
+        "from neve import schedule; schedule.EveryWallSeconds.due = lambda self, frame: True\n"
         "from neve.cli import main; main()"
     )
     command = [sys.executable, "-c", program, "run", str(scene_file), "--out", str(out), "--quiet"]
