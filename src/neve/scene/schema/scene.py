@@ -234,14 +234,9 @@ class Run(Part):
     duration: Real = entry(3.0, "Simulated time.", "s", ge=SHORTEST, le=86400)
     fps: Whole = entry(30, "Frames per simulated second.", "1/s", ge=1, le=10000)
     film: Switch = entry(True, "Whether to make a film.", "")
-    fragments: Switch = entry(
-        False, "Whether to count the pieces of broken snow in every frame and write fragments.csv.", ""
-    )
+    fragments: Switch = entry(False, "Whether to count the pieces of broken snow in each frame.", "")
     frames: Literal["plain", "compact"] = entry(
-        "plain",
-        "Numbers in frame files: `plain`, float32; `compact`, less than half of the bytes, positions to "
-        "3.1e-5 dx and others to 0.05 % ([run folder](run_folder.md#compact-frames)). Checkpoints are exact.",
-        "",
+        "plain", "Frame files: in float32, or in fewer bits ([compact](run_folder.md#compact-frames)).", ""
     )
     fields: tuple[str, ...] = entry(
         (),
