@@ -16,6 +16,12 @@ template <Access A, class T>
 NEVE_INLINE void prefetch(const Columns<T>& f, std::size_t p) {
   for (int k = 0; k < f.components(); ++k) __builtin_prefetch(f.column(k) + p, A == Access::write);
 }
+template <Access A, class T, int Components>
+NEVE_INLINE void prefetch(const Field<T, Components>& f, std::size_t p) {
+  const T* first = f.column(0) + p;
+#pragma GCC unroll 9
+  for (int k = 0; k < Components; ++k) __builtin_prefetch(first + k * f.stride(), A == Access::write);
+}
 
 template <class R>
 NEVE_INLINE Vec3<R> load_vector(const Columns<scalar_t<R>>& f, std::size_t p, int count, int first = 0) {

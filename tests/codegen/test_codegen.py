@@ -66,11 +66,11 @@ ALLOWED = {
     "return_map<double>": {"scalar": 11, "narrow": 3, "halves": 14},
 }
 # Calls out of the probe, the most of each: Clang clears a scatter's sums and copies a result of the law by
-# call; exp of float64 is the C library's.
+# call; exp of float64 is the C library's, once for small strains and once for others.
 ALLOWED_CALLS = {
     "scatter<double>": {"memset": 1},
     "return_map<float>": {"memcpy": 1},
-    "return_map<double>": {"memcpy": 1, "exp": 8},
+    "return_map<double>": {"memcpy": 1, "exp": 16},
 }
 
 

@@ -120,6 +120,7 @@ def still(ground):
         mock.patch("neve.validate.run._run", side_effect=KeyboardInterrupt),
         mock.patch("neve.bench.run.Simulation", side_effect=KeyboardInterrupt),
         mock.patch("neve.bench.bodies.Simulation", side_effect=KeyboardInterrupt),
+        mock.patch("neve.bench.loose.Simulation", side_effect=KeyboardInterrupt),
         mock.patch("webbrowser.open"),
         mock.patch("neve.cli.commands.tell", side_effect=KeyboardInterrupt),
     ):

@@ -19,6 +19,7 @@ from typing import Any
 from neve import _core
 from neve.bench.bodies import Share, measure_bodies
 from neve.bench.compare import compared, read_earlier
+from neve.bench.loose import Scattered, measure_loose
 from neve.bench.sleep import Sleepers, measure_sleep
 from neve.bench.spread import Spread
 from neve.scene.errors import SceneError
@@ -194,7 +195,7 @@ def preview() -> Iterator[Once]:
         yield Once(f"preview {name}", sim.state.count, _core.threads(), Spread.of(times[1:]))
 
 
-CASES: dict[str, Callable[[], Iterator[Speed | Once | Share | Sleepers]]] = {
+CASES: dict[str, Callable[[], Iterator[Speed | Once | Share | Sleepers | Scattered]]] = {
     **{name: lambda name=name: iter([measure(name, BLOCKS[name])]) for name in BLOCKS},  # type: ignore[misc]
     "20k_frame": lambda: iter([measure("20k_frame", FRAME)]),
     "matrix": matrix,
@@ -203,6 +204,7 @@ CASES: dict[str, Callable[[], Iterator[Speed | Once | Share | Sleepers]]] = {
     "bodies": lambda: iter([measure_bodies()]),
     "contacts": lambda: iter([measure("contacts", CONTACTS, method="particles")]),
     "sleep": lambda: iter([measure_sleep()]),
+    "loose": lambda: iter([measure_loose()]),
 }
 USUAL = ("20k", "20k_frame", "200k", "1m")
 
@@ -225,7 +227,7 @@ def run(cases: Sequence[str], as_json: bool = False, earlier: str | None = None)
         "python": platform.python_version(),
         **_core.build_info(),
     }
-    results: list[Speed | Once | Share | Sleepers] = []
+    results: list[Speed | Once | Share | Sleepers | Scattered] = []
     if not as_json:
         print(", ".join(f"{key} {value}" for key, value in machine.items()))
     for name in cases or USUAL:
@@ -242,7 +244,7 @@ def run(cases: Sequence[str], as_json: bool = False, earlier: str | None = None)
         print()
 
 
-def text_of(result: Speed | Once | Share | Sleepers) -> str:
+def text_of(result: Speed | Once | Share | Sleepers | Scattered) -> str:
     """Return a result as lines of text."""
     if not isinstance(result, Speed | Once):
         return result.text()

@@ -6,13 +6,16 @@ import io
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scripts import script
 
 from neve.bench import run as bench
 from neve.bench.compare import compared, read_earlier
+from neve.bench.loose import DX, block, measure_loose, scatter
 from neve.bench.spread import Spread
 from neve.io.errors import RunError
+from neve.simulation import Simulation
 
 RESULTS = Path(__file__).parents[3] / "benchmarks/results"
 
@@ -94,3 +97,25 @@ def test_what_holds_no_speeds(tmp_path, text):
         read_earlier(path)
     with pytest.raises(RunError, match="missing"):
         read_earlier(tmp_path / "missing")
+
+
+def test_loose_snow_is_the_block_scattered():
+    """The same particles in a cube with the wanted number a cell, in many more blocks of the grid."""
+    dense, loose = Simulation(block()), Simulation(block())
+    scatter(loose, 0.5)
+    size = np.ptp(np.asarray(loose.state.x), axis=0) / DX
+    assert loose.count == dense.count == 20_000
+    assert loose.count / size.prod() == pytest.approx(0.5, rel=0.01)
+    for sim in (dense, loose):
+        sim.advance(1e-4)
+    assert loose.diagnostics().blocks > 5 * dense.diagnostics().blocks
+
+
+def test_loose_snow_is_measured_beside_dense_snow():
+    """Each stage that took time, in pairs of batches; the text names both and their ratio."""
+    found = measure_loose(per_cell=1.0, batches=2, steps=1)
+    assert (found.particles, found.batches, found.per_cell) == (20_000, 2, 1.0)
+    assert found.ratio.least > 0
+    assert {"p2g", "grid", "g2p"} <= set(found.growth_ns)
+    assert "1 a cell" in found.text()
+    assert f"ratio {found.ratio.median:.2f}" in found.text()
