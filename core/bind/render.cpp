@@ -103,6 +103,26 @@ SharedMesh make_terrain(
       heights.data(), std::int32_t(heights.shape(0)), std::int32_t(heights.shape(1)), size[0], size[1]));
 }
 
+// Water on a plane, with its own copy of the wetness.
+struct HeldPuddle {
+  Puddle puddle;
+  std::vector<float> wet;
+  Puddle seen() const {
+    Puddle out = puddle;
+    out.wet = wet;
+    return out;
+  }
+};
+
+HeldPuddle make_puddle(int solid, const std::array<float, 2>& origin, float cell,
+                       const In<float, nb::shape<-1, -1>>& wet) {
+  if (solid < 0) throw nb::value_error("solid is the number of a plane, from 0");
+  if (!(cell > 0)) throw nb::value_error("cell is above zero");
+  const int rows = int(wet.shape(0)), columns = int(wet.shape(1));
+  return {{solid, origin[0], origin[1], cell, rows, columns, {}},
+          std::vector<float>(wet.data(), wet.data() + wet.size())};
+}
+
 // A painter that two Python threads can share: one picture at a time.
 struct SharedPainter {
   Painter painter;
@@ -110,7 +130,8 @@ struct SharedPainter {
 };
 
 auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volume, float cell_size,
-          const std::vector<Solid>& solids, int threads, const Numbers& water) {
+          const std::vector<Solid>& solids, int threads, const Numbers& water,
+          const std::vector<HeldPuddle>& lying) {
   if (water.shape(0) != 0 && water.shape(0) != x.shape(0))
     throw nb::value_error("water has one number per particle");
   if (J_P.shape(0) != 0 && J_P.shape(0) != x.shape(0))
@@ -124,9 +145,11 @@ auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volu
     nb::gil_scoped_release release;
     const std::lock_guard lock(shared.busy);
     const Threads use(threads);
+    std::vector<Puddle> puddles;
+    for (const HeldPuddle& held : lying) puddles.push_back(held.seen());
     shared.painter.draw(
-        {points, {J_P.data(), J_P.shape(0)}, {water.data(), water.shape(0)}, volume, cell_size}, solids,
-        rgb.data());
+        {points, {J_P.data(), J_P.shape(0)}, {water.data(), water.shape(0)}, volume, cell_size, puddles},
+        solids, rgb.data());
   }
   return array(std::move(rgb), {std::size_t(camera.height), std::size_t(camera.width), 3});
 }
@@ -250,6 +273,8 @@ NB_MODULE(_render, m) {
           },
           "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "surface_material"_a = "paint",
           "mesh"_a = nb::none(), "is_static"_a = false);
+  nb::class_<HeldPuddle>(m, "Puddle", "Melt water that lies on a plane.")
+      .def(nb::new_(&make_puddle), "solid"_a, "origin"_a, "cell"_a, "wet"_a);
   nb::class_<SharedPainter>(m, "Painter", "Draw one frame after the other with the same camera and light.")
       .def(
           "__init__",
@@ -259,5 +284,6 @@ NB_MODULE(_render, m) {
           },
           "camera"_a, "light"_a, "leaf"_a = neve::BvhBuilder::leaf_most)
       .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "solids"_a, "threads"_a, "water"_a,
+           "puddles"_a = std::vector<HeldPuddle>{},
            "Draw particles and solids; return height x width x 3 bytes.");
 }

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "render/ground.hpp"
+#include "render/puddle.hpp"
 #include "render/splat.hpp"
 
 namespace neve::render {
@@ -90,8 +90,11 @@ class Backdrop {
     const SetPoint& set = point_[p];
     const int solid = solid_[p];
     if (solid < 0) return set.unshadowed;
-    return compose(set, between_nodes(r, c, solid));
+    return wetted(set, between_nodes(r, c, solid), solid, camera_.through(float(c) + 0.5f, float(r) + 0.5f));
   }
+
+  // Take the water that lies on planes in this frame.
+  void wet(std::span<const Puddle> puddles) { puddles_ = puddles; }
 
   // The solid in the middle of pixel (r, c); -1 is the sky.
   int solid(int r, int c) const { return solid_[pixel(r, c)]; }
@@ -137,6 +140,14 @@ class Backdrop {
     return set.sun * (a[snow_sun] * a[static_sun] * a[moving_sun]) +
            set.sky * (a[snow_sky] * a[static_sky] * a[moving_sky]) + set.unshadowed;
   }
+  // Light of a point of `solid`, seen along the ray, with the water that lies there.
+  Vec3f wetted(const SetPoint& set, const Arrival& a, int solid, Vec3f ray) const {
+    const Vec3f dry = compose(set, a);
+    if (puddles_.empty()) return dry;
+    return with_water(dry, puddles_, solid, solids()[std::size_t(solid)], camera_, ray,
+                      a[snow_sun] * a[static_sun] * a[moving_sun],
+                      a[snow_sky] * a[static_sky] * a[moving_sky], sky_, light_);
+  }
   // Find one of the shares at a point of `self`.
   float arrival(Share share, const Solid& self, Vec3f point, const Hit& hit) const {
     switch (share) {
@@ -156,7 +167,7 @@ class Backdrop {
     const Vec3f point = camera_.eye + ray * hit.t;
     Arrival here;
     for (int s = snow_sun; s <= moving_sky; ++s) here[std::size_t(s)] = arrival(Share(s), self, point, hit);
-    return compose(set_point(self, hit, camera_, light_, sky_, ray), here);
+    return wetted(set_point(self, hit, camera_, light_, sky_, ray), here, solid, ray);
   }
   std::size_t at(int i, int j) const { return std::size_t(i) * std::size_t(columns_) + std::size_t(j); }
 
@@ -369,6 +380,7 @@ class Backdrop {
   bool any_ = false;    // whether anything has moved since the frame before
   SolidSet set_;
   std::vector<Front> still_front_, front_;  // of the meshes at rest and of all; empty without any
+  std::span<const Puddle> puddles_;         // of this frame
   const Density* snow_ = nullptr;
 };
 

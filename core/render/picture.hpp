@@ -1,6 +1,9 @@
 // A picture of snow, start to end: density, grains, z-buffer, light, film.
 #pragma once
 
+#include <algorithm>
+#include <optional>
+
 #include "render/backdrop.hpp"
 #include "render/snow.hpp"
 #include "render/splat.hpp"
@@ -9,11 +12,12 @@
 namespace neve::render {
 
 struct Particles {
-  std::span<const Vec3f> x;      // [m]
-  std::span<const float> J_P;    // empty, or one per particle: loose snow is drawn looser
-  std::span<const float> water;  // empty, or the liquid share of each particle
-  float volume;                  // of one particle [m3]
-  float cell_size;               // of the density grid [m]
+  std::span<const Vec3f> x;         // [m]
+  std::span<const float> J_P;       // empty, or one per particle: loose snow is drawn looser
+  std::span<const float> water;     // empty, or how wet each particle is: 1 is a drop, 0 dry snow
+  float volume;                     // of one particle [m3]
+  float cell_size;                  // of the density grid [m]
+  std::span<const Puddle> puddles;  // water that lies on planes
 };
 
 // Draw one frame after the other with the same camera and light. A frame depends on its own input only;
@@ -35,7 +39,11 @@ class Painter {
   void draw(const Particles& particles, const std::vector<Solid>& solids, std::uint8_t* rgb) {
     const Density snow(particles.x, particles.volume, particles.cell_size);
     const Cluster cluster(std::cbrt(particles.volume), particles.x.size(), camera_);
-    grains_ = Projection(snow, particles.x, particles.J_P, camera_, cluster, Samples::per_axis).grains();
+    grains_ =
+        Projection(snow, particles.x, particles.J_P, particles.water, camera_, cluster, Samples::per_axis)
+            .grains();
+    near_ = cluster.near();
+    take_drops(particles.water);
     if (!known_ || !same_at_rest(solids, backdrop_.solids())) {
       meshes_ = Raster(solids, camera_, true);
       draw_still(still_, solids, meshes_, camera_);
@@ -44,7 +52,9 @@ class Painter {
     }
     const Raster moving(solids, camera_, false);
     draw_samples(samples_, still_, solids, moving, grains_, camera_);
+    if (!drops_.empty()) splat_drops();
     backdrop_.place(solids, meshes_, moving);
+    backdrop_.wet(particles.puddles);
     backdrop_.illuminate(snow, samples_);
     light_visible(snow, particles.x);
     water_ = particles.water;
@@ -59,14 +69,43 @@ class Painter {
                       });
   }
 
+  // Move the grains that are drops of water from `grains_` to `drops_`: they are clear, and drawn over the rest.
+  void take_drops(std::span<const float> water) {
+    drops_.clear();
+    if (water.empty()) return;
+    const auto is_snow = [&](const Grain& grain) { return water[grain.particle] < 1; };
+    const auto first = std::stable_partition(grains_.begin(), grains_.end(), is_snow);
+    drops_.assign(first, grains_.end());
+    grains_.erase(first, grains_.end());
+  }
+  // Draw them into a z-buffer of their own.
+  void splat_drops() {
+    if (!over_) over_.emplace(camera_);
+    Samples& over = *over_;
+#pragma omp parallel for schedule(dynamic)
+    for (int b = 0; b < over.bands(); ++b) {
+      const int first = b * Samples::band, last = std::min(first + Samples::band, over.height);
+      std::fill(over.row(first), over.row(last - 1) + over.pitch, nothing);
+      for (std::uint32_t g = 0; g < drops_.size(); ++g) {
+        const float wide = std::max(drops_[g].wide, least_radius);
+        if (drops_[g].row + wide >= float(first) && drops_[g].row - wide <= float(last))
+          splat_grain(over, drops_[g], g, first, last);
+      }
+    }
+  }
+
   void light_visible(const Density& snow, std::span<const Vec3f> x) {
     std::vector<std::uint8_t> seen(x.size(), 0);
 #pragma omp parallel for schedule(static)
     for (int r = 0; r < samples_.height; ++r) {
       const Key* row = samples_.row(r);
-      for (int c = 0; c < samples_.width; ++c)
+      const Key* over = drops_.empty() ? nullptr : over_->row(r);
+      for (int c = 0; c < samples_.width; ++c) {
         if (index_of(row[c]) < first_solid)  // several threads may say so of the same particle
           __atomic_store_n(&seen[grains_[index_of(row[c])].particle], 1, __ATOMIC_RELAXED);
+        if (over && over[c] < row[c])
+          __atomic_store_n(&seen[drops_[index_of(over[c])].particle], 1, __ATOMIC_RELAXED);
+      }
     }
     lit_.resize(x.size());
 #pragma omp parallel for schedule(dynamic, 256)
@@ -80,21 +119,37 @@ class Painter {
       for (int c = 0; c < camera_.width; ++c) expose(pixel(r, c), r, c, rgb);
   }
 
+  // The normal of a grain's own round surface at the sample (row r, column c of samples).
+  Vec3f round(const Grain& grain, int r, int c) const {
+    const float inv = 1.0f / std::max(grain.wide, least_radius);
+    const float a = (float(c) + 0.5f - grain.column) * inv, b = (float(r) + 0.5f - grain.row) * inv;
+    const float up = std::sqrt(std::max(1.0f - a * a - b * b, 0.0f));
+    return camera_.right * a + camera_.down * b - camera_.forward * up;
+  }
+  Vec3f ray(int r, int c) const {
+    constexpr float pixel = 1.0f / Samples::per_axis;
+    return camera_.through(pixel * (float(c) + 0.5f), pixel * (float(r) + 0.5f));
+  }
+
+  // Light of what shines `behind` through the drop `g` at a sample.
+  Vec3f drop(std::uint32_t g, int r, int c, Vec3f behind) const {
+    const Grain& grain = drops_[g];
+    const Vec3f clear = drop_light(behind, lit_[grain.particle], light_, backdrop_.sky(), round(grain, r, c),
+                                   normalize(ray(r, c)));
+    const float small = std::min(grain.wide / least_radius, 1.0f);
+    return mix(behind, clear, small * small * (1.0f - haze(grain.depth, camera_.reach)));
+  }
+
   // Light of grain `g` at the sample (row r, column c of samples). behind: gives the light of what is
   // behind it.
   template <class Behind>
   Vec3f snow(std::uint32_t g, int r, int c, const Behind& behind) const {
-    constexpr float pixel = 1.0f / Samples::per_axis;
     const Grain& grain = grains_[g];
     const Lit& lit = lit_[grain.particle];
-    const float inv = 1.0f / std::max(grain.wide, least_radius);
-    const float a = (float(c) + 0.5f - grain.column) * inv, b = (float(r) + 0.5f - grain.row) * inv;
-    const float up = std::sqrt(std::max(1.0f - a * a - b * b, 0.0f));
-    const Vec3f round = camera_.right * a + camera_.down * b - camera_.forward * up;
-    const Vec3f ray = camera_.through(pixel * (float(c) + 0.5f), pixel * (float(r) + 0.5f));
-    Vec3f color = grain_light(lit, light_, round, -normalize(ray), grain.seed);
-    if (!water_.empty() && water_[grain.particle] > 0)
-      color = wet_light(color, behind(), lit, light_, round, -normalize(ray), water_[grain.particle]);
+    const Vec3f round = this->round(grain, r, c), ray = this->ray(r, c);
+    const float water = water_.empty() ? 0.0f : water_[grain.particle];
+    Vec3f color = grain_light(lit, light_, round, -normalize(ray), grain.seed, near_);
+    if (water > 0) color = slush_light(color, lit, light_, round, -normalize(ray), grain.seed, water);
     const float far = haze(grain.depth, camera_.reach);
     if (far > 0) color = mix(color, backdrop_.sky().horizon, far);
     const float small = grain.wide / least_radius;
@@ -117,12 +172,18 @@ class Painter {
         const Key key = samples_.row(r * n + i)[c * n + j];
         const std::uint32_t index = index_of(key);
         const int solid = key == nothing ? -1 : int(index - first_solid);
+        Vec3f seen;
         if (key != nothing && index < first_solid)
-          sum += snow(index, r * n + i, c * n + j, set_light);
+          seen = snow(index, r * n + i, c * n + j, set_light);
         else if (solid == middle)
-          sum += set_light();
+          seen = set_light();
         else
-          sum += backdrop_.light_beside(solid, r, c, i, j);
+          seen = backdrop_.light_beside(solid, r, c, i, j);
+        if (!drops_.empty()) {
+          const Key over = over_->row(r * n + i)[c * n + j];
+          if (over < key) seen = drop(index_of(over), r * n + i, c * n + j, seen);
+        }
+        sum += seen;
       }
     return sum * (1.0f / (n * n));
   }
@@ -145,8 +206,10 @@ class Painter {
   Raster meshes_;  // of the solids that rest
   Samples still_;  // the solids that rest
   Samples samples_;
-  bool known_ = false;  // whether there is anything in the two
-  std::vector<Grain> grains_;
+  bool known_ = false;           // whether there is anything in the two
+  float near_ = 0;               // see Cluster
+  std::optional<Samples> over_;  // drops of water, where there are any
+  std::vector<Grain> grains_, drops_;
   std::span<const float> water_;  // of the particles that are drawn
   std::vector<Lit> lit_;
 };

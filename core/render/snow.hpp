@@ -61,36 +61,59 @@ inline Facet facet_of(std::uint32_t seed) {
 }
 
 // Light that a grain sends to the eye at a point where its own round surface has the normal `round`.
-inline Vec3f grain_light(const Lit& lit, const Light& light, Vec3f round, Vec3f to_eye, std::uint32_t seed) {
+// near: 1 where particles are large in the picture, whose grains shall not look like balls.
+inline Vec3f grain_light(const Lit& lit, const Light& light, Vec3f round, Vec3f to_eye, std::uint32_t seed,
+                         float near) {
   const Facet facet = facet_of(seed);
-  const Vec3f normal = normalize(lit.normal + round * 0.40f + facet.normal * 0.40f);
+  const Vec3f normal =
+      normalize(lit.normal + round * (0.40f - 0.28f * near) + facet.normal * (0.40f - 0.16f * near));
   const float wrap = 0.12f;
   const float sun = std::max((dot(normal, light.sun) + wrap) / (1.0f + wrap), 0.0f);
-  const float rim = 0.80f + 0.20f * saturate(dot(round, to_eye));  // grains shade the gaps between them
+  const float depth = 0.20f - 0.14f * near;
+  const float rim =
+      1.0f - depth + depth * saturate(dot(round, to_eye));  // grains shade the gaps between them
   const float open = 0.86f + 0.22f * dot(normal, lit.normal) * (0.6f + 0.4f * normal.z);  // to the sky
   Vec3f color = (lit.sun * sun + lit.around * open) * (facet.albedo * rim);
   // A few facets lie just so and send the sun into the lens.
   const Vec3f half = normalize(light.sun + to_eye);
   const float glint = dot(half, normalize(facet.normal + lit.normal * 0.8f));
   if (glint > 0.985f)
-    color += lit.sun * (1.2f * smoothstep(0.985f, 1.0f, glint) * saturate(dot(round, to_eye)));
+    color +=
+        lit.sun * ((1.2f - 0.9f * near) * smoothstep(0.985f, 1.0f, glint) * saturate(dot(round, to_eye)));
   return color;
 }
 
-// Light of a grain of which the share `water` is liquid: wet snow throws back less, and bluer light, until it is water that
-// lets what is behind through and mirrors sky and sun.
-inline Vec3f wet_light(Vec3f dry, Vec3f behind, const Lit& lit, const Light& light, Vec3f round, Vec3f to_eye,
-                       float water) {
-  const Vec3f wet = dry * Vec3f{0.66f, 0.76f, 0.86f};
-  const float facing = saturate(dot(round, to_eye));
-  const float mirror = 0.02f + 0.98f * std::pow(1.0f - facing, 5.0f);  // Schlick 1994, water in air
+// Light of a grain of slush, of which the share `water` is liquid. Water between grains of ice takes the edges off: the
+// snow throws back less, and bluer, light, its facets are drowned, and a film of water mirrors the sun.
+// dry: the light of the grain when it is dry.
+inline Vec3f slush_light(Vec3f dry, const Lit& lit, const Light& light, Vec3f round, Vec3f to_eye,
+                         std::uint32_t seed, float water) {
+  const float film = saturate(2.0f * water);
+  const Vec3f normal = normalize(lit.normal + round * 0.12f + facet_of(seed).normal * 0.05f);
+  const float sun = std::max((dot(normal, light.sun) + 0.12f) / 1.12f, 0.0f);
+  const Vec3f slush{0.78f, 0.82f, 0.84f}, soaked{0.47f, 0.56f, 0.61f};  // over the albedo of dry snow
+  const Vec3f tint = water < 1.0f / 3.0f ? mix(Vec3f{1, 1, 1}, slush, 3.0f * water)
+                                         : mix(slush, soaked, 1.5f * water - 0.5f);
+  const Vec3f smooth = (lit.sun * sun + lit.around) * 0.92f;
   const Vec3f half = normalize(light.sun + to_eye);
-  const float glint = std::pow(saturate(dot(half, normalize(round + Vec3f{0, 0, 0.5f}))), 60.0f);
-  const Vec3f under =
-      mix(behind * Vec3f{0.50f, 0.58f, 0.64f}, wet, lit.solid);  // ground, or the heap it runs on
-  const Vec3f clear = under + lit.around * Vec3f{0.05f, 0.08f, 0.11f} * (1.0f - lit.solid) +
-                      light.sky_color * (0.6f * mirror) + lit.sun * (0.8f * glint);
-  return water < 1 ? mix(dry, wet, water) : clear;
+  const float glint = std::pow(saturate(dot(half, normal)), 50.0f);
+  const float slant = 1.0f - saturate(dot(normal, to_eye));
+  const float mirror =
+      0.02f + 0.60f * slant * slant * slant * slant * slant;  // Schlick 1994, of a rough film
+  return mix(dry, smooth, film) * tint + (lit.around * mirror + lit.sun * (0.35f * glint)) * film;
+}
+
+// Light of a drop of water before what shines `behind`: clear, with the sky and the sun on it. ray: of unit length.
+inline Vec3f drop_light(Vec3f behind, const Lit& lit, const Light& light, const Sky& sky, Vec3f round,
+                        Vec3f ray) {
+  const float slant = 1.0f - saturate(-dot(round, ray));
+  const float mirror = 0.02f + 0.98f * slant * slant * slant * slant * slant;  // Schlick 1994, water in air
+  const Vec3f half = normalize(light.sun - ray);
+  const float glint = std::pow(saturate(dot(half, round)), 80.0f);
+  // Rays bend through it towards the other side: the lower half is bright with sky.
+  const Vec3f through = mix(behind, sky.toward(ray * -1.0f, light), 0.25f * saturate(-round.z));
+  return through * (1.0f - mirror) + sky.toward(ray - round * (2.0f * dot(round, ray)), light) * mirror +
+         lit.sun * (1.5f * glint);
 }
 
 }  // namespace neve::render

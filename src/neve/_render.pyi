@@ -98,6 +98,19 @@ class Density:
     def deep(self, x: NDArray[np.float32], eye: Triple) -> NDArray[np.float32]:
         """Return (n,): 1 where the block around a point says that it is buried; elsewhere it may be, 0."""
 
+class Puddle:
+    """Melt water that lies on a plane."""
+
+    def __init__(
+        self, solid: int, origin: tuple[float, float], cell: float, wet: NDArray[np.float32]
+    ) -> None:
+        """Keep a copy of `wet` (nu, nv), 0 dry to 1, at the middles of square cells.
+
+        solid: number of the plane among those that are drawn; origin: corner of the first cell in the plane's
+        own axes [m]; cell: their side [m].
+        Errors: ValueError for a number below 0 or a side that is not above 0.
+        """
+
 class Painter:
     """Draw frames with the same camera and light. A frame depends on its own input only."""
 
@@ -116,12 +129,13 @@ class Painter:
         solids: list[Solid],
         threads: int,
         water: NDArray[np.float32],
+        puddles: list[Puddle] = ...,
     ) -> NDArray[np.uint8]:
         """Draw particles and solids; return the picture (height, width, 3), sRGB, the top row first.
 
         x (n, 3) [m], those that are not finite are left out; J_P (n,) or (0,) [1]; volume: of one particle
         [m3]; cell_size: of the density that light passes through [m]; threads: 0 leaves the choice to OpenMP;
-        water: the liquid share of each particle (n,), or (0,) [1].
+        water: how wet each particle is, 1 a drop (n,), or (0,) [1]; puddles: water that lies on planes.
         Errors: ValueError for sizes that do not fit or are not above zero, or more than 1.6e7 solids.
         """
 

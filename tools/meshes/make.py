@@ -13,7 +13,7 @@ import trimesh
 from contour import contour
 from figures import boot, castle, hare
 from simplify import simplify
-from turned import pine, rock, tyre
+from turned import carrot, hat, pine, rock, tyre
 
 FOLDER = Path(__file__).parents[2] / "src/neve" / "assets" / "meshes"
 
@@ -24,7 +24,7 @@ FIELDS = {
     "castle": (castle, (-1.3, -1.3, -0.07), (1.3, 1.3, 1.37), 0.026, 9000),
     "hare": (hare, (-0.24, -0.15, -0.03), (0.17, 0.15, 0.56), 0.005, 8000),
 }
-TURNED = {"pine": pine, "rock": rock, "tyre": tyre}
+TURNED = {"carrot": carrot, "hat": hat, "pine": pine, "rock": rock, "tyre": tyre}
 MESHES = (*FIELDS, *TURNED)
 
 

@@ -1,4 +1,4 @@
-"""The meshes that are made as turned surfaces, point by point: tyre, pine, rock [m]."""
+"""The meshes that are made as turned surfaces, point by point: tyre, pine, rock, hat, carrot [m]."""
 
 from __future__ import annotations
 
@@ -129,3 +129,23 @@ def rock() -> tuple[Array, Faces]:
     x = direction * radius[:, None] * (0.58, 0.50, 0.42)
     x[:, 2] = np.maximum(x[:, 2], -0.30) + 0.30
     return x, np.asarray(ball.faces)
+
+
+def hat() -> tuple[Array, Faces]:
+    """Return a top hat: 0.26 m high, its brim 0.42 m across, the origin under its middle."""
+    profile = [(0.200, 0.000), (0.208, 0.006), (0.210, 0.013), (0.203, 0.020), (0.150, 0.022)]
+    band = [(0.141, 0.026), (0.139, 0.034), (0.139, 0.066), (0.133, 0.070)]
+    crown = [(0.131, 0.120), (0.134, 0.180), (0.141, 0.240), (0.141, 0.250), (0.132, 0.258), (0.06, 0.260)]
+    angle = np.arange(48) * 2.0 * np.pi / 48
+    return lathe([_star(angle, r, z, 0.0, 0.0, 0.0) for r, z in profile + band + crown])
+
+
+def carrot() -> tuple[Array, Faces]:
+    """Return a carrot with rings and a bend: 0.26 m long along z, 0.07 m thick, the origin at its end."""
+    z = np.linspace(0.0, 1.0, 40)
+    radius = 0.035 * (1.0 - z) ** 0.75 * np.minimum(1.0, 0.72 + 4.0 * z) + 0.002
+    radius *= 1.0 + 0.045 * np.sin(47.0 * z + 2.0 * np.sin(9.0 * z))
+    angle = np.arange(24) * 2.0 * np.pi / 24
+    bend = 0.012 * np.sin(2.3 * z)
+    rings = [_star(angle, r, 0.26 * h, 0.0, 0.0, 0.0) for r, h in zip(radius, z, strict=True)]
+    return lathe([ring + np.array([x, 0.0, 0.0]) for ring, x in zip(rings, bend, strict=True)])

@@ -37,7 +37,7 @@ FOLDER = "render"
 FILM = "render.mp4"
 PART = "render_{:06d}-{:06d}.mp4"
 """Name of a film of some frames, by the first and the last: it takes the place of no film of all."""
-FORMAT = 9
+FORMAT = 10
 """Changes when the same choices give another picture."""
 CHANGEABLE = ("camera", "light")
 """Tables of the scene that may be changed once the snow has moved."""
@@ -244,8 +244,10 @@ class _Job:
                 f" scene of the run {len(self._solids)}: it is a frame of another run."
             )
         moving = self._moving(content, number)
-        F_E = content.more.get("F_E")
-        return self._tracer.draw(content.x, content.v, content.id, moving, self._open_for, F_E)
+        F_E, water = content.more.get("F_E"), content.more.get("phase")
+        return self._tracer.draw(
+            content.x, content.v, content.id, moving, self._open_for, F_E, water, content.J_P
+        )
 
     def _first_and_most(self) -> tuple[Frame, int]:
         """Return the first frame of the run, and the most particles that a frame has."""

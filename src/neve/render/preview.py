@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from neve.render.lighting import (
     sun_color,
     sun_direction,
 )
+from neve.render.melt_water import Puddle, melt_water
 from neve.render.shot import View, opening
 
 if TYPE_CHECKING:
@@ -54,6 +56,7 @@ class Preview:
         self.size = (width, height)
         self.threads = threads
         self.volume = particle_volume(numerics, radius)
+        self.spacing = math.cbrt(self.volume)
         self.cell_size = density_cell(numerics, radius)
         self._meshes: dict[int, tuple[object, _render.Mesh]] = {}
         self._light = _render.Light(sun_direction(light), sun_color(light), sky_color(light))
@@ -79,12 +82,25 @@ class Preview:
         painter = self._seen_from(view or self._start)
         places = np.ascontiguousarray(x, dtype=np.float32)
         ratio = np.ones(0, np.float32) if J_P is None else np.ascontiguousarray(J_P, dtype=np.float32)
-        wet = np.zeros(0, np.float32) if water is None else np.ascontiguousarray(water, dtype=np.float32)
-        drawn = [self._drawn(solid, pose) for solid, pose in solids if solid.visible]
+        wet = np.zeros(0, np.float32)
+        shown = [(solid, pose) for solid, pose in solids if solid.visible]
+        puddles: list[_render.Puddle] = []
+        melt = None if water is None else melt_water(shown, places, water, J_P, self.spacing)
+        if melt is not None:
+            rows = melt.rows[~melt.soaks]
+            wet = melt.wetness(places, self.spacing)
+            places, ratio = np.ascontiguousarray(places[rows]), ratio[rows] if len(ratio) else ratio
+            puddles = [self._puddle(k, puddle) for k, puddle in melt.puddles.items()]
+        drawn = [self._drawn(solid, pose) for solid, pose in shown]
         picture: npt.NDArray[np.uint8] = painter.draw(
-            places, ratio, self.volume, self.cell_size, drawn, self.threads, wet
+            places, ratio, self.volume, self.cell_size, drawn, self.threads, wet, puddles
         )
         return picture
+
+    def _puddle(self, number: int, puddle: Puddle) -> _render.Puddle:
+        """Translate a puddle on solid `number` for the renderer."""
+        u, v = (float(a) for a in puddle.origin)
+        return _render.Puddle(number, (u, v), puddle.cell, puddle.wet)
 
     def _seen_from(self, view: View) -> _render.Painter:
         """Return who draws from `view`; he keeps what is the same in all frames, until the view changes."""

@@ -37,12 +37,17 @@ def test_wall_plough_pushes_snow_together():
 def test_snowman_melts_under_his_hat():
     """The sun makes water of him, the balance holds, and the hat comes down."""
     sim = start("melt", "numerics.dx=0.12", "heat.heat_speed=40000.0")
-    first, hat = sim.diagnostics(), sim.solids()[-1][1].position[2]
+
+    def hat():
+        """The height of his hat [m]."""
+        return next(pose.position[2] for solid, pose in sim.solids() if solid.name == "bodies.0")
+
+    first, high = sim.diagnostics(), hat()
     sim.advance(1.5)
     now = sim.diagnostics()
     assert now.water > 0.15 * now.mass
     assert now.heat - first.heat == pytest.approx(now.heat_taken, rel=1e-9)
-    assert sim.solids()[-1][1].position[2] < hat - 0.1
+    assert hat() < high - 0.1
     assert sim.scene.caption == "heat x 40000 real time"
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 import neve._render as _render
 from neve.render.path_tracing.daylight import LUMINANCE, exposure
+from neve.render.path_tracing.drops import draw_drops
 from neve.render.path_tracing.snow import unit
 
 if TYPE_CHECKING:
@@ -62,11 +63,19 @@ def denoised(
 
 
 def develop(
-    layers: Layers, lens: Lens, light: Light, daylight: Light, kind: Kind, dx: float, clean: bool
+    layers: Layers,
+    lens: Lens,
+    light: Light,
+    daylight: Light,
+    kind: Kind,
+    dx: float,
+    clean: bool,
+    spacing: float = 0.0,
 ) -> Floats:
     """Return exposed linear light (h, w, 3), 1 is white.
 
-    light: of the picture; daylight: what it is exposed for; dx: of the snow's grid [m]; clean: denoise.
+    light: of the picture; daylight: what it is exposed for; dx: of the snow's grid [m]; clean: denoise;
+    spacing of the particles [m], for the size of drops.
     """
     scale, balance = exposure(daylight)
     if layers.sky is not None:
@@ -90,6 +99,8 @@ def develop(
     out = np.maximum(seen, 0.0) * (scale * balance).astype(np.float32)
     if layers.flakes is not None and kind.sparkle:
         _glint(out, layers, lens, light, kind.sparkle)
+    if layers.drops is not None:
+        draw_drops(out, layers.drops, spacing, layers.depth, lens, light, scale * balance)
     return np.asarray(out, np.float32)
 
 

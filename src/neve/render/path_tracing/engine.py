@@ -42,12 +42,13 @@ def triangles(
     normals: NDArray[Any] | None = None,
     places: NDArray[Any] | None = None,
     colors: NDArray[Any] | None = None,
+    wet: NDArray[Any] | None = None,
 ) -> Any:
     """Return a mesh of Mitsuba.
 
     vertices (n, 3) [m]; faces (m, 3); properties: "bsdf" and "interior", loaded or as dictionaries;
     normals (n, 3); places (n, 2): texture coordinates; colors (n, 3): reflectance at each vertex, as the
-    attribute "vertex_color".
+    attribute "vertex_color". wet (n,): how much of a film of water lies there, as "vertex_wet".
     """
     mi = mitsuba()
     held = mi.Properties()
@@ -56,6 +57,8 @@ def triangles(
     mesh = mi.Mesh(name, len(vertices), len(faces), held, normals is not None, places is not None)
     if colors is not None:
         mesh.add_attribute("vertex_color", 3, _flat(colors))
+    if wet is not None:
+        mesh.add_attribute("vertex_wet", 1, _flat(wet))
     parameters = mi.traverse(mesh)
     _fill(parameters, "vertex_positions", _flat(vertices))
     _fill(parameters, "faces", np.ascontiguousarray(faces, np.uint32).ravel())
@@ -76,6 +79,20 @@ def _fill(parameters: Any, key: str, values: NDArray[Any]) -> None:
     else:
         held[...] = values
         parameters.set_dirty(key)
+
+
+def wetted(dry: dict[str, Any], under: dict[str, Any], roughness: float) -> dict[str, Any]:
+    """Return a material: `dry` where the attribute "vertex_wet" is 0, under a film of water where it is 1.
+
+    under: reflectance of what lies below the water; roughness: of the film.
+    """
+    film = {"type": "principled", "base_color": under, "roughness": roughness, "eta": 1.33}
+    return {"type": "blendbsdf", "weight": attribute("wet"), "dry": dry, "film": film}
+
+
+def attribute(name: str) -> dict[str, Any]:
+    """Return the texture of what `triangles` was given for each vertex: "color" or "wet"."""
+    return {"type": "mesh_attribute", "name": f"vertex_{name}"}
 
 
 def bitmap(values: NDArray[Any], interpolated: bool = True) -> dict[str, Any]:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.render.path_tracing.engine import triangles
+from neve.render.melt_water import Puddle
+from neve.render.path_tracing.engine import attribute, triangles, wetted
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.textures import fractal
 
@@ -22,6 +23,10 @@ SOIL, DRY, STONE, RIME = (
     np.array(c)
     for c in ((0.060, 0.050, 0.042), (0.150, 0.128, 0.105), (0.17, 0.16, 0.15), (0.42, 0.445, 0.48))
 )
+WET = np.array([0.40, 0.38, 0.37])
+"""Reflectance of wet earth over that of dry: our choice."""
+FILLED = 0.55
+"""Share of the depth of the relief to which water fills it where it is wettest."""
 HAZE = np.array([0.42, 0.44, 0.47])
 """Reflectance of what lies far away, over which the air's light has come."""
 FAR = 400.0
@@ -32,11 +37,14 @@ LEAST = 1e-3
 """Height of a camera over the ground, in the same unit, from which the ground is laid out at least."""
 
 
-def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -> Any:
+def ground(
+    lens: Lens, position: Array, rotation: Array, dx: float, name: str, puddle: Puddle | None = None
+) -> Any:
     """Return the mesh of a plane through `position` whose normal is the last column of `rotation`.
 
     Its vertices lie where every second pixel of the picture meets the plane, closer to each other than what
     can be seen, and coarsely around; the relief is a function of the place alone. dx [m]: of the snow's grid.
+    puddle: water that lies on it.
     """
     eye = (lens.eye - position) @ rotation
     if abs(eye[2]) < LEAST * lens.distance:  # in the plane itself nothing of it is seen
@@ -45,6 +53,9 @@ def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -
     far = np.hypot(u - eye[0], v - eye[1])
     pixel = 1.2 * np.hypot(far, eye[2]) / lens.focal
     height, color = relief(u, v, pixel, dx)
+    film = None
+    if puddle:
+        height, color, film = wet_relief(height, color, puddle.wetness(u, v).astype(np.float64), dx)
     away = far / lens.distance
     veil = 1.0 - np.exp(-((np.maximum(away - 2.0, 0.0) / 25.0) ** 2))
     color = color + (HAZE - color) * veil[..., None]
@@ -58,9 +69,10 @@ def ground(lens: Lens, position: Array, rotation: Array, dx: float, name: str) -
         name,
         vertices,
         _sides(*u.shape),
-        {"bsdf": _earth()},
+        {"bsdf": _earth() if film is None else _wet_earth()},
         normals=surface_normals(local, eye).reshape(-1, 3) @ rotation.T,
         colors=color.reshape(-1, 3),
+        wet=None if film is None else film.ravel(),
     )
 
 
@@ -82,6 +94,18 @@ def relief(u: Array, v: Array, pixel: Array, dx: float) -> tuple[Array, Array]:
     color = color + (STONE * (1.0 + 0.3 * tint[..., None]) - color) * np.minimum(4.0 * stones, 1.0)[..., None]
     grit = fractal(u, v, 0.7 * dx, 3, 0.8, pixel, 177)[..., None]
     return height, np.clip(color * (1.0 + 0.30 * grit), 0.01, 0.8)
+
+
+def wet_relief(height: Array, color: Array, wet: Array, dx: float) -> tuple[Array, Array, Array]:
+    """Return height [m] and reflectance of earth that is `wet` (0 to 1), and the share of a film of water.
+
+    Wet earth is dark; water fills its hollows up to a level that rises with wetness, and is flat there.
+    """
+    level = DEPTH * dx * (FILLED * wet - 1.0)
+    under = np.clip((level - height) / (0.06 * DEPTH * dx), 0.0, 1.0) * np.clip(3.0 * wet, 0.0, 1.0)
+    dark = color * (1.0 - (1.0 - WET) * np.clip(1.6 * wet, 0.0, 1.0)[..., None])
+    film = np.maximum(under, 0.25 * wet)
+    return np.where(level > height, height + under * (level - height), height), dark, film
 
 
 def _grid(lens: Lens, eye: Array, rotation: Array) -> tuple[Array, Array]:
@@ -165,7 +189,9 @@ def _sides(rows: int, columns: int) -> NDArray[np.uint32]:
 
 
 def _earth() -> dict[str, Any]:
-    return {
-        "type": "twosided",
-        "bsdf": {"type": "diffuse", "reflectance": {"type": "mesh_attribute", "name": "vertex_color"}},
-    }
+    return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": attribute("color")}}
+
+
+def _wet_earth() -> dict[str, Any]:
+    dry = {"type": "diffuse", "reflectance": attribute("color")}
+    return {"type": "twosided", "bsdf": wetted(dry, attribute("color"), 0.12)}

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 Triple = tuple[float, float, float]
 
@@ -50,6 +54,22 @@ KINDS = {
     "blue_hour": Kind(sun=0.10, sky=1.35, sparkle=0.0),
 }
 """Kinds of snow by their word: blue_hour is fresh snow when the sun has almost set."""
+
+
+SLUSH, WATER = (0.80, 0.84, 0.87), (0.56, 0.64, 0.69)
+"""Reflectance of snow a third of which is water, and of water between grains: our choice."""
+
+
+def wet_color(dry: Triple, wet: NDArray[Any]) -> NDArray[np.float32]:
+    """Return the reflectance (n, 3) of snow of liquid shares `wet` (n,), from `dry` over slush to water."""
+    at = [0.0, 1.0 / 3.0, 1.0]
+    colors = [np.interp(wet, at, values) for values in zip(dry, SLUSH, WATER, strict=True)]
+    return np.stack(colors, axis=1).astype(np.float32)
+
+
+def film_on(wet: NDArray[Any]) -> NDArray[np.float32]:
+    """Return the share (n,) of a surface with the liquid shares `wet` (n,) on which a film of water lies."""
+    return np.asarray(np.clip(2.0 * np.asarray(wet), 0.0, 1.0), np.float32)
 
 
 PHASES = ("henyey_greenstein", "cornette_shanks")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.backend import Cpu
+from neve.render.melt_water import Water, mean_at, melt_water
 from neve.render.path_tracing.develop import develop
 from neve.render.path_tracing.engine import RenderError
 from neve.render.path_tracing.lens import Lens
@@ -167,13 +168,20 @@ class PathTracer:
         at: Callable[[float], tuple[Sequence[tuple[Solid, Pose]], View]],
         open_for: float,
         F_E: NDArray[Any] | None = None,
+        water: NDArray[Any] | None = None,
+        J_P: NDArray[Any] | None = None,
     ) -> Floats:
         """Return exposed linear light (height, width, 3), 1 is white.
 
         x (n, 3) [m]; v (n, 3) [m/s]; id (n,); at: tells of a time after the frame [s] where the solids are
         and the view of the camera; open_for: how long the shutter is open [s]; F_E (n, 3, 3): deformation
-        gradients that carry the grains; None: those that neighbours tell.
+        gradients that carry the grains; None: those that neighbours tell. water (n,): liquid shares, None: no
+        particle is wet; J_P (n,): volumes over those at birth, which water has less of than snow.
         """
+        wet = None if water is None else melt_water(at(0.0)[0], x, water, J_P, self._scene.numerics.spacing)
+        if wet is not None:  # what lies on the ground is drawn with it
+            x, v, id = x[wet.rows], v[wet.rows], id[wet.rows]
+            F_E = None if F_E is None else F_E[wet.rows]
 
         def seen(dt: float) -> Moment:
             solids, view = at(dt)
@@ -181,9 +189,9 @@ class PathTracer:
 
         times = exposures(x, v, seen, open_for, self.quality.samples) if open_for else [0.0]
         if len(times) == 1:
-            layers = self._layers(x, id, seen(0.0), F_E)
+            layers = self._layers(x, id, seen(0.0), F_E, wet)
         else:
-            layers = self._blurred(x, v, id, seen, open_for, times, F_E)
+            layers = self._blurred(x, v, id, seen, open_for, times, F_E, wet)
         return develop(
             layers,
             seen(0.0)[1],
@@ -192,15 +200,22 @@ class PathTracer:
             self._kind,
             self._scene.numerics.dx,
             self._choices.denoise,
+            spacing=self._scene.numerics.spacing,
         )
 
     def _layers(
-        self, x: NDArray[Any], id: NDArray[Any], moment: Moment, F_E: NDArray[Any] | None = None
+        self,
+        x: NDArray[Any],
+        id: NDArray[Any],
+        moment: Moment,
+        F_E: NDArray[Any] | None = None,
+        wet: Water | None = None,
     ) -> Layers:
         """Return what is seen at one moment."""
         samples = self.quality.samples
         if self.quality.look != "metaballs":
-            return self._tracer.trace(self._own.submit(self.geometry, x, id, F_E), *moment, samples)
+            snow = self._own.submit(self.geometry, x, id, F_E, wet)
+            return self._tracer.trace(snow, *moment, samples, puddles=wet.puddles if wet else {})
         return self._metaballs(x, moment, samples)
 
     def _blurred(
@@ -212,6 +227,7 @@ class PathTracer:
         open_for: float,
         times: Sequence[float],
         F_E: NDArray[Any] | None,
+        wet: Water | None = None,
     ) -> Layers:
         """Return the mean of what is seen at several times, with as many paths together as a still has."""
         samples = max(1, round(self.quality.samples / len(times)))
@@ -219,10 +235,11 @@ class PathTracer:
             return mean(
                 self._metaballs(x + np.float32(dt) * v, seen(dt), samples, k) for k, dt in enumerate(times)
             )
-        motion = Motion(self.geometry(x, id, F_E), x, v, self._scene.numerics.spacing)
+        motion = Motion(self.geometry(x, id, F_E, wet), x, v, self._scene.numerics.spacing)
+        puddles = wet.puddles if wet else {}
         rays, middle = max(1, round(self.quality.rays / len(times))), seen(0.0)[1]
         layers = mean(
-            self._tracer.trace(motion.after(dt), *seen(dt), samples, k, rays, middle)
+            self._tracer.trace(motion.after(dt), *seen(dt), samples, k, rays, middle, puddles)
             for k, dt in enumerate(times)
         )
         half = 0.5 * open_for
@@ -234,21 +251,35 @@ class PathTracer:
         balls = snow_balls(together(x, spacing), spacing)
         return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, moment[1])
 
-    def geometry(self, x: NDArray[Any], id: NDArray[Any], F_E: NDArray[Any] | None = None) -> SnowGeometry:
+    def geometry(
+        self,
+        x: NDArray[Any],
+        id: NDArray[Any],
+        F_E: NDArray[Any] | None = None,
+        wet: Water | None = None,
+    ) -> SnowGeometry:
         """Return the snow of a frame as it is drawn."""
-        first = self._first.result()
+        first, spacing = self._first.result(), self._scene.numerics.spacing
         F = first.origin.gradients(id, x) if F_E is None else F_E
-        size = FLAKE_SIZE["diffuse" if self.quality.look == "diffuse" else "other"]
-        return snow_geometry(
-            x,
-            id,
-            first.weights_of(id),
-            self._scene.numerics.spacing,
+        size = FLAKE_SIZE["diffuse" if self.quality.look == "diffuse" else "other"] * self._kind.flake_size
+        weights = first.weights_of(id)
+        if wet is None:
+            return snow_geometry(x, id, weights, spacing, self.count, self._flakes, size, carried(F))
+        own = ~(wet.flies | wet.soaks)
+        snow = snow_geometry(
+            x[own],
+            id[own],
+            (weights * wet.volume)[own],
+            spacing,
             self.count,
             self._flakes,
-            size * self._kind.flake_size,
-            carried(F),
+            size,
+            carried(F[own]),
+            wet.share[own],
         )
+        near = ~wet.flies  # water among snow is no body of its own: it wets what is around
+        film = mean_at(snow.surface.vertices, x[near], wet.share[near], spacing)
+        return replace(snow, wet=film, drops=np.asarray(x[wet.flies], np.float32))
 
 
 def _use_threads(count: int) -> None:

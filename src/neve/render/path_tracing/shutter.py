@@ -117,9 +117,9 @@ class Motion:
 
 
 def mean(exposed: Iterator[Layers]) -> Layers:
-    """Return the mean of several layers; the flakes of the first."""
+    """Return the mean of several layers; the flakes and drops of the first."""
     total, count = next(exposed), 1
-    names = [field.name for field in fields(Layers) if field.name != "flakes"]
+    names = [field.name for field in fields(Layers) if field.name not in ("flakes", "drops")]
     for layers in exposed:
         count += 1
         for name in names:

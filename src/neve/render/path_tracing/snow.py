@@ -19,6 +19,8 @@ LUMPS = 0.40
 """Strength of lumps: a particle weighs exp(LUMPS n), n noise of deviation 1 at its first place."""
 LUMP_SIZES = (14.0, 6.3, 2.8, 1.3)
 """Sizes of lumps in particle spacings, all as strong: with one size alone snow looks like polystyrene."""
+SOAKED = 0.35
+"""Liquid share of a particle from which a film of water hides its flakes."""
 LOOSE, FIRM = 0.60, 0.88
 """Share of packed snow at a grain, from which its flake begins to shrink, and at which it is gone."""
 
@@ -54,11 +56,17 @@ class Flakes:
 
 @dataclass(frozen=True)
 class SnowGeometry:
-    """Hold the surface and the flakes of a frame; size: of a grain [m]."""
+    """Hold the surface and the flakes of a frame; size: of a grain [m].
+
+    wet (n,): how wet the snow is at each vertex of the surface, 0 dry, 1 water; None: all dry. drops (m, 3):
+    places of water that flies [m]
+    """
 
     surface: SurfaceMesh
     flakes: Flakes
     size: float
+    wet: Floats | None = None
+    drops: Floats | None = None
 
 
 NOTHING = SnowGeometry(
@@ -102,20 +110,25 @@ def snow_geometry(
     flakes: float,
     flake_size: float,
     carry: Carry = STILL,
+    water: NDArray[Any] | None = None,
 ) -> SnowGeometry:
     """Return the surface and the flakes of a frame.
 
     x (n, 3) [m], finite; id (n,); weights (n,): see `lumps`; spacing [m]; count: grains of a particle;
     flakes: share of those at the surface that are drawn, see `flake_share`; flake_size: their mean radius
-    in grain sizes; carry: how the snow of the particles has moved.
+    in grain sizes; carry: how the snow of the particles has moved; water (n,): their liquid shares. Wet snow
+    has no flakes.
     """
     grains = grains_of(x, id, spacing, count, carry)
     firm = snow_field(grains, weights)
     surface = mesh_of(firm, LEVEL)
-    return SnowGeometry(surface, _flakes(grains, id, firm, flakes, flake_size), grains.size)
+    chosen = _flakes(grains, id, firm, flakes, flake_size, water)
+    return SnowGeometry(surface, chosen, grains.size)
 
 
-def _flakes(grains: Grains, id: NDArray[Any], within: Any, share: float, size: float) -> Flakes:
+def _flakes(
+    grains: Grains, id: NDArray[Any], within: Any, share: float, size: float, water: NDArray[Any] | None
+) -> Flakes:
     """Choose the flakes: grains at the surface, those whose random number is below a share that is the same
     in all frames."""
     first = np.asarray(id, np.uint64)[:, None] * np.uint64(512)
@@ -125,6 +138,8 @@ def _flakes(grains: Grains, id: NDArray[Any], within: Any, share: float, size: f
     here = grains.x[chosen]
     firm = within.sample(here)
     t = np.clip((FIRM - firm) / (FIRM - LOOSE), 0.0, 1.0)
+    if water is not None:
+        t *= np.clip(1.0 - np.asarray(water, np.float32)[chosen // grains.count] / SOAKED, 0.0, 1.0) ** 2
     chosen, here, t = (a[t > 0.0] for a in (chosen, here, t))
     kept = names[chosen]
     turns = grains.carry.turn

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.render.lighting import is_ground
+from neve.render.melt_water import Puddle
 from neve.render.path_tracing.daylight import emitters, sun_keys
-from neve.render.path_tracing.engine import mitsuba, rgb, triangles
+from neve.render.path_tracing.engine import attribute, mitsuba, rgb, triangles, wetted
 from neve.render.path_tracing.ground import ground
 from neve.render.path_tracing.lens import Lens
-from neve.render.path_tracing.looks import REFERENCE, Kind, Medium, Quality, capped, similar
+from neve.render.path_tracing.looks import (
+    REFERENCE,
+    Kind,
+    Medium,
+    Quality,
+    capped,
+    film_on,
+    similar,
+    wet_color,
+)
 from neve.render.path_tracing.optics import cornette_shanks, slab_reflectance
 from neve.render.path_tracing.snow import Flakes, SnowGeometry
 from neve.render.path_tracing.solids import Materials, loaded, solid_shape
@@ -49,7 +60,7 @@ class Layers:
 
     sun, sky: light of each; of a look with one pass all is in `sun` and sky is None. albedo and normal (h,
     w, 3) of what is seen, and the share of snow in it (h, w), None where there is a volume. depth (h, w):
-    distance of what is seen first [m], 0 for the sky
+    distance of what is seen first [m], 0 for the sky; flakes; drops (n, 3): places of water that flies [m]
     """
 
     sun: Floats
@@ -59,6 +70,7 @@ class Layers:
     depth: Floats | None = None
     snow: Floats | None = None
     flakes: Flakes | None = field(default=None)
+    drops: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -100,20 +112,22 @@ class Tracer:
         part: int = 0,
         rays: int | None = None,
         middle: Lens | None = None,
+        puddles: Mapping[int, Puddle] = MappingProxyType({}),
     ) -> Layers:
         """Return the light of a frame, seen through `lens`.
 
         snow: or what is still at work on it: it is asked for once the solids are made. samples: paths a
         pixel, of each pass. Of a picture of several exposures: part: number of this one; middle: what the
         frame itself is seen through, whose random numbers and endless ground all have. rays: of a pixel that
-        look what it shows; None: as the quality has it.
+        look what it shows; None: as the quality has it. puddles: water on planes, by their number in
+        `solids`.
         """
         middle = middle or lens
         seed = (middle.seed + PARTS * part) % 2**28
         parts: dict[str, Any] = {"type": "scene", **emitters(self.light)}
         for n, (solid, pose) in enumerate(solids):
             if solid.visible:
-                parts[f"solid{n}"] = self._solid(solid, pose, n, middle)
+                parts[f"solid{n}"] = self._solid(solid, pose, n, middle, puddles.get(n))
         snow = snow.result() if isinstance(snow, Future) else snow
         parts |= self._snow(snow)
         parts["integrator"] = self._integrator()
@@ -128,11 +142,14 @@ class Tracer:
         }
         parts["sensor"] = lens.sensor(self._mi, film, samples, seed)
         scene = self._mi.load_dict(parts)
-        return self._passes(scene, snow.flakes, seed, rays or self._quality.rays)
+        return replace(self._passes(scene, snow.flakes, seed, rays or self._quality.rays), drops=snow.drops)
 
-    def _solid(self, solid: Solid, pose: Pose, n: int, lens: Lens) -> Any:
-        """Return the mesh of a solid; one that stays where it is is made once, the ground for each view."""
+    def _solid(self, solid: Solid, pose: Pose, n: int, lens: Lens, puddle: Puddle | None) -> Any:
+        """Return the mesh of a solid; one that stays where it is is made once, the ground for each view, and
+        in each frame where it is wet."""
         key = f"solid{n}"
+        if puddle and is_ground(solid):
+            return ground(lens, pose.position, pose.rotation, self._scene.numerics.dx, key, puddle)
         if key in self._kept and self._kept[f"{key} seen"] in (None, lens):
             return self._kept[key]
         self._kept[f"{key} seen"] = None
@@ -174,18 +191,29 @@ class Tracer:
             }
         if len(surface.faces):
             held: dict[str, Any] = {"bsdf": self._load("white", {"type": "twosided", "bsdf": white})}
+            wet, colors = None, None
+            if snow.wet is not None:
+                wet, colors = film_on(snow.wet), wet_color(self._kind.diffuse, snow.wet)
+                held = {"bsdf": self._load("slush", self._slush())}
+            elif self._is_volume:
+                held = {"bsdf": self._load("null", {"type": "null"})}
             if self._is_volume:
-                held = {
-                    "bsdf": self._load("null", {"type": "null"}),
-                    "interior": self._load("snow", medium_of(self.medium())),
-                }
+                held["interior"] = self._load("snow", medium_of(self.medium()))
             # Without normals of its own a surface as fine as this one is crisper, and its shadows end well.
-            out["snow"] = triangles("snow", surface.vertices, surface.faces, held)
+            out["snow"] = triangles("snow", surface.vertices, surface.faces, held, colors=colors, wet=wet)
         if len(flakes.radii):
             vertices, faces = flakes.triangles()
             flake = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb(self._flake_color())}}
             out["flakes"] = triangles("flakes", vertices, faces, {"bsdf": self._load("flake", flake)})
         return out
+
+    def _slush(self) -> dict[str, Any]:
+        """Return the material of snow that is wet in places; on a volume, which is clear, water lies."""
+        dry: dict[str, Any] = {"type": "diffuse", "reflectance": attribute("color")}
+        if self._is_volume:
+            dry = {"type": "null"}
+        slush = wetted(dry, attribute("color"), 0.3)
+        return slush if self._is_volume else {"type": "twosided", "bsdf": slush}
 
     def _flake_color(self) -> tuple[float, ...]:
         """Return the reflectance of flakes: with the paper's constants that of its thick snow."""
