@@ -224,6 +224,22 @@ auto spread(const In<float, nb::shape<-1, -1, 3>>& light, const In<float, nb::sh
   return held;
 }
 
+void bind_painter(nb::module_& m) {
+  nb::class_<HeldPuddle>(m, "Puddle", "Melt water that lies on a plane.")
+      .def(nb::new_(&make_puddle), "solid"_a, "origin"_a, "cell"_a, "wet"_a);
+  nb::class_<SharedPainter>(m, "Painter", "Draw one frame after the other with the same camera and light.")
+      .def(
+          "__init__",
+          [](SharedPainter* self, const Camera& camera, const Light& light, std::uint32_t leaf) {
+            if (leaf < 1) throw nb::value_error("leaf is 1 or more");
+            new (self) SharedPainter{Painter(camera, light, leaf), {}};
+          },
+          "camera"_a, "light"_a, "leaf"_a = neve::BvhBuilder::leaf_most)
+      .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "solids"_a, "threads"_a, "water"_a,
+           "puddles"_a = std::vector<HeldPuddle>{},
+           "Draw particles and solids; return height x width x 3 bytes.");
+}
+
 }  // namespace
 
 NB_MODULE(_render, m) {
@@ -273,17 +289,5 @@ NB_MODULE(_render, m) {
           },
           "shape"_a, "position"_a, "rotation"_a, "half"_a, "color"_a, "surface_material"_a = "paint",
           "mesh"_a = nb::none(), "is_static"_a = false);
-  nb::class_<HeldPuddle>(m, "Puddle", "Melt water that lies on a plane.")
-      .def(nb::new_(&make_puddle), "solid"_a, "origin"_a, "cell"_a, "wet"_a);
-  nb::class_<SharedPainter>(m, "Painter", "Draw one frame after the other with the same camera and light.")
-      .def(
-          "__init__",
-          [](SharedPainter* self, const Camera& camera, const Light& light, std::uint32_t leaf) {
-            if (leaf < 1) throw nb::value_error("leaf is 1 or more");
-            new (self) SharedPainter{Painter(camera, light, leaf), {}};
-          },
-          "camera"_a, "light"_a, "leaf"_a = neve::BvhBuilder::leaf_most)
-      .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "solids"_a, "threads"_a, "water"_a,
-           "puddles"_a = std::vector<HeldPuddle>{},
-           "Draw particles and solids; return height x width x 3 bytes.");
+  bind_painter(m);
 }

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import neve._render as _render
 from neve.render.path_tracing.daylight import LUMINANCE, exposure
-from neve.render.path_tracing.drops import draw_drops
+from neve.render.drops import draw_drops
 from neve.render.path_tracing.snow import unit
 
 if TYPE_CHECKING:
