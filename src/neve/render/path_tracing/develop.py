@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import neve._render as _render
-from neve.render.path_tracing.daylight import LUMINANCE, exposure
 from neve.render.drops import draw_drops
+from neve.render.path_tracing.daylight import LUMINANCE, exposure
 from neve.render.path_tracing.snow import unit
 
 if TYPE_CHECKING:
