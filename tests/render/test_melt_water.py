@@ -110,6 +110,14 @@ def test_water_on_the_ground_is_a_dark_patch():
     assert np.array_equal(wet[corner], dry[corner])
 
 
+def test_water_without_numbers_is_left_out():
+    """A particle that is not finite changes nothing, be it snow or water."""
+    x, lost = block(), np.float32([[np.nan, 0, 0], [0, np.inf, 0], [0, 0, -np.inf]])
+    share = np.where(np.arange(len(x)) % 3, 0.2, 1.0).astype(np.float32)
+    both = np.concatenate([x, lost]), np.concatenate([share, np.ones(3, np.float32)])
+    assert np.array_equal(drawn(*both), drawn(x, share))
+
+
 def test_a_drop_is_clear():
     """A drop before snow changes its light by little: what it shows is the snow, not what lies behind it."""
     x = block()

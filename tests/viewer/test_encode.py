@@ -172,3 +172,14 @@ def test_fragments_get_names_that_last():
     other = measure("fragment", {"x": lambda: x, "J_P": lambda: J_P}, 0.1)
     assert set(other[:200]) == {0.0}
     assert other[399] == one[399]
+
+
+@pytest.mark.parametrize("share", [None, np.array([0.0, 0.25, 1.0], np.float32)])
+def test_snow_is_sent_as_wet_as_it_is(share):
+    """In the mode "snow" a particle's value is its liquid share, of 65535; without heat it is 0."""
+    poses = ((np.zeros(3), np.eye(3)),)
+    shown = Snapshot(cloud(3), {} if share is None else {"phase": share}, poses, 0.0, 0)
+    head, body = unframed(encode(shown, "snow", Scale(), 1))
+    values = np.frombuffer(body, "<u2").reshape(-1, 4)[:, 3].tolist()
+    assert head["mode"] == "snow"
+    assert values == ([0, 0, 0] if share is None else [0, 16384, 65535])

@@ -164,7 +164,7 @@ def lying_on(
     x (n, 3) [m]; water (n,): liquid shares; spacing of particles in snow at rest [m].
     """
     found: dict[int, NDArray[np.int64]] = {}
-    rows = np.flatnonzero(np.asarray(water) >= WATER)
+    rows = np.flatnonzero((np.asarray(water) >= WATER) & np.isfinite(x).all(axis=1))
     for k, (solid, pose) in enumerate(solids):
         if not (len(rows) and solid.endless and solid.visible):
             continue
@@ -183,9 +183,9 @@ def puddle_of(pose: Pose, x: NDArray[Any], volume: NDArray[Any], spacing: float)
     those that are not left out.
     """
     at = ((np.asarray(x, np.float64) - pose.position) @ pose.rotation)[:, :2]
-    middle = np.median(at, axis=0)
-    near = np.abs(at - middle).max(axis=1) < 0.5 * MOST * spacing
-    at, amount = at[near], np.broadcast_to(volume, len(x))[near]
+    amount = np.broadcast_to(volume, len(x))
+    near = np.abs(at - np.median(at, axis=0)).max(axis=1) < 0.5 * MOST * spacing
+    at, amount = at[near], amount[near]
     low = np.floor(at.min(axis=0) / spacing) - BLURS - 1
     cells = np.floor(at / spacing - low).astype(np.int64)
     shape = cells.max(axis=0) + BLURS + 2

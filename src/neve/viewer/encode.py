@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from neve.viewer.modes import MODES, Scale
+from neve.viewer.modes import MODES, WETNESS, Scale
 from neve.viewer.players.snapshot import Snapshot
 from neve.viewer.protocol.messages import StateHead, vector
 from neve.viewer.protocol.state import framed, pack
 
 
 def encode(snapshot: Snapshot, mode: str, scale: Scale, version: int) -> bytes:
-    """Return the message that shows `snapshot`, the state number `version`, in colour mode `mode`."""
-    values = snapshot.values.get(mode)
-    limits = scale.limits(mode, values) if values is not None else (0.0, 1.0)
+    """Return the message that shows `snapshot`, the state number `version`, in colour mode `mode`.
+
+    In the mode "snow" the value of a particle is its liquid share, 0 if nothing melts.
+    """
+    values = snapshot.values.get(WETNESS if mode == "snow" else mode)
+    limits = scale.limits(mode, values) if values is not None and mode != "snow" else (0.0, 1.0)
     packed = pack(snapshot.x, values, limits)
     head: StateHead = {
         "kind": "state",

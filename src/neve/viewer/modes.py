@@ -27,6 +27,9 @@ FIRE: Palette = ((58, 34, 104), (122, 34, 104), (190, 54, 68), (246, 132, 42), (
 THAW: Palette = ((244, 248, 252), (196, 222, 240), (120, 180, 224), (52, 120, 196), (16, 60, 140))
 DIVERGING: Palette = ((26, 62, 140), (110, 160, 214), (238, 238, 238), (232, 150, 96), (150, 34, 28))
 
+WETNESS = "phase"
+"""The mode whose values say in the mode "snow" how wet each particle is."""
+
 MOST_FRAGMENTS = 400_000
 """Particles above which fragments are not looked for: it would take longer than a snapshot lasts."""
 

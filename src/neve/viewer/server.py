@@ -21,7 +21,7 @@ from neve.viewer import safety
 from neve.viewer.describe import describe
 from neve.viewer.encode import encode
 from neve.viewer.exports.exports import Exports
-from neve.viewer.modes import MODES, Scale
+from neve.viewer.modes import MODES, WETNESS, Scale
 from neve.viewer.players.player import Player
 from neve.viewer.protocol import commands
 from neve.viewer.protocol.messages import Message
@@ -197,7 +197,8 @@ class Server:
                 self.player.submit(command)
 
     def _update_modes(self) -> None:
-        self.player.modes = {client.mode for client in self._clients} - {"snow"}
+        seen = {client.mode for client in self._clients}
+        self.player.modes = seen - {"snow"} | ({WETNESS} if "snow" in seen else set())
 
     async def _send_messages(self, client: Client) -> None:
         while True:

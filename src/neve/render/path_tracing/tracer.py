@@ -43,6 +43,8 @@ FREE_PATHS = 5.0
 """Mean free paths of light in a grid spacing of the snow, in the looks "medium" and "fast": sigma_t dx."""
 MOST_EXTINCTION = 362.0
 """Extinction that these have at most [1/m]: 724 (1 - 0.5), the paper's made isotropic."""
+BESIDE_VOLUME = np.float32(0.82)
+"""Reflectance of a wet surface beside a volume over that beside a white one, which is brighter."""
 LONGEST = 2048
 """Scatterings after which roulette ends paths even where no light is lost."""
 ANGLES = 512
@@ -195,6 +197,8 @@ class Tracer:
             if snow.wet is not None:
                 wet, colors = film_on(snow.wet), wet_color(self._kind.diffuse, snow.wet)
                 held = {"bsdf": self._load("slush", self._slush())}
+                if self._is_volume:
+                    colors *= BESIDE_VOLUME
             elif self._is_volume:
                 held = {"bsdf": self._load("null", {"type": "null"})}
             if self._is_volume:

@@ -103,7 +103,10 @@ class Exports:
         scene, size = seen_from(self._player.scene, camera), (camera.width, camera.height)
         painter = Painter(scene, solids, size=size, radius=self._player.radius())
         positions, rotations = [p for p, _ in snapshot.poses], [R for _, R in snapshot.poses]
-        image = painter.draw_arrays(snapshot.x, snapshot.values.get("J_P"), positions, rotations)
+        values = snapshot.values
+        image = painter.draw_arrays(
+            snapshot.x, values.get("J_P"), positions, rotations, water=values.get("phase")
+        )
         path = free_name(self._folder, "picture", ".png")
         write_png(path, image)
         return path

@@ -151,7 +151,7 @@ class Replay {
   }
 
   /**
-   * Put the particles on the lines between two keys; their value is the speed.
+   * Put the particles on the lines between two keys; their value is the speed, and none where snow is drawn: it is dry.
    * @param {number} frame
    */
   place(frame) {
@@ -162,7 +162,7 @@ class Replay {
     const [a, b] = [this.keys[k], this.keys[last]];
     const span = Math.max(1, keys[last] - keys[k]);
     const t = Math.min(1, Math.max(0, (frame - keys[k]) / span));
-    const value = (MOST * step[0] * fps) / (FAST * span);
+    const value = this.mode === "snow" ? 0 : (MOST * step[0] * fps) / (FAST * span);
     const { q } = this;
     for (let i = 0; i < n; i++) {
       const [x, y, z] = [a[i], a[n + i], a[2 * n + i]];

@@ -5,8 +5,9 @@
     n x 8 bytes  x, y, z and the value, each 16 bit, little endian: position = low + step q
 
 A position is off by at most half a step, 1/131070 of the snow's extent along each axis: 0.04 mm for snow of
-5 m. The value runs from 0, the lowest of the legend, to 65535; of names it is the name itself. A particle
-without finite numbers is put at q = (65535, 65535, 65535) and is not drawn.
+5 m. The value runs from 0, the lowest of the legend, to 65535; of names it is the name itself, and of snow
+in its own look its liquid share. A particle without finite numbers is put at q = (65535, 65535, 65535) and
+is not drawn.
 """
 
 from __future__ import annotations

@@ -21,6 +21,9 @@ import { Program, depthTexture, halfFloatTexture, makeTarget } from "./webgl.js"
 
 const SUN_SIZES = [256, 512, 1024];
 const SHADOW_SIZE = 1024;
+const WATER_SIZE = 512;
+const DAMP = 6e-4; // depth of water at which ground is wet [m], as in the film
+const MELTED = 0.4; // volume of the water of a particle over that of its snow
 const SKY_TILE = 192;
 const SKY_COLUMNS = 4;
 const SKY_ROWS = 3;
@@ -37,6 +40,9 @@ export class OpacityMaps {
     this.sky = this.makeMap(SKY_TILE * SKY_COLUMNS, SKY_TILE * SKY_ROWS);
     this.suns = SUN_SIZES.map((size) => this.makeMap(size, size));
     this.sun = this.suns[0];
+    this.water = new Program(gl, SHADERS.waterVertex, SHADERS.waterSums);
+    this.waterDepth = halfFloatTexture(gl, WATER_SIZE, WATER_SIZE, gl.LINEAR);
+    this.waterTarget = makeTarget(gl, [this.waterDepth], null);
     this.shadowDepth = depthTexture(gl, SHADOW_SIZE, SHADOW_SIZE);
     this.shadowTarget = makeTarget(gl, [], this.shadowDepth);
     this.rows = 1;
@@ -139,6 +145,7 @@ export class OpacityMaps {
       uSunDepth: { texture: this.sun.depth, unit: 3 },
       uSunDepths: { texture: this.sun.sums, unit: 4 },
       uSolidDepth: { texture: this.shadowDepth, unit: 5 },
+      uWater: { texture: this.waterDepth, unit: 8 },
       uMaps: this.ready && quality > 0 ? 1 : 0,
     };
   }
@@ -149,8 +156,9 @@ export class OpacityMaps {
    * @param {Drawn} scene
    * @param {(program: Program) => void} drawSolids
    * @param {number} quality 0 no maps, 1 fast, 2 full
+   * @param {boolean} wet whether the particles' values are their liquid shares
    */
-  update(snow, scene, drawSolids, quality) {
+  update(snow, scene, drawSolids, quality, wet) {
     const gl = this.gl;
     this.ball = snow.ball;
     this.layers = [1.5, 4, 10, 30].map((cells) => cells * scene.cell);
@@ -163,6 +171,7 @@ export class OpacityMaps {
       const last = quality > 1 ? 2 : 1;
       this.sun = this.suns[Math.min(last, SUN_SIZES.findIndex((size) => size >= texels) >>> 0)];
       this.fill(this.sun, 12, 1, this.sun.width, snow, scene, quality > 1 ? 1e9 : 60000);
+      this.pour(snow, scene, wet);
       this.ready = true;
       gl.bindFramebuffer(gl.FRAMEBUFFER, this.shadowTarget);
       gl.viewport(0, 0, SHADOW_SIZE, SHADOW_SIZE);
@@ -180,6 +189,33 @@ export class OpacityMaps {
     gl.drawArrays(gl.POINTS, 0, snow.count);
     gl.bindVertexArray(null);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
+  /**
+   * Find how deep water is, seen from above: that of a particle is spread over a disc of two spacings around it.
+   * @param {SnowCloud} snow
+   * @param {Drawn} scene
+   * @param {boolean} wet
+   */
+  pour(snow, scene, wet) {
+    const gl = this.gl;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.waterTarget);
+    gl.viewport(0, 0, WATER_SIZE, WATER_SIZE);
+    gl.disable(gl.DEPTH_TEST);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    if (!wet) return;
+    const texel = (2 * snow.ball[3]) / WATER_SIZE;
+    const size = Math.max(2, (5 * scene.spacing) / texel);
+    const area = 0.25 * Math.PI * (size * texel) ** 2;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    const weight = (MELTED * scene.spacing ** 3) / area / DAMP;
+    this.water.use({ ...this.frame(), uLow: snow.low, uStep: snow.step, uSize: size, uWeight: weight });
+    gl.bindVertexArray(snow.array(1));
+    gl.drawArrays(gl.POINTS, 0, snow.count);
+    gl.bindVertexArray(null);
+    gl.disable(gl.BLEND);
   }
 
   /**

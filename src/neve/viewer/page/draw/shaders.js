@@ -3,6 +3,8 @@
 // density grid, the page asks deep opacity maps (Yuksel and Keyser 2008): for each of 13 directions the depth at which
 // snow begins and the optical depth of what follows, in four layers.
 
+import { GLSL_TILES, GLSL_WET_GROUND, GLSL_WET_SNOW, WATER_SHADERS } from "./water_shaders.js";
+
 export const GLSL_HEAD = `#version 300 es
 precision highp float;
 precision highp int;
@@ -29,15 +31,6 @@ float haze(float far) { return 1.0 - exp(-0.10 * max(far / uReach - 1.25, 0.0));
 vec3 film(vec3 light) {
   vec3 e = 1.0 - exp(-1.05 * pow(max(light, 0.0), vec3(1.15)));
   return mix(12.92 * e, 1.055 * pow(e, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, e));
-}
-`;
-
-const GLSL_TILES = `
-const int SKIES = 12;
-uniform vec3 uDirection[13], uAcross[13], uAlong[13];  // 0..11 the sky and below, 12 the sun
-uniform vec4 uBall;  // centre and radius of the snow [m]
-vec2 cellOf(int k, vec2 st) {
-  return k == SKIES ? 0.5 * st + 0.5 : (vec2(float(k % 4), float(k / 4)) + 0.5 * st + 0.5) / vec2(4.0, 3.0);
 }
 `;
 
@@ -114,6 +107,7 @@ vec3 fractal(vec2 at, float size, int octaves, float gain, float pixel, uint see
 `;
 
 export const SHADERS = {
+  ...WATER_SHADERS,
   // Depth and optical depth of the snow seen from the lights: one instance for each direction.
   mapVertex: `
 layout(location = 0) in vec3 aPlace;
@@ -200,11 +194,12 @@ layout(location = 1) in float aValue;
 uniform vec3 uLow, uStep;
 uniform mat4 uMatrix;
 uniform vec3 uForward;
-uniform float uSpacing, uFocal, uGrains, uSpread, uSize;
+uniform float uSpacing, uFocal, uGrains, uSpread, uSize, uColored;
+uniform vec4 uFloor;  // normal of the ground, and its height below the origin: what lies on it is drawn with it
 uniform sampler2D uLight, uNormal;
 ${GLSL_COMMON}
 out vec3 vSun, vAround, vNormal, vFacet;
-out float vValue, vFar, vAlbedo, vWide;
+out float vValue, vFar, vAlbedo, vWide, vWet;
 flat out uint vSeed;
 void main() {
   vec3 p = uLow + uStep * aPlace;
@@ -218,13 +213,21 @@ void main() {
   p += uSpread * uSpacing * offset;
   float u = unit(seed), uneven = 0.65 + 0.75 * u * u;
   float radius = uSize * 0.68 * uSpacing / pow(uGrains, 0.3333) * uneven * mix(1.0, 0.62, loose);
+  vWet = uColored < 0.5 ? aValue / 65535.0 : 0.0;
+  bool drop = vWet > 0.95;
+  if (drop) {  // one smooth ball of about its water
+    p -= uSpread * uSpacing * offset;
+    radius = 0.30 * uSpacing * (0.6 + 0.5 * u);
+  }
   gl_Position = uMatrix * vec4(p, 1.0);
   float depth = max(dot(p - uEye, uForward), 1e-4);
   // Close up a grain is no ball: its outline is uneven, within a sprite that is larger.
   vWide = smoothstep(3.0, 8.0, 2.0 * radius * uFocal / depth);
   gl_PointSize = clamp(2.0 * radius * (1.0 + 0.45 * vWide) * uFocal / depth, 1.3, 120.0);
   vSeed = seed;
-  if (aPlace.x + aPlace.y + aPlace.z > 196604.0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  bool lost = aPlace.x + aPlace.y + aPlace.z > 196604.0;
+  bool lies = dot(uFloor.xyz, p) + uFloor.w < 1.2 * uSpacing, soaks = shape.w < 0.85;
+  if (lost || (drop && (lies || soaks || gl_InstanceID > 0))) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   vFacet = normalize(vec3(unit(scramble(seed + 4u)), unit(scramble(seed + 5u)), unit(scramble(seed + 6u))) - 0.5);
   vAlbedo = 0.90 + 0.08 * unit(scramble(seed + 7u));
   vNormal = normalize(shape.xyz);
@@ -243,7 +246,7 @@ uniform vec3 uRight, uUp, uForward;
 uniform sampler2D uPalette;
 uniform float uColored;  // 0: snow, 1: amounts, 2: names
 in vec3 vSun, vAround, vNormal, vFacet;
-in float vValue, vFar, vAlbedo, vWide;
+in float vValue, vFar, vAlbedo, vWide, vWet;
 flat in uint vSeed;
 out vec4 color;
 float corner(uvec3 i) {
@@ -267,13 +270,14 @@ vec3 named(float value) {
   float turn = fract(value * 0.61803399) * 6.2831853;
   return 0.42 + 0.34 * cos(turn + vec3(0.0, 2.1, 4.2));
 }
+${GLSL_WET_SNOW}
 void main() {
   vec2 at = 2.0 * gl_PointCoord - 1.0;
   float square = dot(at, at);
   if (square > 1.0) discard;
   vec3 round_ = uRight * at.x - uUp * at.y - uForward * sqrt(1.0 - square);
   vec3 toEye = -uForward, bump = vec3(0.0);
-  if (vWide > 0.0) {
+  if (vWide > 0.0 && vWet < 0.95) {
     vec3 rim_ = (uRight * at.x - uUp * at.y) * inversesqrt(max(square, 1e-6));
     float edge = 0.74 + 0.20 * lumps(1.1 * rim_).x + 0.09 * lumps(4.1 * rim_ + 3.0).x;
     if (square > mix(1.0, edge * edge, vWide)) discard;
@@ -290,7 +294,9 @@ void main() {
     light = base * base * (0.42 + 0.95 * shade);
   } else {
     float glint = dot(normalize(uSun + toEye), normalize(vFacet + vNormal * 0.8));
-    light += vSun * (1.2 * smoothstep(0.985, 1.0, glint));
+    float film_ = clamp(2.0 * vWet, 0.0, 1.0);
+    light += vSun * (1.2 * smoothstep(0.985, 1.0, glint) * (1.0 - film_));
+    if (vWet > 0.0) light = wet(light, film_, round_, toEye, glint);
   }
   color = vec4(film(mix(light, horizon(), vFar)), 1.0);
 }`,
@@ -333,6 +339,7 @@ uniform mat4 uModel;
 uniform float uGround, uPixel, uBound, uHalo;
 in vec3 vPoint, vNormal, vLocal;
 out vec4 color;
+${GLSL_WET_GROUND}
 void main() {
   vec3 toEye = uEye - vPoint, direction = -normalize(toEye);
   float distance_ = length(toEye), far = haze(distance_);
@@ -362,6 +369,7 @@ void main() {
     vec3 half_ = normalize(uSun - direction);
     light += uSunColor * (0.12 * arrives * step(0.001, lit) * pow(clamp(dot(normal, half_), 0.0, 1.0), 40.0));
   }
+  if (uGround > 0.5 && uGround < 1.5) light = wetGround(light, flat_, direction, pixel, open, arrives);
   light += uGlow * (0.25 + 0.75 * pow(1.0 - abs(dot(flat_, direction)), 2.0));
   light = mix(light, sky(normalize(vec3(direction.xy, 0.0001))), far);
   float dither = (unit(scramble(uint(gl_FragCoord.x) * 65536u + uint(gl_FragCoord.y))) - 0.5) / 255.0;

@@ -175,7 +175,13 @@ export class Stage {
     const state = this.state;
     if (gl.isContextLost() || !scene || !state) return;
     if (this.stale) {
-      this.maps.update(this.snow, scene, (program) => this.drawShadows(program), this.quality);
+      this.maps.update(
+        this.snow,
+        scene,
+        (program) => this.drawShadows(program),
+        this.quality,
+        state.mode === "snow",
+      );
       this.stale = false;
     }
     const { sun, sun_color: uSunColor, sky_color: uSkyColor } = scene.light;
@@ -226,6 +232,7 @@ export class Stage {
       uGrains: grains,
       uSpread: grains > 1 ? 0.66 : 0.0,
       uSize: this.size * (grains > 1 ? 1 : 1.1),
+      uFloor: this.floor(scene),
       uColored: state.mode === "snow" ? 0 : state.classes ? 2 : 1,
       uLight: { texture: this.maps.table.light, unit: 7 },
       uNormal: { texture: this.maps.table.normal, unit: 6 },
@@ -234,6 +241,18 @@ export class Stage {
     gl.bindVertexArray(snow.array(1));
     gl.drawArraysInstanced(gl.POINTS, 0, snow.count, grains);
     gl.bindVertexArray(null);
+  }
+
+  /**
+   * Return the normal of the ground and how far it lies below the origin [m]; without any, far below.
+   * @param {Drawn} scene
+   */
+  floor(scene) {
+    const i = scene.solids.findIndex((solid) => solid.ground && solid.shape === "plane");
+    const pose = i < 0 ? null : this.poseOf(i);
+    if (!pose) return [0, 0, 0, 1e9];
+    const normal = R.column(pose.turn, 2);
+    return [...normal, -V.dot(normal, pose.place)];
   }
 
   /**
