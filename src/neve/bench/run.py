@@ -22,6 +22,7 @@ from neve.bench.compare import compared, read_earlier
 from neve.bench.loose import Scattered, measure_loose
 from neve.bench.sleep import Sleepers, measure_sleep
 from neve.bench.spread import Spread
+from neve.bench.walk import Walk, measure_walk
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Camera, Collider, Numerics, Scene, Source
 from neve.scene.values.choices import SPLINES, TRANSFERS
@@ -195,7 +196,13 @@ def preview() -> Iterator[Once]:
         yield Once(f"preview {name}", sim.state.count, _core.threads(), Spread.of(times[1:]))
 
 
-CASES: dict[str, Callable[[], Iterator[Speed | Once | Share | Sleepers | Scattered]]] = {
+def mpm_ns() -> float:
+    """Measure the time that all threads spend on a step of material points, over the particles [ns]."""
+    speed = measure("20k", BLOCKS["20k"])
+    return 1e9 * speed.threads / speed.rate.median
+
+
+CASES: dict[str, Callable[[], Iterator[Speed | Once | Share | Sleepers | Scattered | Walk]]] = {
     **{name: lambda name=name: iter([measure(name, BLOCKS[name])]) for name in BLOCKS},  # type: ignore[misc]
     "20k_frame": lambda: iter([measure("20k_frame", FRAME)]),
     "matrix": matrix,
@@ -205,6 +212,7 @@ CASES: dict[str, Callable[[], Iterator[Speed | Once | Share | Sleepers | Scatter
     "contacts": lambda: iter([measure("contacts", CONTACTS, method="particles")]),
     "sleep": lambda: iter([measure_sleep()]),
     "loose": lambda: iter([measure_loose()]),
+    "walk": lambda: iter([measure_walk(mpm_ns)]),
 }
 USUAL = ("20k", "20k_frame", "200k", "1m")
 
@@ -227,7 +235,7 @@ def run(cases: Sequence[str], as_json: bool = False, earlier: str | None = None)
         "python": platform.python_version(),
         **_core.build_info(),
     }
-    results: list[Speed | Once | Share | Sleepers | Scattered] = []
+    results: list[Speed | Once | Share | Sleepers | Scattered | Walk] = []
     if not as_json:
         print(", ".join(f"{key} {value}" for key, value in machine.items()))
     for name in cases or USUAL:
@@ -244,7 +252,7 @@ def run(cases: Sequence[str], as_json: bool = False, earlier: str | None = None)
         print()
 
 
-def text_of(result: Speed | Once | Share | Sleepers | Scattered) -> str:
+def text_of(result: Speed | Once | Share | Sleepers | Scattered | Walk) -> str:
     """Return a result as lines of text."""
     if not isinstance(result, Speed | Once):
         return result.text()

@@ -14,7 +14,9 @@ from neve.bench import run as bench
 from neve.bench.compare import compared, read_earlier
 from neve.bench.loose import DX, block, measure_loose, scatter
 from neve.bench.spread import Spread
+from neve.bench.walk import FPS, measure_walk
 from neve.io.errors import RunError
+from neve.scene.reading.load import load
 from neve.simulation import Simulation
 
 RESULTS = Path(__file__).parents[3] / "benchmarks/results"
@@ -119,3 +121,18 @@ def test_loose_snow_is_measured_beside_dense_snow():
     assert {"p2g", "grid", "g2p"} <= set(found.growth_ns)
     assert "1 a cell" in found.text()
     assert f"ratio {found.ratio.median:.2f}" in found.text()
+
+
+@pytest.mark.filterwarnings("ignore::neve.scene.errors.SceneWarning")
+def test_walk_counts_pictures():
+    """The steps of a picture, its times and the share of sleepers are those of the scene that is measured."""
+    scene = load("walk_live", ["numerics.dx=0.15", "numerics.sleep_after=0.02"])
+    found = measure_walk(lambda: 33.0, scene, settled=0.2, pictures=3)
+    assert found.pictures == 3
+    assert found.steps * scene.numerics.dt_max >= 1 / FPS
+    assert 0.0 < found.asleep < 1.0
+    assert 0.0 < found.wall_ms.least <= found.wall_ms.median <= found.wall_ms.largest
+    awake = found.particles * (1.0 - found.asleep) * found.steps
+    assert found.step_ns.median == pytest.approx(1e6 * found.cpu_ms.median / awake, rel=0.9)
+    assert f"{found.particles:,} particles" in found.text()
+    assert "material points 33 ns" in found.text()

@@ -60,3 +60,19 @@ def test_boots_leave_prints():
     beside = (np.abs(x[:, 0] + 0.7) < 0.06) & (np.abs(x[:, 1] - 0.3) < 0.06)
     assert x[print_, 2].max(initial=0.0) < 0.8 * x[beside, 2].max()
     assert J[print_].mean() < 0.97 * J[beside].mean()
+
+
+def test_prints_of_snow_that_sleeps_are_those_of_snow_that_does_not():
+    """Where the first boot stood the snow is as high, to half a radius, and as dense, to a tenth."""
+    height, density = [], []
+    for sleep in ("true", "false"):
+        sim = start("walk_live", "numerics.dx=0.08", f"numerics.sleep={sleep}")
+        sim.advance(0.4)
+        sim.advance(0.45)
+        assert (sim.diagnostics().asleep > 0.3 * sim.count) == (sleep == "true")
+        x, J = np.asarray(sim.state.x), np.asarray(sim.state.J_P)
+        print_ = (np.abs(x[:, 0] + 0.7) < 0.08) & (np.abs(x[:, 1] + 0.075) < 0.04)
+        height.append(x[print_, 2].max())
+        density.append(1.0 / J[print_].mean())
+    assert height[0] == pytest.approx(height[1], abs=0.5 * sim.radius)
+    assert density[0] == pytest.approx(density[1], rel=0.1)
