@@ -3,14 +3,17 @@
 import numpy as np
 import pytest
 
+from neve import Simulation
 from neve.export.run import Choices, export_run
 from neve.io.checkpoint import read_checkpoint
 from neve.io.frames import FOR_LIFE, read_frame
 from neve.io.npz import read_npz
 from neve.io.run_folder import RunFolder
 from neve.run import run_scene
+from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.fragments import count_run
 from neve.scene.reading.load import load
+from neve.stage_timer import StageTimer
 from neve.viewer.exports.replay import replay_page
 
 SCENE = """
@@ -95,3 +98,15 @@ def test_what_particles_keep_for_life_is_exact(scene, tmp_path):
     for name in FOR_LIFE:
         assert np.array_equal(found.more[name], arrays[name][order])
     assert np.abs(found.more["F_E"] - arrays["F_E"][order]).max() <= 2**-11 * np.abs(arrays["F_E"]).max()
+
+
+def test_numbers_that_are_not_finite_are_handed_on(scene, tmp_path):
+    """An output finds in a frame that cannot be compact what the state holds."""
+    sim = Simulation(scene(COMPACT))
+    run = RunContext(RunFolder(tmp_path), sim.scene, "", "", [], None)
+    assert not np.array_equal(FrameContext(sim, 0, 1, StageTimer(), run).content.x, sim.state.x)
+    sim.state.v[3] = np.nan
+    content = FrameContext(sim, 0, 1, StageTimer(), run).content
+    order = np.argsort(sim.state.id)
+    assert np.array_equal(content.x, sim.state.x[order])
+    assert np.array_equal(content.v, sim.state.v[order], equal_nan=True)

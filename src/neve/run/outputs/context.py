@@ -227,7 +227,7 @@ class FrameContext:
     @functools.cached_property
     def content(self) -> Frame:
         """The particles and solids of this frame as its file says, so that all that shows them agrees."""
-        return self._moment if block_edge(self.run.scene) is None else frame_of_stored(self.stored)
+        return self._moment if "x" in self.stored else frame_of_stored(self.stored)
 
     def add_row(self, name: str, values: Mapping[str, object]) -> None:
         """Append a row to the CSV file `name` in the run folder: `frame`, `time` [s], then `values`.
