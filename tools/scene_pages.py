@@ -100,7 +100,7 @@ SECTIONS: tuple[tuple[str, str, type[BaseModel]], ...] = (
     ("[snow]", "The snow of every source that does not say otherwise in `snow`.", Snow),
     (
         "[heat]",
-        "Warming, melting, freezing and sintering ([particles.md](particles.md#heat)); a scene without this "
+        "Warming, melting, freezing and sintering ([heat.md](heat.md)); a scene without this "
         "table knows no heat.",
         Heat,
     ),

@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bind/choices.hpp"
+#include "cpu/heat/pass.hpp"
 #include "cpu/passes/totals.hpp"
 #include "mpm/step_choice.hpp"
 
@@ -73,6 +74,42 @@ nb::dict build_info() {
 #endif
   info["threads"] = neve::thread_count();
   return info;
+}
+
+void bind_totals(nb::module_& m) {
+  nb::class_<neve::Totals>(m, "Totals", "Sums over all particles, in double.")
+      .def_ro("mass", &neve::Totals::mass)
+      .def_prop_ro("momentum",
+                   [](const neve::Totals& t) {
+                     return std::array<double, 3>{t.momentum[0], t.momentum[1], t.momentum[2]};
+                   })
+      .def_ro("kinetic", &neve::Totals::kinetic)
+      .def_ro("affine", &neve::Totals::affine)
+      .def_ro("elastic", &neve::Totals::elastic)
+      .def_ro("potential", &neve::Totals::potential)
+      .def_ro("heat", &neve::Totals::heat)
+      .def_ro("water", &neve::Totals::water);
+}
+
+void bind_heat(nb::module_& m) {
+  using neve::HeatModel, neve::HeatReport, neve::GridHeatReport;
+  nb::class_<HeatModel>(m, "HeatModel", "What a scene says of heat.")
+      .def(
+          "__init__",
+          [](HeatModel* self, double air, double exchange, double sun, std::array<double, 3> towards,
+             double conductivity, double speed, bool sinters) {
+            new (self) HeatModel{air, exchange, sun, towards, conductivity, speed, sinters};
+          },
+          nb::kw_only(), nb::arg("air"), nb::arg("exchange"), nb::arg("sun"), nb::arg("towards"),
+          nb::arg("conductivity"), nb::arg("speed"), nb::arg("sinters"));
+  nb::class_<HeatReport>(m, "HeatReport", "What a pass over the heat found.")
+      .def_ro("taken", &HeatReport::taken)
+      .def_ro("rounds", &HeatReport::rounds)
+      .def_ro("endless", &HeatReport::endless)
+      .def_ro("finite", &HeatReport::finite);
+  nb::class_<GridHeatReport, HeatReport>(m, "GridHeatReport", "The same, and what the particles make of it.")
+      .def_prop_ro("changed", [](const GridHeatReport& r) { return r.changed; })
+      .def_prop_ro("woken", [](const GridHeatReport& r) { return r.woken; });
 }
 
 void bind_step_choice(nb::module_& m) {
@@ -170,19 +207,11 @@ NB_MODULE(_core, m) {
       .def_ro("max_velocity_change", &neve::GridReport::max_velocity_change,
               "Largest change of velocity in the step, if it is kept [m/s].")
       .def_ro("finite", &neve::GridReport::finite);
+  bind_heat(m);
   bind_step_choice(m);
   m.attr("displacement_limit") = neve::displacement_limit;
   m.attr("volume_ratio_limit") = neve::volume_ratio_limit;
-  nb::class_<neve::Totals>(m, "Totals", "Sums over all particles, in double.")
-      .def_ro("mass", &neve::Totals::mass)
-      .def_prop_ro("momentum",
-                   [](const neve::Totals& t) {
-                     return std::array<double, 3>{t.momentum[0], t.momentum[1], t.momentum[2]};
-                   })
-      .def_ro("kinetic", &neve::Totals::kinetic)
-      .def_ro("affine", &neve::Totals::affine)
-      .def_ro("elastic", &neve::Totals::elastic)
-      .def_ro("potential", &neve::Totals::potential);
+  bind_totals(m);
   neve::bind::bind_choices(m);
   auto geometry =
       m.def_submodule("geometry", "Bodies of triangles, their signed distance, ground from heights.");

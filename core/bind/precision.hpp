@@ -11,6 +11,7 @@
 #include "bind/solids.hpp"
 #include "cpu/g2p.hpp"
 #include "cpu/grid_update.hpp"
+#include "cpu/heat/pass.hpp"
 #include "cpu/p2g.hpp"
 #include "cpu/passes/first_not_finite.hpp"
 #include "cpu/passes/inspect.hpp"
@@ -34,6 +35,8 @@ void bind_changes(nb::class_<Model<T>>& c) {
          self.snows[row] = snow_of(law, plasticity, constants);
        },
        nb::arg("row"), nb::arg("law"), nb::arg("plasticity"), nb::arg("constants"))
+      .def(
+          "set_heat", [](M& self, const HeatModel& heat) { self.heat = heat; }, nb::arg("heat"))
       .def(
           "set_gravity",
           [](M& self, const In<double, nb::shape<3>>& gravity) { self.gravity = vec<T>(gravity); },
@@ -143,12 +146,12 @@ void bind_state(nb::module_& m) {
                   "Everything per particle; arrays are views of the core's memory, at fixed addresses.");
   c.def(
       "__init__",
-      [](S* self, std::size_t count, int more_modes, bool sleeps) {
+      [](S* self, std::size_t count, int more_modes, bool sleeps, bool heat) {
         if (more_modes < 0) throw nb::value_error("more_modes is negative");
-        new (self) S(more_modes, sleeps);
+        new (self) S(more_modes, sleeps, heat);
         self->resize(count);
       },
-      nb::arg("count"), nb::arg("more_modes") = 0, nb::arg("sleeps") = false);
+      nb::arg("count"), nb::arg("more_modes") = 0, nb::arg("sleeps") = false, nb::arg("heat") = false);
   c.def_ro("count", &S::count);
   c.def_prop_ro("bytes", &S::bytes);
   bind_population<T>(c);
@@ -171,11 +174,20 @@ void bind_state(nb::module_& m) {
   NEVE_FIELD(material);
   NEVE_FIELD(id);
 #undef NEVE_FIELD
-  c.def_prop_ro("rest", [](nb::handle self) {
-    S& s = nb::cast<S&>(self);
-    return View<T>(s.rest.column(0), {s.count, std::size_t(s.rest.components())}, self,
-                   {1, std::int64_t(s.rest.stride())});
-  });
+  const auto numbers = [](auto& columns, std::size_t n, nb::handle self) {
+    using E = std::remove_reference_t<decltype(*columns.column(0))>;
+    return View<E>(columns.column(0), {n, std::size_t(columns.components())}, self,
+                   {1, std::int64_t(columns.stride())});
+  };
+#define NEVE_NUMBERS(name)                          \
+  c.def_prop_ro(#name, [numbers](nb::handle self) { \
+    S& s = nb::cast<S&>(self);                      \
+    return numbers(s.name, s.count, self);          \
+  })
+  NEVE_NUMBERS(rest);
+  NEVE_NUMBERS(enthalpy);
+  NEVE_NUMBERS(thermal);
+#undef NEVE_NUMBERS
 }
 
 // The nodes that carry mass: indices (n, 3), mass (n,), the three other numbers (n, 3).
@@ -240,6 +252,8 @@ template <class T>
 void require_modes(const Model<T>& model, const State<T>& state) {
   if ((state.rest.components() > 0) != model.sleeps())
     throw nb::value_error("particles may sleep in the model and not in the state, or the other way round");
+  if (state.has_heat() != model.heat.has_value())
+    throw nb::value_error("the model has heat and the state has none, or the other way round");
   if (state.modes.components() != 3 * velocities(model))
     throw nb::value_error("the state has another number of velocity modes than the model");
 }
@@ -331,6 +345,16 @@ void bind_passes(nb::module_& m) {
         return totals(model, state);
       },
       free_gil, "Sum mass, momentum and energies in double precision.");
+  m.def(
+      "pass_heat",
+      [](const Model<T>& model, State<T>& state, double dt) {
+        require_snow(model, state);
+        require_modes(model, state);
+        if (!model.heat) throw nb::value_error("call set_heat() first");
+        return pass_heat(model, state, dt);
+      },
+      nb::arg("model"), nb::arg("state"), nb::arg("dt"), free_gil,
+      "Let heat flow for dt [s] of motion, and let the particles follow.");
   m.def("first_not_finite", &first_not_finite<T>, free_gil,
         "The row of the first particle with a value that is not finite, or -1.");
   m.def(

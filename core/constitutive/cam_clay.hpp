@@ -33,6 +33,8 @@ struct CamClay : HenckyFlow {
                              "Gaume et al. 2018 and Li et al. 2021 (as quoted in public codes)",
                              "gaume2018 li2020"};
 
+  static constexpr bool compacts = true;
+
   struct Constants : ElasticConstants {
     double xi, M, beta, p0, J_P_min, J_P_max;
     double ln_J_P_min, ln_J_P_max;  // laws make their parameters for every pack

@@ -21,6 +21,8 @@ struct DruckerPrager : HenckyFlow {
   static constexpr Word word{"drucker_prager", "loose grains with friction and a little cohesion",
                              "Klar et al. 2016 (as quoted in public codes)", "klar2016"};
 
+  static constexpr bool compacts = false;
+
   struct Constants : ElasticConstants {
     double friction_angle, cohesion, J_P_max;  // [degrees], [Pa], [1]
     double sine;                               // of friction_angle: laws make their parameters for every pack

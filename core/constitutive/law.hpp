@@ -13,6 +13,7 @@
 //   word                                    its name, meaning, source and papers
 //   Constants, constants                    its constants as numbers, and what each of them is
 //   has_elastic_option                      whether plasticity = "none" leaves its elasticity alone
+//   compacts                                whether J_P below 1 is snow pressed for good
 //   plasticity_cites                        the papers of its plastic flow, if they are not the law's own
 //   limit, most_strength(c)                 the largest factor that its thresholds may have, and why
 //   max_compression(c, strongest)           how far one step may compress the snow: -dt tr grad v [1]

@@ -42,6 +42,7 @@ inline double affordable(double xi_theta) {
 template <class Elasticity>
 struct SnowPlasticity {
   static constexpr bool has_elastic_option = true;
+  static constexpr bool compacts = true;
   static constexpr const char* plasticity_cites = "stomakhin2013";
   static constexpr const char* limit =
       "so that hardening cannot create energy (xi theta_c and xi theta_s at most 0.5)";

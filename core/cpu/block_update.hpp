@@ -40,17 +40,31 @@ struct BlockUpdate {
     store_row<T>(node, select(full, select(is_mass(), mass, node_velocity(a, inverse_m, step)), Row<T>{}));
   }
 
-  // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did.
-  void collide_nodes(const std::vector<Solid<T>>& solids, BlockCoord at, int first, T* node, T* change,
-                     T* lift, ExchangeSum& exchange) const {
-    Vec3<Lanes<T>> v;
-    Lanes<T> mass;
+  // Solids near a block, as they are to snow and as they are to water.
+  struct Near {
+    const std::vector<Solid<T>>&to_snow, &to_water;
+  };
+
+  // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did. `water`: (m f) of
+  // the nodes, if there may be some.
+  void collide_nodes(const Near& near, BlockCoord at, int first, T* node, T* change, T* lift, const T* water,
+                     ExchangeSum& exchange) const {
+    using R = Lanes<T>;
+    Vec3<R> v;
+    R mass;
     load_quads(node, v.x, v.y, v.z, mass);
-    const auto after = [&](auto& left) {
-      return collide(solids, positions(at, first), v, left, skin(), dt, mass,
+    const Vec3<R> x = positions(at, first);
+    const R wet = water ? wet_mass(water, mass) : R{};
+    const auto act = [&](const std::vector<Solid<T>>& solids, const Vec3<R>& before, auto& left, const R& m) {
+      return collide(solids, x, before, left, skin(), dt, m,
                      [&](const auto& solid, const auto& inside, const auto&... exchanged) {
                        record(exchange.of(solid.index), inside, mass, exchanged...);
                      });
+    };
+    const auto after = [&](auto& left) {
+      Vec3<R> now = act(near.to_snow, v, left, R(mass - wet));
+      if (any(wet > R{})) now = act(near.to_water, now, left, wet);
+      return now;
     };
     if (lift) {
       Lift<Lanes<T>> left = load_lift(lift, mass);
@@ -61,6 +75,13 @@ struct BlockUpdate {
       NoLift none;
       store_nodes(node, change, v, after(none), mass);
     }
+  }
+
+  // The mass of nodes that are water for the most part, zero of others.
+  static Lanes<T> wet_mass(const T* water, const Lanes<T>& mass) {
+    Lanes<T> unused, liquid;
+    load_quads(water, unused, unused, unused, liquid);
+    return select(liquid > mass * T(0.5), mass, Lanes<T>{});
   }
 
   // How far a batch of nodes has left surfaces with play, from m s; none if there is no such surface.
@@ -111,8 +132,10 @@ struct BlockUpdate {
       for (const Solid<T>& solid : near) {
         if (solid.body >= 0) return true;
       }
+      const auto to_water = grid.has_water ? smooth(near) : std::vector<Solid<T>>{};
       for (int n = 0; n < 64 && !near.empty(); n += lane_count<T>)
-        collide_nodes(near, coord(grid, b), n, node + 4 * n, change + 4 * n, lift_at(grid, b, n), exchange);
+        collide_nodes({near, to_water}, coord(grid, b), n, node + 4 * n, change + 4 * n, lift_at(grid, b, n),
+                      grid.has_water ? grid.node_lift(b) + 4 * n : nullptr, exchange);
       if (near.empty()) no_lift(grid, b);
     }
     bound_velocities(grid, b);

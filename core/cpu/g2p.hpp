@@ -7,6 +7,7 @@
 #include "cpu/material.hpp"
 #include "cpu/near.hpp"
 #include "cpu/sleep.hpp"
+#include "heat/sintering.hpp"
 #include "mpm/particle_report.hpp"
 #include "threads.hpp"
 
@@ -27,6 +28,7 @@ class HomeGather {
         home_(grid.homes[h]),
         exchange_(commit ? &grid.particle_exchange[h] : nullptr),
         drift_(commit && model.sleeps() ? &grid.drift[h] : nullptr),
+        sinters_(model.heat && model.heat->sinters),
         step_(StepConstants<T>::template of<Spline>(model.dx, dt, model.alpha(dt))),
         frame_(TileFrame<T>::template of<Spline>(model.dx, grid.homes[h].at)),
         from_(tile_),
@@ -35,6 +37,7 @@ class HomeGather {
     tile_.load_from(grid, home_, &Grid<T>::node);
     if constexpr (Transfer::has_change) change_.load_from(grid, home_, &Grid<T>::node_change);
     solids_ = solids_near_nodes(model, home_.at, 3.5, 7.1);
+    if (state.has_heat()) to_water_ = smooth(solids_);
   }
 
   Report run() {
@@ -72,9 +75,12 @@ class HomeGather {
     fetch_ahead(p + packs_ahead * L);
     gather(count);
     Advanced<R> now = advance<Transfer>(
-        pack, gathered(), step_, solids_,
-        [&](const Mat3<R>& F_trial, const R& J_P)
-            NEVE_INLINE_LAMBDA { return return_map(model_, state_, p, count, F_trial, J_P); },
+        pack, gathered(), step_, is_water(p, count) ? to_water_ : solids_,
+        [&](const Mat3<R>& F_trial, const R& J_P) NEVE_INLINE_LAMBDA {
+          const Mapped<R> now = return_map(model_, state_, p, count, F_trial, J_P);
+          if (sinters_) flowed_ = distance(F_trial, now.F_E);
+          return now;
+        },
         [&](const auto& solid, const auto& met, const auto&... exchanged) {
           if (exchange_) record(exchange_->of(solid.index), met, pack.m(), exchanged...);
         });
@@ -83,8 +89,21 @@ class HomeGather {
     extremes_.ice_room = min(room, extremes_.ice_room);
     if (any(near_ice(room)))
       add_ice(model_, state_, p, count, J, step_.cells.dx / step_.dt, now.material.stress);
+    if (state_.has_heat()) add_water(model_, state_, p, count, J, now.material.stress);
     check(pack, now);
     if (exchange_) keep(p, count, now);
+  }
+
+  // Whether all particles of a pack are water.
+  bool is_water(std::size_t p, int count) const {
+    if (!state_.has_heat()) return false;
+    const T* f = state_.thermal.column(0) + p;
+    return std::all_of(f, f + count, [](T share) { return share >= T(1); });
+  }
+
+  static R distance(const Mat3<R>& a, const Mat3<R>& b) {
+    const Vec3<R> x = a.c0 - b.c0, y = a.c1 - b.c1, z = a.c2 - b.c2;
+    return sqrt(dot(x, x) + dot(y, y) + dot(z, z));
   }
 
   void fetch_ahead(std::size_t p) const {
@@ -143,7 +162,15 @@ class HomeGather {
     store_symmetric(state_.tau, p, now.material.stress.tau, count);
     if constexpr (Transfer::keeps_C) store_matrix(state_.C, p, now.C, count);
     if (model_.sleeps()) keep_rest(p, count, now);
+    if (sinters_) break_sintered(p, count);
     if constexpr (Transfer::modes > 4) keep_modes(p, count, now.x - now.displacement, now.x);
+  }
+
+  // What has sintered breaks as the snow flows.
+  void break_sintered(std::size_t p, int count) {
+    const R one = splat<R>(1), grown = load<R>(state_.thermal.column(1) + p, count);
+    const R left = max(R(one - flowed_ * T(1 / sintering::breaking)), splat<R>(0));
+    store(state_.thermal.column(1) + p, R(one + (grown - one) * left), count);
   }
 
   // How long the particles have rested: how long their mean velocity over the time after which snow sleeps has been small.
@@ -198,14 +225,15 @@ class HomeGather {
   const Home& home_;
   ExchangeSum* exchange_;  // none: a trial, which moves nothing
   T* drift_;               // the largest mean velocity of the home's particles, where snow may sleep
+  bool sinters_;
   StepConstants<T> step_;
   TileFrame<T> frame_;
   Tile<T> tile_, change_;
   Gather<T, Spline> from_, from_change_;
-  std::vector<Solid<T>> solids_;
+  std::vector<Solid<T>> solids_, to_water_;
   Stencils<T, Spline, Weights::count> stencils_;
   Extremes<R> extremes_;
-  R drift2_{};
+  R drift2_{}, flowed_{};
   bool drifted_ = false;
   std::uint32_t offending_id_ = Report::nobody;
   alignas(64) T sums_[Transfer::modes + Transfer::has_change + 3 * Transfer::has_affine_change]

@@ -1,15 +1,16 @@
-// How far snow has left surfaces with play, between particles and nodes.
+// How far snow has left surfaces with play, and how much of it is water, between particles and nodes.
 #pragma once
 
 #include "cpu/each_batch.hpp"
 #include "cpu/grid/gather.hpp"
 #include "cpu/grid/scatter.hpp"
+#include "cpu/wet.hpp"
 #include "mpm/dispatch.hpp"
 #include "threads.hpp"
 
 namespace neve {
 
-// (m s)_i = sum_p w_ip m_p s_p of a home; its particles' s are in `modes`, from column `first`.
+// (m s)_i = sum_p w_ip m_p s_p of a home, and (m f)_i of the shares of water; s is in `modes`, from column `first`.
 template <class T, class Spline>
 void scatter_lift(const Model<T>& model, const State<T>& state, Grid<T>& grid, const Home& home) {
   using R = Lanes<T>;
@@ -18,9 +19,10 @@ void scatter_lift(const Model<T>& model, const State<T>& state, Grid<T>& grid, c
   tile.clear();
   Scatter<T, Spline> to(tile);
   detail::each_batch<T, Spline>(model, state, home, [&](std::size_t p, int count, const auto& st) {
-    const Vec3<R> ms = load_vector<R>(state.modes, p, count, first) * load<R>(state.m.column(0) + p, count);
+    const R m = load<R>(state.m.column(0) + p, count);
+    const Vec3<R> ms = grid.has_lift ? load_vector<R>(state.modes, p, count, first) * m : Vec3<R>{};
     alignas(64) T quads[4 * width<R>];
-    store_quads(quads, ms.x, ms.y, ms.z, R{});
+    store_quads(quads, ms.x, ms.y, ms.z, grid.has_water ? R(m * detail::liquid_share(state, p, count)) : R{});
     for (int l = 0; l < count; ++l) {
       to.move_to(st.cell[l]);
       to.add(st, l, row_of_quad(quads + 4 * l));

@@ -3,8 +3,7 @@
 
 #include "constitutive/ice.hpp"
 #include "constitutive/laws.hpp"
-#include "cpu/fields.hpp"
-#include "mpm/model.hpp"
+#include "cpu/wet.hpp"
 
 namespace neve {
 
@@ -46,8 +45,9 @@ template <class Law, class T>
 auto parameters_of(const Model<T>& model, const State<T>& state, std::size_t p, int count, const Snow& one) {
   using R = Lanes<T>;
   const auto* material = state.material.data() + p;
-  const R stiffness = load<R>(state.stiffness.column(0) + p, count);
-  const R strength = load<R>(state.strength.column(0) + p, count);
+  R stiffness = load<R>(state.stiffness.column(0) + p, count);
+  R strength = load<R>(state.strength.column(0) + p, count);
+  if (state.has_heat()) weaken(state, p, count, stiffness, strength);
   auto q = Law::parameters(one, stiffness, strength);
   if (!one_snow(material, count)) {
     using P = decltype(q);
@@ -104,7 +104,13 @@ Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int coun
   return out;
 }
 
-// The ice of a pack of particles, and 1 in the lanes that may come to it: particles that flow.
+// Whether a particle may be pressed to ice: its snow flows, or it is water.
+template <class T>
+bool may_be_ice(const Model<T>& model, const State<T>& state, std::size_t p) {
+  return model.snows[state.material[p]].plastic || (state.has_heat() && state.thermal.column(0)[p] >= T(1));
+}
+
+// The ice of a pack of particles, and 1 in the lanes that may come to it.
 template <class T>
 struct PackIce {
   Ice<Lanes<T>> ice;
@@ -113,8 +119,9 @@ struct PackIce {
   PackIce(const Model<T>& model, const State<T>& state, std::size_t p, int count)
       : ice(Ice<Lanes<T>>::of(load<Lanes<T>>(state.m.column(0) + p, count),
                               load<Lanes<T>>(state.V0.column(0) + p, count))) {
+    if (state.has_heat()) ice.J_ice = ice.J_ice * pressed_ratio(state, p, count);
     for (int l = 0; l < width<Lanes<T>>; ++l) {
-      if (l < count && model.snows[state.material[p + static_cast<std::size_t>(l)]].plastic) {
+      if (l < count && may_be_ice(model, state, p + static_cast<std::size_t>(l))) {
         mark[l] = T(1);
       } else {
         ice.J_ice[l] = T(1);
@@ -130,11 +137,12 @@ NEVE_INLINE Lanes<T> ice_room(const Model<T>& model, const State<T>& state, std:
   using R = Lanes<T>;
   const R m = load<R>(state.m.column(0) + p, count), V0 = load<R>(state.V0.column(0) + p, count);
   const R none = splat<R>(std::numeric_limits<T>::max());
-  R room = select(first_lanes<R>(count), neve::ice_room(J, m, V0), none);
+  R room = neve::ice_room(J, m, V0);
+  if (state.has_heat()) room = room / pressed_ratio(state, p, count);
+  room = select(first_lanes<R>(count), room, none);
   if (model.has_elastic_snow) {
     for (int l = 0; l < count; ++l) {
-      if (!model.snows[state.material[p + static_cast<std::size_t>(l)]].plastic)
-        room[l] = std::numeric_limits<T>::max();
+      if (!may_be_ice(model, state, p + static_cast<std::size_t>(l))) room[l] = std::numeric_limits<T>::max();
     }
   }
   return room;
@@ -160,9 +168,11 @@ template <class T>
 NEVE_INLINE Mapped<Lanes<T>> return_map(const Model<T>& model, const State<T>& state, std::size_t p,
                                         int count, const Mat3<Lanes<T>>& F_trial, Lanes<T> J_P) {
   using Out = Mapped<Lanes<T>>;
-  return detail::by_law<Out>(
+  Out out = detail::by_law<Out>(
       model, state, p, count, F_trial,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::return_map(F, J_P, q); });
+  if (state.has_heat()) detail::flow_as_water(state, p, count, F_trial, J_P, out);
+  return out;
 }
 
 template <class T>
@@ -173,6 +183,12 @@ template <class T>
       model, state, p, count, F_E,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::stress(F, J_P, q); });
   const Lanes<T> J = determinant(F_E) * J_P;
+  if (state.has_heat()) {
+    Mapped<Lanes<T>> mapped{F_E, J_P, out};
+    detail::flow_as_water(state, p, count, F_E, J_P, mapped);
+    out = mapped.stress;
+    detail::add_water(model, state, p, count, J, out);
+  }
   if (any(near_ice(detail::ice_room(model, state, p, count, J))))
     detail::add_ice(model, state, p, count, J, T(0), out);
   return out;
@@ -186,6 +202,10 @@ template <class T>
       model, state, p, count, F_E,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::energy(F, J_P, q); });
   const Out J = determinant(F_E) * J_P;
+  if (state.has_heat()) {
+    const auto is_snow = detail::liquid_share(state, p, count) < splat<Out>(1);
+    out = select(is_snow, out, splat<Out>(0)) + detail::PackWater<T>(model, state, p, count, J).energy();
+  }
   if (any(near_ice(detail::ice_room(model, state, p, count, J)))) {
     const detail::PackIce<T> pack(model, state, p, count);
     const Out psi = pack.ice.energy(max(pack.ice.beyond(J), splat<Out>(0)));

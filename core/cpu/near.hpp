@@ -27,4 +27,11 @@ std::vector<Solid<T>> solids_near_nodes(const Model<T>& model, BlockCoord at, do
   return near;
 }
 
+// What solids are to water: nothing holds it to them, and they do not rub it.
+template <class T>
+std::vector<Solid<T>> smooth(std::vector<Solid<T>> solids) {
+  for (Solid<T>& solid : solids) solid.mode = ContactMode::separate, solid.mu_c = T(0);
+  return solids;
+}
+
 }  // namespace neve

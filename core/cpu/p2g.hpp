@@ -135,7 +135,7 @@ void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt)
       if constexpr (Transfer::has_change) {
         std::memset(grid.node_change(static_cast<std::int32_t>(b)), 0, block_values * sizeof(T));
       }
-      if (grid.has_lift)
+      if (grid.has_lift || grid.has_water)
         std::memset(grid.node_lift(static_cast<std::int32_t>(b)), 0, block_values * sizeof(T));
     }
     for (const auto& colour : grid.colours) {
@@ -148,7 +148,7 @@ void p2g(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt)
         const auto after = static_cast<std::size_t>(std::min(k + threads, homes - 1));
         const Home& next = grid.homes[static_cast<std::size_t>(colour[after])];
         detail::p2g_home<T, Spline, Transfer>(model, state, grid, home, next, dt);
-        if (grid.has_lift) scatter_lift<T, Spline>(model, state, grid, home);
+        if (grid.has_lift || grid.has_water) scatter_lift<T, Spline>(model, state, grid, home);
       }
     }
   }

@@ -9,6 +9,7 @@
 #include "constitutive/law.hpp"
 #include "coupling/coupled_bodies.hpp"
 #include "coupling/solid.hpp"
+#include "heat/enthalpy.hpp"
 
 namespace neve {
 
@@ -28,6 +29,8 @@ struct Model {
 
   double sleep_speed = 0;  // snow slower than this rests; 0: snow never sleeps [m/s]
   double sleep_after = 0;  // and sleeps when it has rested for so long [s]
+
+  std::optional<HeatModel> heat{};  // what the scene says of it
 
   std::vector<std::shared_ptr<const void>> shapes{};  // what meshes and terrain of the solids point to
 

@@ -52,7 +52,7 @@ void drop(State<T>& state, const std::uint32_t* rows, std::size_t n) {
 // A copy of the state with room for `capacity` particles, at least as many as it has.
 template <class T>
 State<T> with_room(const State<T>& state, std::size_t capacity) {
-  State<T> out(state.modes.components() / 3, state.rest.components() > 0);
+  State<T> out(state.modes.components() / 3, state.rest.components() > 0, state.has_heat());
   out.reserve(std::max(capacity, state.count));
   out.resize(state.count);
   std::vector<const void*> source;

@@ -74,9 +74,14 @@ class Field : public Columns<T> {
 
 template <class T>
 struct State {
-  // `more_modes`: how many modes a particle has beyond v and C. `sleeps`: whether it may sleep.
-  explicit State(int more_modes = 0, bool sleeps = false)
-      : modes(3 * more_modes), rest(sleeps ? rest_numbers : 0) {}
+  // `more_modes`: how many modes a particle has beyond v and C. `sleeps`: whether it may sleep. `heat`: whether it has heat.
+  explicit State(int more_modes = 0, bool sleeps = false, bool heat = false)
+      : modes(3 * more_modes),
+        rest(sleeps ? rest_numbers : 0),
+        enthalpy(heat ? 1 : 0),
+        thermal(heat ? thermal_numbers : 0) {}
+
+  bool has_heat() const { return thermal.components() > 0; }
 
   std::size_t count = 0;
   Field<T, 3> x, v;  // position [m], velocity [m/s]
@@ -85,7 +90,12 @@ struct State {
   Columns<T>
       modes;  // velocity modes beyond v and C, if the transfer has any [m/s]; component 3 k + i is axis i of mode 4 + k
   static constexpr int rest_numbers = 4;
-  Columns<T> rest;        // if it may sleep: for how long it has rested [s], its mean velocity of late [m/s]
+  Columns<T> rest;  // if it may sleep: for how long it has rested [s], its mean velocity of late [m/s]
+  static constexpr int thermal_numbers = 3;
+  Columns<double> enthalpy;  // if it has heat [J], zero for ice at the melting point
+  Columns<T>
+      thermal;  // if it has heat: the share of water that stress follows, growth of strength by sintering, the largest
+                // share that there was [1]
   Field<T, 6> tau;        // Kirchhoff stress [Pa]: xx yy zz xy xz yz; follows from F_E and J_P, see refresh()
   Field<T, 1> J_P;        // plastic volume change [1]
   Field<T, 1> m, V0;      // mass [kg], rest volume [m3]
@@ -122,6 +132,7 @@ struct State {
     for (std::size_t p = count; p < n; ++p) {
       J_P.column(0)[p] = stiffness.column(0)[p] = strength.column(0)[p] = T(1);
       for (int k : {0, 4, 8}) F_E.column(k)[p] = T(1);
+      if (has_heat()) thermal.column(1)[p] = T(1);
       id[p] = static_cast<std::uint32_t>(p);
     }
     count = n;
@@ -136,7 +147,8 @@ struct State {
  private:
   template <class F>
   void each_field(F&& f) {
-    f(x), f(v), f(C), f(modes), f(rest), f(F_E), f(tau), f(J_P), f(m), f(V0), f(stiffness), f(strength);
+    f(x), f(v), f(C), f(modes), f(rest), f(enthalpy), f(thermal), f(F_E), f(tau), f(J_P), f(m), f(V0),
+        f(stiffness), f(strength);
   }
 };
 

@@ -1,7 +1,7 @@
 // Sums over all particles and their contacts.
 #pragma once
 
-#include "particles/enthalpy.hpp"
+#include "heat/enthalpy.hpp"
 #include "particles/step.hpp"
 
 namespace neve {

@@ -1,8 +1,8 @@
 // The snow of one run: particles, pairs, who sleeps; what is done before and after steps.
 #pragma once
 
+#include "heat/enthalpy.hpp"
 #include "particles/advance.hpp"
-#include "particles/enthalpy.hpp"
 
 namespace neve {
 

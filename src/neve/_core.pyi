@@ -158,6 +158,10 @@ class Totals:
     """Sum of V0 psi(F_E) [J]."""
     potential: float
     """Sum of -m g . x [J]."""
+    heat: float
+    """Enthalpy above that of ice at the melting point [J]; 0 without heat."""
+    water: float
+    """Mass that is liquid [kg]."""
 
 class TriangleMesh:
     """Triangles in their own frame, in a tree of boxes; closed or not, and not to be changed.
@@ -387,6 +391,8 @@ class Model(Protocol):
         """
     def max_compression(self, strongest: float) -> float:
         """Return how far one step may compress any of the snows, -dt tr grad v [1]; see `Law`."""
+    def set_heat(self, heat: HeatModel) -> None:
+        """Let particles have heat."""
     def set_gravity(self, gravity: Array64) -> None:
         """Let everything fall with `gravity` (3,) [m/s2] from now on."""
     def set_snow(self, row: int, law: str, plasticity: str, constants: dict[str, float]) -> None:
@@ -468,6 +474,15 @@ class State(Protocol):
         """For how long the particle has rested, infinite in sleep, and its mean velocity of late [s, m/s].
 
         (n, 4); (n, 0) if none may sleep.
+        """
+    @property
+    def enthalpy(self) -> Array64:
+        """Heat above that of ice at the melting point [J], (n, 1), in double; (n, 0) without heat."""
+    @property
+    def thermal(self) -> Reals:
+        """Share of water that stress follows, growth of strength by sintering, most water ever [1].
+
+        (n, 3); (n, 0) without heat.
         """
     @property
     def F_E(self) -> Reals:
@@ -582,6 +597,27 @@ class ParticleTotals:
     water: float
     """Mass that is liquid [kg]."""
 
+class HeatModel:
+    """What a scene says of heat."""
+
+    def __init__(
+        self,
+        *,
+        air: float,
+        exchange: float,
+        sun: float,
+        towards: tuple[float, float, float],
+        conductivity: float,
+        speed: float,
+        sinters: bool,
+    ) -> None:
+        """Take the values.
+
+        air: its temperature [deg C]; exchange with it [W/(m2 K)]; sun: power that is absorbed where snow
+        faces it [W/m2]; towards: the sun, a unit vector; conductivity, 0: as density and phase say [W/(m K)];
+        speed: seconds of heat in one of motion; sinters: snow at rest grows stronger.
+        """
+
 class HeatReport:
     """What a pass over the heat of particles found."""
 
@@ -593,6 +629,14 @@ class HeatReport:
     """Every particle has finite heat."""
     endless: bool
     """Whether it asks for so many rounds that it was not made."""
+
+class GridHeatReport(HeatReport):
+    """The same in the material point method, and what the particles make of it."""
+
+    changed: bool
+    """The share of water of some particle has changed."""
+    woken: bool
+    """Some of them slept, and will be woken by the next `sort` of all."""
 
 class Particles(Protocol):
     """Particles of the discrete element method, and what is remembered of their pairs.
@@ -680,22 +724,8 @@ class Particles(Protocol):
 
         slow: what hangs on it may swing up to this speed [m/s].
         """
-    def set_heat(
-        self,
-        air: float,
-        exchange: float,
-        sun: float,
-        towards: list[float],
-        conductivity: float,
-        speed: float,
-        sinters: bool,
-    ) -> None:
-        """Set what is said of heat.
-
-        air: its temperature [deg C]; exchange with it [W/(m2 K)]; sun: power that is absorbed where snow
-        faces it [W/m2]; towards: the sun, a unit vector; conductivity, 0: as density and phase say [W/(m K)];
-        speed: seconds of heat in one of motion; sinters: contacts at rest grow stronger.
-        """
+    def set_heat(self, heat: HeatModel) -> None:
+        """Set what is said of heat."""
     def pass_heat(self, dt: float) -> HeatReport:
         """Let heat flow for dt [s] of motion, and change phases, sizes and bonds; needs `set_materials`."""
     def prepare(self, near: float, dt: float) -> None:
@@ -763,8 +793,8 @@ class Precision(Protocol):
         never sleeps
         Errors: ValueError for an unknown word, or another number of modes.
         """
-    def State(self, count: int, more_modes: int = 0, sleeps: bool = False) -> _State:
-        """Make `count` particles at rest; more_modes, sleeps: as the model has.
+    def State(self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False) -> _State:
+        """Make `count` particles at rest; more_modes, sleeps, heat: as the model has.
 
         F_E = I; J_P, stiffness and strength 1; id 0 to count - 1; all else, the mass too, is 0.
         Errors: ValueError for more_modes below 0.
@@ -805,6 +835,11 @@ class Precision(Protocol):
         """Add up the state as it stands.
 
         Errors: ValueError for a material that the model lacks, or for other modes than the model's.
+        """
+    def pass_heat(self, model: _Model, state: _State, dt: float) -> GridHeatReport:
+        """Let heat flow for dt [s] of motion, and let phases and strength of the particles follow.
+
+        Stresses are as before: `refresh` finds them anew. Errors: ValueError without heat.
         """
     def first_not_finite(self, state: _State, /) -> int:
         """Return the row with the lowest id that has a value that is not finite; -1 if there is none."""

@@ -18,6 +18,8 @@ class Diagnostics:
     of allocated blocks. `work` [J] is what
     colliders have done on the snow so far: impulse times the velocity of the collider's surface.
     Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic and bodies_potential [J].
+    heat: enthalpy above that of ice at the melting point, heat_taken: from air and sun so far [J]; water:
+    liquid mass [kg]; heat_speed [1]; all 0 without heat.
     Of all snow that emitters added and sinks took out so far: mass [kg], momentum (3,) [kg m/s], energy [J].
     """
 
@@ -40,6 +42,10 @@ class Diagnostics:
     removed_mass: float = 0.0
     removed_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
     removed_energy: float = 0.0
+    heat: float = 0.0
+    heat_taken: float = 0.0
+    water: float = 0.0
+    heat_speed: float = 0.0
 
 
 def number(cell: str) -> float:

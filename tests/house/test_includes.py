@@ -10,7 +10,7 @@ INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 LAYERS = [
     {""},  # threads
     {"math"},  # scalars, lane packs, matrices, splines, lists
-    {"constitutive", "transfer", "geometry"},  # laws; particles and grid; shapes
+    {"constitutive", "transfer", "geometry", "heat"},  # laws; particles and grid; shapes; phases, the sun
     {"coupling"},  # what snow and solids do to each other
     {"mpm"},  # the step of one particle and one node, from values to values
     # where particles and nodes lie, who is near whom, how data moves between them; the camera
@@ -18,7 +18,8 @@ LAYERS = [
     {"render/solids"},  # solids on a picture
     {"render"},  # what draws
     {"cpu", "surface", "cuda"},  # the stages of the step over all of them
-    {"cpu/passes", "particles"},  # what is asked of all of them besides; the discrete element method
+    # what is asked of all of them besides; their heat; the discrete element method
+    {"cpu/passes", "cpu/heat", "particles"},
     {"particles/heat"},  # its heat
     {"bind/device"},  # what is handed to a GPU
     {"bind"},  # Python

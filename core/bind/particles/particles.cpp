@@ -1,5 +1,4 @@
 // The discrete element method: neve._core.f32.Particles and neve._core.f64.Particles.
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/vector.h>
 
 #include "bind/arrays.hpp"
@@ -127,12 +126,7 @@ template <class T>
 void bind_heat(nb::class_<Particles<T>>& c) {
   using P = Particles<T>;
   c.def(
-       "set_heat",
-       [](P& p, double air, double exchange, double sun, std::array<double, 3> towards, double conductivity,
-          double speed,
-          bool sinters) { p.heat = {air, exchange, sun, towards, conductivity, speed, sinters}; },
-       nb::arg("air"), nb::arg("exchange"), nb::arg("sun"), nb::arg("towards"), nb::arg("conductivity"),
-       nb::arg("speed"), nb::arg("sinters"))
+       "set_heat", [](P& p, const HeatModel& heat) { p.heat = heat; }, nb::arg("heat"))
       .def(
           "pass_heat",
           [](P& p, double dt) {
@@ -225,11 +219,6 @@ void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64) {
       .def_ro("contacts", &ParticleTotals::contacts)
       .def_ro("heat", &ParticleTotals::heat)
       .def_ro("water", &ParticleTotals::water);
-  nb::class_<HeatReport>(m, "HeatReport", "What a pass over the heat found.")
-      .def_ro("taken", &HeatReport::taken)
-      .def_ro("rounds", &HeatReport::rounds)
-      .def_ro("endless", &HeatReport::endless)
-      .def_ro("finite", &HeatReport::finite);
   bind_of<float>(f32);
   bind_of<double>(f64);
 }

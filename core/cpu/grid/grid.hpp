@@ -34,12 +34,13 @@ struct Grid {
   std::vector<BlockCoord> blocks;  // node blocks, by rising key
   Column<T> momentum;              // 4 per node: (m v, m) after p2g, (v, m) after grid_update
   Column<T> change;                // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
-  Column<T> lift;         // 4 per node, of solids with play: (m s, -) after p2g, (change of s, -) then
+  Column<T>
+      lift;  // 4 per node, of solids with play, or with heat: (m s, m f) after p2g, (change of s, -) then
   std::size_t count = 0;  // particles sorted
   std::size_t awake = 0;  // of them, the first ones: those in homes that move
   T lightest = T(0);      // mass of the lightest particle [kg]
   bool current = false;   // the homes still hold all their particles
-  bool has_change = false, has_lift = false;
+  bool has_change = false, has_lift = false, has_water = false;
   std::vector<BlockBounds<T>> bounds;  // of each block, by grid_update
   std::vector<ExchangeSum> node_exchange,
       particle_exchange;                   // of each block and each home: one step's exchange with solids

@@ -169,7 +169,7 @@ void order_by_cell(const State<T>& state, const Placing<T>& placing, Grid<T>& gr
 template <class T>
 void permute(State<T>& state, Grid<T>& grid) {
   const std::size_t count = grid.order.size();
-  if (grid.spare.size() < count * sizeof(T)) grid.spare.resize(count * sizeof(T));
+  if (grid.spare.size() < count * sizeof(double)) grid.spare.resize(count * sizeof(double));
   state.each_column([&](auto* column) {
     auto* spare = reinterpret_cast<decltype(column)>(grid.spare.data());
     each_chunk(count, [&](int, std::size_t begin, std::size_t end) {
@@ -228,7 +228,8 @@ void make_room(const Model<T>& model, const State<T>& state, Grid<T>& grid) {
   grid.has_change = keeps_change(model), grid.has_lift = has_play(model);
   if (grid.momentum.size() < values) grid.momentum.resize(values + values / 4);
   if (grid.has_change && grid.change.size() < values) grid.change.resize(values + values / 4);
-  if (grid.has_lift && grid.lift.size() < values) grid.lift.resize(values + values / 4);
+  grid.has_water = model.heat.has_value();
+  if ((grid.has_lift || grid.has_water) && grid.lift.size() < values) grid.lift.resize(values + values / 4);
   grid.bounds.resize(grid.blocks.size());
   grid.node_exchange.resize(grid.blocks.size());
   grid.particle_exchange.resize(grid.moving);

@@ -72,6 +72,13 @@ const char* impossible(const Model<T>& model, const State<T>& state, std::size_t
   if (!positive(state.V0)) return "V0";
   if (!positive(state.stiffness)) return "stiffness";
   if (!finite(state.strength, p) || state.strength.column(0)[p] < T(0)) return "strength";
+  if (state.has_heat()) {
+    const T f = state.thermal.column(0)[p];
+    if (!finite(state.enthalpy, p)) return "enthalpy";
+    if (!finite(state.thermal, p) || f < T(0) || f > T(1) || state.thermal.column(1)[p] < T(1) ||
+        state.thermal.column(2)[p] < T(0) || state.thermal.column(2)[p] > T(1))
+      return "thermal";
+  }
   if (state.material[p] >= model.snows.size()) return "material";
   return nullptr;
 }
@@ -101,6 +108,7 @@ bool sound(const Model<T>& model, const State<T>& state, std::size_t p, int coun
   const R bad = select(good, zero, splat<R>(1));
   if (any(first_lanes<R>(count) & (bad > zero))) return false;
   for (int l = 0; l < count; ++l) {
+    if (state.has_heat() && impossible(model, state, p + static_cast<std::size_t>(l))) return false;
     if (state.material[p + static_cast<std::size_t>(l)] >= model.snows.size()) return false;
   }
   return true;

@@ -3,6 +3,7 @@
 
 #include "cpu/fields.hpp"
 #include "cpu/material.hpp"
+#include "heat/enthalpy.hpp"
 #include "mpm/dispatch.hpp"
 #include "mpm/energy.hpp"
 #include "threads.hpp"
@@ -16,6 +17,8 @@ struct Totals {
   double affine = 0;   // kinetic energy of C and of further modes
   double elastic = 0;
   double potential = 0;  // -m g . x
+  double heat = 0;       // enthalpy above that of ice at the melting point [J]
+  double water = 0;      // mass that is liquid [kg]
 };
 
 namespace detail {
@@ -69,6 +72,10 @@ Totals totals(const Model<T>& model, const State<T>& state) {
         sum.affine += m * affine_energy(i);
         sum.elastic += static_cast<double>(psi[l]) * state.V0.column(0)[i];
         sum.potential -= m * gx;
+        if (state.has_heat()) {
+          sum.heat += state.enthalpy.column(0)[i];
+          sum.water += m * heat::liquid(state.enthalpy.column(0)[i], m);
+        }
       }
     }
   });
@@ -80,6 +87,8 @@ Totals totals(const Model<T>& model, const State<T>& state) {
     total.affine += part.affine;
     total.elastic += part.elastic;
     total.potential += part.potential;
+    total.heat += part.heat;
+    total.water += part.water;
   }
   return total;
 }

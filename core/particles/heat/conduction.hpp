@@ -3,7 +3,9 @@
 
 #include <bit>
 
-#include "particles/heat/sunlight.hpp"
+#include "heat/enthalpy.hpp"
+#include "heat/sunlight.hpp"
+#include "particles/heat/facets.hpp"
 #include "particles/listing.hpp"
 
 namespace neve {
@@ -21,10 +23,6 @@ inline constexpr double blocked = 0.5;
 // Growth of the open facets with the share that is hidden, towards the air and towards the sun: so a plane surface of
 // packed snow has the plane's area, and a particle alone that of its ball.
 inline constexpr double growth_in_air = 0.45, growth_in_sun = 1.3;
-// Of a difference of temperatures in one round [1].
-inline constexpr double most_change = 0.4;
-// Rounds of one pass: a step of motion that asks for more would never end.
-inline constexpr double most_rounds = 1e5;
 
 // Distance of particles p and q [m].
 template <class T>
@@ -54,8 +52,7 @@ class HeatFlow {
 
   // Let heat flow for dt [s], of its own time.
   HeatReport flow(double dt) {
-    const std::vector<char> lit =
-        model_.sun > 0 ? sunlit(s_, model_.towards) : std::vector<char>(s_.count, 0);
+    const std::vector<char> lit = model_.sun > 0 ? lit_ones() : std::vector<char>(s_.count, 0);
     each([&](std::size_t p) {
       const double f = s_.liquid.column(0)[p];
       k_[p] = model_.conductivity_of(double(s_.m.column(0)[p]) / volume(p), f);
@@ -65,10 +62,7 @@ class HeatFlow {
     double fastest = 0;
     for (std::size_t p = 0; p < s_.count; ++p)
       fastest = std::max(fastest, rate[p] / (double(s_.m.column(0)[p]) * heat::c_ice));
-    HeatReport report;
-    const double rounds = std::max(1.0, std::ceil(dt * fastest / most_change));
-    report.endless = rounds > most_rounds;
-    report.rounds = int(std::min(rounds, 2e9));
+    HeatReport report = HeatReport::of(dt * fastest);
     if (report.endless) return report;
     for (int round = 0; round < report.rounds; ++round) exchange(dt / report.rounds);
     for (std::size_t p = 0; p < s_.count; ++p) {
@@ -84,6 +78,16 @@ class HeatFlow {
     each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) f(p);
     });
+  }
+  // Whom the sun reaches: squares are two radii wide, and 2.5 radii deep.
+  std::vector<char> lit_ones() const {
+    double radius = 0;
+    for (std::size_t p = 0; p < s_.count; ++p) radius = std::max(radius, double(s_.radius.column(0)[p]));
+    const auto place = [&](std::size_t p) {
+      return std::array<double, 3>{double(s_.x.column(0)[p]), double(s_.x.column(1)[p]),
+                                   double(s_.x.column(2)[p])};
+    };
+    return sunlit(s_.count, place, 2 * radius, 2.5 * radius, model_.towards);
   }
   double volume(std::size_t p) const { return double(s_.V0.column(0)[p]) * double(s_.J_P.column(0)[p]); }
 

@@ -1,35 +1,12 @@
 // What heat makes of particles and their bonds: melting, freezing, sintering.
 #pragma once
 
+#include "heat/sintering.hpp"
 #include "particles/heat/conduction.hpp"
 
 namespace neve {
 
-// Sintering (docs/particles.md): a contact or bond at rest bears a stretch that grows as a power of time.
-namespace sintering {
-
-inline constexpr double power = 0.21;   // of time [1]
-inline constexpr double unit = 1.0;     // time after which a contact bears what a bond does at birth [s]
-inline constexpr double warm = 268.15;  // temperature at which this holds [K]
-inline constexpr double activation = 5.86e4;  // energy that slows it in the cold [J/mol]
-inline constexpr double gas = 8.314;          // [J/(mol K)]
-inline constexpr double at_rest = 0.1;        // speed of a pair past each other over its radii's sum [1/s]
-
-// The stretch that a pair bears after dt [s] at `celsius`, if it bears `hold` now and `young` when it is as old as the law's
-// unit of time; never above `most`.
-inline double grown(double hold, double young, double most, double celsius, double dt) {
-  const double K = std::min(celsius, 0.0) + heat::melting;
-  const double pace = std::exp(-activation / gas * (1 / K - 1 / warm));
-  const double age = unit * std::pow(hold / young, 1 / power);
-  return std::max(hold, std::min(young * std::pow((age + pace * dt) / unit, power), most));
-}
-
-}  // namespace sintering
-
 namespace detail {
-
-inline constexpr double phase_step =
-    2e-3;  // change of the liquid share that changes a particle's size and strength
 
 // A pass over phases and bonds after heat has flowed.
 template <class T>
@@ -61,7 +38,7 @@ class PhaseChange {
   bool change(std::size_t p) {
     const double m = s_.m.column(0)[p], f = s_.liquid.column(0)[p];
     const double now = heat::liquid(s_.enthalpy[p], m);
-    if (now == f || (std::abs(now - f) < phase_step && now > 0 && now < 1)) return false;
+    if (now == f || (std::abs(now - f) < heat::phase_step && now > 0 && now < 1)) return false;
     T &J = s_.J_P.column(0)[p], &r = s_.radius.column(0)[p], &liquid = s_.liquid.column(0)[p];
     const double after = heat::ratio_after(J, f, now, m / double(s_.V0.column(0)[p]));
     const T before = r;
@@ -109,7 +86,7 @@ class PhaseChange {
     const double celsius =
         0.5 * (heat::temperature(s_.enthalpy[p], m_p) + heat::temperature(s_.enthalpy[q], m_q));
     const double rho = 0.5 * (density(p) + density(q));
-    const double most = double(limit) * std::max(std::pow(heat::ice / rho, 2.44), 1.0);
+    const double most = double(limit) * sintering::strength_of_ice(rho);
     T& hold = lists_.hold[e];
     const double now = std::max(std::abs(double(hold)), double(loose<T>));
     const T grown = T(sintering::grown(now, limit, most, celsius, dt));

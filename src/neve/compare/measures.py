@@ -61,8 +61,9 @@ UNITS = {
 
 def measured(sim: Simulation, log: Path) -> tuple[Measures, Curve]:
     """Return the measures of a run that ended in `sim`, and its curve, from its log. Errors: RunError."""
-    method = sim.scene.numerics.method
-    rows = read_log(log, method)
+    scene = sim.scene
+    method = scene.numerics.method
+    rows = read_log(log, method, scene.is_open, scene.heat is not None)
     inside = [f"seconds_{stage}" for stage in stages_of(method) if stage not in ("write", "film")]
     seconds = sum(float(row[name] or 0) for row in rows for name in inside)
     columns = sim.columns()

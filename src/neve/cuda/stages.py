@@ -77,9 +77,10 @@ class CudaStages:
             self.fused,
         )
 
-    def State(self, count: int, more_modes: int = 0, sleeps: bool = False) -> DeviceState:
+    def State(self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False) -> DeviceState:
         """Make `count` particles at rest, none of which can sleep. Errors: DeviceError."""
         assert not sleeps, "the scene is checked"
+        assert not heat, "the scene is checked"
         return DeviceState(self.driver, self._core.State(count, more_modes))
 
     def Grid(self) -> DeviceGrid:

@@ -206,8 +206,8 @@ class DeviceState:
         return sum(buffer.size for buffer in self._buffers)
 
     def __getattr__(self, name: str) -> Any:
-        if name == "rest":
-            return self.host.rest  # no columns: nothing sleeps here
+        if name in ("rest", "enthalpy", "thermal"):
+            return getattr(self.host, name)  # no columns: nothing sleeps or has heat here
         if name not in FIELDS:
             raise AttributeError(name)
         return self.field(name)

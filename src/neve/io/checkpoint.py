@@ -13,7 +13,7 @@ from neve.io.inventory import Inventory
 from neve.io.npz import read_npz, write_npz
 from neve.system import disk
 
-FORMAT = 4
+FORMAT = 5
 """Version of the checkpoint's layout; a resume needs the same one."""
 
 _PREFIX = "state."

@@ -41,20 +41,30 @@ FLOW = (
 )
 """Columns of a run in which snow comes or goes, after the solver's own."""
 
+HEAT = (
+    "heat",  # of all snow, above that of ice at the melting point [J]
+    "heat_taken",  # from air and sun since the start [J]
+    "water",  # mass that is liquid [kg]
+    "heat_speed",  # seconds of heat in a second of motion
+)
+"""Columns of a run with heat, after those."""
 
-def columns(method: str, is_open: bool = False) -> tuple[str, ...]:
+
+def columns(method: str, is_open: bool = False, has_heat: bool = False) -> tuple[str, ...]:
     """Return the columns of the log of a run with `numerics.method`: CLOCK, the solver's own, the seconds.
 
-    is_open: whether snow comes or goes during the run: then FLOW comes before the seconds
+    is_open: whether snow comes or goes during the run: then FLOW comes before the seconds; has_heat: whether
+    the scene has [heat]: then HEAT does
     """
     own = METHODS.get(method).log_columns
-    return (*CLOCK, *own, *(FLOW if is_open else ()), *(f"seconds_{stage}" for stage in stages(method)))
+    more = (*(FLOW if is_open else ()), *(HEAT if has_heat else ()))
+    return (*CLOCK, *own, *more, *(f"seconds_{stage}" for stage in stages(method)))
 
 
-def read_log(path: Path, method: str, is_open: bool = False) -> list[dict[str, str]]:
+def read_log(path: Path, method: str, is_open: bool = False, has_heat: bool = False) -> list[dict[str, str]]:
     """Return the whole rows of the log of a run with `numerics.method` as text, by column (see `columns`).
 
     A last line cut short by a crash is left out. Errors: RunError if the file cannot be read, has other
     columns, or is damaged.
     """
-    return read_table(path, columns(method, is_open))
+    return read_table(path, columns(method, is_open, has_heat))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.build import material_table
+from neve.heat.enthalpy import enthalpy_at
 from neve.mpm.births import MOST, Births
 from neve.mpm.model import Model
 from neve.mpm.state import FIELDS
@@ -172,6 +173,8 @@ class Flow:
         state.append(count)
         for name, values in found.items():
             getattr(state, name)[before:] = values
+        if self._model.has_heat:
+            state.enthalpy[before:, 0] = enthalpy_at(self._scene, found["m"])
         state.id[before:] = births.add(owner, count)
         self.emitted += self._sums(state, np.arange(before, before + count))
         return state

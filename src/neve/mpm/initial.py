@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from neve.build import coupled, material_table, samples_of
+from neve.heat.clock import heat_model
+from neve.heat.enthalpy import enthalpy_at
 from neve.mpm.births import Births
 from neve.mpm.model import Model
 from neve.sampling import Samples
@@ -58,6 +60,8 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, 
         _place(state, rows, s, rows_of[snow], snow.rho0)
         if model.native.keeps_C:
             state.C[rows] = _spin_matrix(source.spin)
+        if model.has_heat:
+            state.enthalpy[rows, 0] = enthalpy_at(scene, state.m[rows])
         begin = rows.stop
     return state, [len(s.x) for s in samples]
 
@@ -65,22 +69,22 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, 
 def make_model(scene: Scene) -> Model:
     """Return the constants of the scene's run, without sampling any snow.
 
-    Errors: SceneError for emitters or sinks where the device has none.
+    Errors: SceneError for emitters, sinks or heat where the device has none.
     """
-    if scene.is_open and scene.numerics.device != "cpu":
+    if (scene.is_open or scene.heat is not None) and scene.numerics.device != "cpu":
         scene = _on_the_processor(scene)
     solids, rigid = coupled(scene)
-    return Model(scene.world, scene.numerics, material_table(scene), scene.colliders, solids, rigid)
+    snows, heat = material_table(scene), heat_model(scene)
+    return Model(scene.world, scene.numerics, snows, scene.colliders, solids, rigid, heat)
 
 
 def _on_the_processor(scene: Scene) -> Scene:
-    """Return a scene in which snow comes or goes for the processor, if its device may be that."""
+    """Return a scene in which snow comes, goes or has heat for the processor, if its device may be that."""
     if scene.numerics.device == "auto":
         return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"device": "cpu"})})
-    name = "emitters" if scene.emitters else "sinks"
-    raise SceneError(
-        f'{name}: numerics.device = "{scene.numerics.device}" adds and removes no snow; use "cpu"'
-    )
+    name = "emitters" if scene.emitters else "sinks" if scene.sinks else "heat"
+    lacks = "knows no heat" if name == "heat" else "adds and removes no snow"
+    raise SceneError(f'{name}: numerics.device = "{scene.numerics.device}" {lacks}; use "cpu"')
 
 
 def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) -> None:

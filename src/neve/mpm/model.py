@@ -20,14 +20,15 @@ from neve.scene.values.curves import keyed
 from neve.scene.values.elastic import p_wave_modulus
 
 if TYPE_CHECKING:
-    from neve._core import Precision, State
+    from neve._core import HeatModel, Precision, State
 
 
 class Model(PlacedSolids):
     """Hold the material table, the solids, gravity and dx of one run, in the core's precision.
 
     `core` is the set of compiled stages (float32 or float64), `native` the core's own model; `courant` the
-    largest stable c dt / dx; `sleeps` whether snow at rest is left out.
+    largest stable c dt / dx; `sleeps` whether snow at rest is left out; `has_heat` whether particles have
+    heat.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class Model(PlacedSolids):
         colliders: Sequence[Collider],
         solids: Sequence[Solid],
         rigid: CoupledBodies | None = None,
+        heat: HeatModel | None = None,
     ) -> None:
         self.core = _stages(numerics)
         self.numerics = numerics
@@ -53,7 +55,9 @@ class Model(PlacedSolids):
             numerics.sleep_speed if numerics.sleep else 0.0,
             numerics.sleep_after,
         )
-        self.sleeps = numerics.sleep
+        self.sleeps, self.has_heat = numerics.sleep, heat is not None
+        if heat is not None:
+            native.set_heat(heat)
         super().__init__(native, colliders, solids, rigid, numerics.dx)
         self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in self.snows))
         for snow in self.snows:
@@ -77,7 +81,7 @@ class Model(PlacedSolids):
 
     def particles(self, count: int) -> State:
         """Return `count` particles at rest, with the columns that this model needs."""
-        return self.core.State(count, self.native.more_modes, self.sleeps)
+        return self.core.State(count, self.native.more_modes, self.sleeps, self.has_heat)
 
     def limit_compression(self, strongest: float) -> None:
         """Set `max_compression`: how far a step may press snow, -dt tr grad v [1], before hardening stores

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from neve.colliders.solid import Solid
 from neve.diagnostics import Diagnostics, row_of
 from neve.geometry.pose import Pose
+from neve.heat.clock import HeatClock
+from neve.heat.enthalpy import columns as heat_columns
 from neve.mpm.births import Births
 from neve.mpm.failures import require_finite, require_progress
 from neve.mpm.flow import Flow
@@ -45,6 +47,7 @@ class MpmSolver(Solver):
     """
 
     fields = FIELDS
+    has_heat = True
     stages = STAGES
     fixed = (
         *Solver.fixed,
@@ -100,6 +103,7 @@ class MpmSolver(Solver):
                 raise ValueError("it holds no particle")
             if state_ids.size and int(state_ids.max()) >= self.births.count:
                 raise ValueError("a particle was born later than any")
+        self.heat = HeatClock(saved if scene.heat else None)
         self.flow = Flow(scene, self.model)
         if saved is not None:
             self.flow.restore(saved)
@@ -116,8 +120,7 @@ class MpmSolver(Solver):
         densest = inspect(self.model, self.state)
         self._stages = Stages(self.model, self.state, self.grid, self.timer)
         self.flow.begin()
-        at_birth = 1.0 if self.scene.emitters else 0.0
-        self.model.limit_compression(float(np.max(self.state.strength, initial=at_birth)))
+        self._limit_compression()
         self._report = self._stages.refresh()
         require_finite(self.model, self.state, self._report, steps, time, 0.0)
         if steps == 0 and self.scene.numerics.initial_volume == "grid":
@@ -127,6 +130,14 @@ class MpmSolver(Solver):
         if not self._warned_of_density:
             self._warned_of_density = warn_of_density(self.scene, self.model, self.state, densest, time)
         self._sort_anew(time)
+
+    def _limit_compression(self) -> None:
+        """Tell the model the largest factor on the thresholds of any particle, as far as it has sintered."""
+        strength = np.asarray(self.state.strength)
+        if self.model.has_heat:
+            strength = strength * self.state.thermal[:, 1]
+        at_birth = 1.0 if self.scene.emitters else 0.0
+        self.model.limit_compression(float(np.max(strength, initial=at_birth)))
 
     def step(self, steps: int, time: float, remaining: float) -> StepSummary:
         """Take one step, with the dt that the scene allows or less. Errors: Blowup."""
@@ -159,7 +170,24 @@ class MpmSolver(Solver):
             self.model.set_time(self.scene, time)
         if self.scene.is_open:
             self._come_and_go(time, dt)
+        if self.scene.heat is not None:
+            self._pass_heat(steps, time, dt)
         return exchanged
+
+    def _pass_heat(self, steps: int, time: float, dt: float) -> None:
+        """Let heat flow, once it is due, after the step of dt [s] that ends at `time` [s]. Errors: Blowup."""
+        core, native, state = self.model.core, self.model.native, self.state
+        with self.timer.stage("stress"):
+            found = self.heat.advance(lambda due: core.pass_heat(native, state, due), dt, steps, time)
+        if found is None:
+            return
+        if self.scene.heat and self.scene.heat.sintering:
+            self._limit_compression()
+        if found.changed:
+            self._report = self._stages.refresh()
+            require_finite(self.model, state, self._report, steps, time, dt)
+        if found.woken:
+            self._sort_anew(time)
 
     def _move_bodies(self, time: float, dt: float) -> NDArray[np.float64] | None:
         """Let the bodies feel what the snow did to them; return what `take_exchanged` did, if any."""
@@ -222,6 +250,10 @@ class MpmSolver(Solver):
             particles=int(self.state.count),
             asleep=int(np.isinf(self.state.rest).sum()),
             blocks=int(self.grid.blocks),
+            heat=t.heat,
+            heat_taken=self.heat.taken,
+            water=t.water,
+            heat_speed=self.scene.heat.heat_speed if self.scene.heat else 0.0,
             **self.model.totals_of_bodies(),
             **self.flow.books(),
         )
@@ -231,10 +263,17 @@ class MpmSolver(Solver):
         return row_of(totals, self.log_columns)
 
     def save(self) -> dict[str, NDArray[Any]]:
-        """Return the state, whose it is, what comes and goes, and the rigid bodies."""
+        """Return the state, whose it is, what comes and goes, the clock of heat, and the rigid bodies."""
         rigid = self.model.rigid
         whose = self.births.arrays()
-        return {**to_arrays(self.state), **whose, **self.flow.save(), **(rigid.save() if rigid else {})}
+        heat = self.heat.save() if self.scene.heat else {}
+        return {
+            **to_arrays(self.state),
+            **whose,
+            **self.flow.save(),
+            **heat,
+            **(rigid.save() if rigid else {}),
+        }
 
     @property
     def report(self) -> Report:
@@ -258,19 +297,21 @@ class MpmSolver(Solver):
         return self.state.bytes + self.grid.bytes
 
     def columns(self) -> dict[str, Callable[[], Any]]:
-        """Return the fields of the state, the stress tau of the last step, the density, the source, and who
-        sleeps, if somebody may.
+        """Return the fields of the state, the stress tau of the last step, the density, the source, who
+        sleeps, if somebody may, and with heat temperature and phase.
         """
         state = self.state
         found = super().columns()
-        del found["rest"]  # infinite in sleep
+        for name in ("rest", "enthalpy", "thermal"):  # numbers that some scenes have, and infinite ones
+            del found[name]
         sleep = {"asleep": lambda: np.isinf(state.rest[:, 0]).astype(np.uint16)} if self.model.sleeps else {}
         own = {
             "tau": lambda: state.tau,
             "density": lambda: density(state),
             "source": lambda: self.births.of(state.id, len(self.scene.sources)),
         }
-        return found | own | sleep
+        heat = heat_columns(lambda: (state.enthalpy[:, 0], state.m)) if self.model.has_heat else {}
+        return found | own | sleep | heat
 
     def quantised(self, value: str) -> Quantised | None:
         """Return positions and the values of a colour from a GPU; None on the processor."""

@@ -32,6 +32,8 @@ FIELDS = (
         "further modes of the velocity; lift off slip [m]",
     ),
     Field("rest", ("k",), "s, m/s", "real", "time at rest, infinite in sleep; mean velocity of late"),
+    Field("enthalpy", ("k",), "J", "float64", "with heat: zero for ice at the melting point"),
+    Field("thermal", ("k",), "1", "real", "with heat: share of water, growth by sintering, most water ever"),
     Field("F_E", (3, 3), "1", "real", "elastic deformation gradient"),
     Field("J_P", (), "1", "real", "plastic volume change"),
     Field("m", (), "kg", "real", "mass"),
@@ -59,7 +61,8 @@ def from_arrays(core: Precision, arrays: Mapping[str, NDArray[Any]], **others: N
     """
     columns = {field.name: arrays[field.name] for field in FIELDS}  # one by one: it may say what it lacks
     columns |= others
-    state = core.State(len(columns["m"]), columns["modes"].shape[1], columns["rest"].shape[1] > 0)
+    rest, heat = (columns[name].shape[1] > 0 for name in ("rest", "thermal"))
+    state = core.State(len(columns["m"]), columns["modes"].shape[1], rest, heat)
     fill_columns(state, FIELDS, columns)
     return state
 

@@ -23,6 +23,8 @@ ALLOWED = {
     "modes": "finite numbers [m/s]",
     "F_E": "a finite matrix whose determinant is above zero",
     "J_P": "a finite number above zero",
+    "enthalpy": "a finite heat [J]",
+    "thermal": "a share of water from 0 to 1, a growth of strength of at least 1, a share from 0 to 1",
     "m": "a finite mass above zero [kg]",
     "V0": "a finite volume above zero [m3]",
     "stiffness": "a finite factor above zero",

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from neve.backend import backend
 from neve.build import PlacedSolids, coupled, material_table, samples_of
+from neve.heat.clock import heat_model
+from neve.heat.enthalpy import enthalpy_at
 from neve.particles.constants import (
     BOND_GAP,
     DAMPING,
@@ -23,7 +25,6 @@ from neve.particles.constants import (
     contact_constants,
     radius_at_birth,
 )
-from neve.particles.heat import enthalpy_at, set_heat
 from neve.sampling import Samples
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene
@@ -169,7 +170,8 @@ def set_constants(scene: Scene, particles: Particles) -> None:
     numerics = scene.numerics
     way = numerics.sleep_speed * numerics.sleep_after if numerics.sleep else 0.0
     particles.set_sleep(way, numerics.sleep_after, SWINGING * numerics.sleep_speed)
-    set_heat(scene, particles)
+    if heat := heat_model(scene):
+        particles.set_heat(heat)
 
 
 def reach(particles: Particles) -> float:

@@ -15,8 +15,9 @@ from neve.build import material_table, require_same_sources, wakes_all, with_one
 from neve.colliders.solid import Solid
 from neve.diagnostics import row_of
 from neve.geometry.pose import Pose
+from neve.heat.clock import HeatClock
+from neve.heat.enthalpy import columns as heat_columns
 from neve.particles.constants import BOND_GAP
-from neve.particles.heat import INTERVAL, liquid, temperature
 from neve.particles.initial import (
     FIELDS,
     from_arrays,
@@ -102,17 +103,13 @@ class ParticleSolver(Solver):
         "bonds",
         "contacts",
         "asleep",  # particles that no step moves
-        "heat",  # above that of ice at the melting point [J]
-        "heat_taken",  # from air and sun since the start [J]
-        "water",  # mass that is liquid [kg]
-        "heat_speed",  # seconds of heat in a second of motion; 0 without heat
     )
     state: Particles
 
     def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
         """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""
         super().__init__(scene, saved)
-        self._heat_due = self._heat_taken = 0.0
+        self.heat = HeatClock(saved)
         self.placed = place_solids(scene)
         if saved is None:
             self.state = from_arrays(scene, snow_of(scene, self.placed, range(len(scene.sources))))
@@ -123,7 +120,6 @@ class ParticleSolver(Solver):
             self._derive()
             self.state.set_contacts(self._near, *(np.asarray(saved[name]) for name in CONTACTS))
             self.state.last_dt, self.state.order = float(saved["last_dt"]), int(saved["order"])
-            self._heat_due, self._heat_taken = map(float, saved["heat_clock"])
             if self.placed.rigid:
                 self.placed.rigid.restore(saved)
 
@@ -216,20 +212,8 @@ class ParticleSolver(Solver):
 
     def _pass_heat(self, dt: float, steps: int, time: float) -> None:
         """Let heat flow, once it is due: `dt` [s] of motion later than at the last call. Errors: Blowup."""
-        self._heat_due += dt
-        if self._heat_due < INTERVAL * (1.0 - 1e-9):
-            return
         with self.timer.stage("heat"):
-            report = self.state.pass_heat(self._heat_due)
-        if report.endless:
-            raise Blowup(
-                f"heat asks for {report.rounds:,} rounds in {self._heat_due:.3g} s of motion after step "
-                f"{steps} (t = {time:.6g} s): lower heat.heat_speed, heat.conductivity or heat.air_exchange"
-            )
-        self._heat_due = 0.0
-        self._heat_taken += report.taken
-        if not report.finite:
-            raise Blowup(f"a particle has no finite heat after step {steps} (t = {time:.6g} s): check [heat]")
+            self.heat.advance(self.state.pass_heat, dt, steps, time)
 
     @property
     def stiffest(self) -> float:
@@ -268,7 +252,7 @@ class ParticleSolver(Solver):
             contacts=round(t.contacts),
             asleep=int(self.state.asleep),
             heat=t.heat if self.scene.heat else 0.0,
-            heat_taken=self._heat_taken,
+            heat_taken=self.heat.taken,
             water=t.water if self.scene.heat else 0.0,
             heat_speed=self.scene.heat.heat_speed if self.scene.heat else 0.0,
             **self.placed.totals_of_bodies(),
@@ -282,11 +266,10 @@ class ParticleSolver(Solver):
         """Return the state, its contacts, the last dt, by which these are old, and the bodies."""
         contacts = dict(zip(CONTACTS, map(np.array, self.state.contacts()), strict=True))
         bodies = self.placed.rigid.save() if self.placed.rigid else {}
-        clock = np.array([self._heat_due, self._heat_taken])
         last = {
             "last_dt": np.array(self.state.last_dt),
             "order": np.array(self.state.order),
-            "heat_clock": clock,
+            **self.heat.save(),
         }
         return {**super().save(), **contacts, **last, **bodies}
 
@@ -315,8 +298,7 @@ class ParticleSolver(Solver):
         del found["rest"]  # infinite in sleep
         more: dict[str, Callable[[], Any]] = {"density": lambda: np.asarray(state.m / (state.V0 * state.J_P))}
         if self.scene.heat is not None:
-            more["temperature"] = lambda: temperature(state.enthalpy, state.m)
-            more["phase"] = lambda: liquid(state.enthalpy, state.m)
+            more |= heat_columns(lambda: (state.enthalpy, state.m))
         if self.scene.numerics.sleep:
             more["asleep"] = lambda: np.isinf(state.rest[:, 0]).astype(np.uint16)
         return found | more

@@ -1,6 +1,7 @@
 """`neve compare`: the same scene by each method, side by side."""
 
 import csv
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,6 +28,12 @@ velocity = [0.0, 0.0, -3.0]
 shape = "plane"
 [run]
 duration = 0.1
+"""
+SINK = """
+[[sinks]]
+shape = "box"
+center = [5.0, 0.0, 0.0]
+size = [1.0, 1.0, 1.0]
 """
 
 
@@ -69,13 +76,14 @@ def test_every_method_runs_on_one_clock(scene, tmp_path, capsys):
 
 
 def test_method_that_refuses_is_told(scene, tmp_path, capsys):
-    """A scene with heat: the method that knows none is named with its sentence, the other one runs."""
+    """A scene with a sink: the method that has none is named with its sentence, the other one runs."""
     out = tmp_path / "out"
-    options = ("--quiet", "--threads", "1", "--set", "heat.heat_speed=10.0", "--frames", "1")
+    Path(scene).write_text(SCENE + SINK)
+    options = ("--quiet", "--threads", "1", "--frames", "1")
     assert neve("compare", scene, "--out", str(out), *options) in (0, None)
-    assert "mpm" not in (out / TABLE).read_text()
-    assert "knows no heat" in (out / PAGE).read_text()
-    assert neve("compare", scene, "--out", str(out), "--methods", "mpm", "--force", *options) == 2
+    assert "particles" not in [line.split(",")[0] for line in (out / TABLE).read_text().splitlines()]
+    assert "adds and removes no snow" in (out / PAGE).read_text()
+    assert neve("compare", scene, "--out", str(out), "--methods", "particles", "--force", *options) == 2
 
 
 def test_bad_methods_are_refused():

@@ -39,7 +39,7 @@ FILES, LOG, FRAGMENTS, SOLIDS, ARRAYS, COMPACT = tables()
 @pytest.mark.parametrize(
     ("table", "columns"),
     [
-        (LOG, log.columns("mpm", True)),
+        (LOG, log.columns("mpm", True, True)),
         (FRAGMENTS, fragments.COLUMNS),
         (SOLIDS, solids.COLUMNS),
         (ARRAYS, [name for name in Frame._fields if name != "more"]),  # what run.fields names

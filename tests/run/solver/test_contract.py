@@ -109,7 +109,7 @@ def test_names_of_the_contract_are_those_of_the_parts(part, protocol):
         assert class_names(CONTRACT, name) == public(getattr(part, name)), name
 
 
-LENGTHS = {"modes": ("more_modes", 0), "rest": ("4", 0)}
+LENGTHS = {"modes": ("more_modes", 0), "rest": ("4", 0), "enthalpy": ("1", 0), "thermal": ("3", 0)}
 """Of fields whose length the scene chooses: its word in the contract, and what it is in a usual scene."""
 
 

@@ -124,6 +124,12 @@ def test_it_moves_by_its_own_equation():
     assert sim.bytes == sim.count * 7 * 8
 
 
+def test_it_knows_no_heat():
+    """One sentence says which methods do."""
+    with pytest.raises(SceneError, match='"grains" knows no heat; use "mpm" or "particles", or leave'):
+        neve.Simulation(scene({"heat": {}}))
+
+
 def test_it_fills_a_run_folder(tmp_path):
     """Frames, a log with its own columns, a film and a picture."""
     sim = run_scene(scene(), tmp_path / "run", quiet=True)

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import erf
 
 import neve
-from neve.particles.heat import C_ICE, LATENT, temperature
+from neve.heat.enthalpy import C_ICE, LATENT, temperature
 from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.load import scene_from
 from neve.solver import Blowup
@@ -237,11 +237,8 @@ def test_same_bits():
     assert (np.asarray(sims[0].state.liquid) > 0).any()
 
 
-def test_method_without_heat_refuses_it():
-    """One sentence says which methods know heat; and heat cannot come or go in a run."""
-    described = scene_from({"heat": {}, "sources": [{"shape": "sphere", "radius": 0.2}]})
-    with pytest.raises(SceneError, match=r'heat: numerics\.method = "mpm" knows no heat; use "particles"'):
-        neve.Simulation(described)
+def test_heat_cannot_come_or_go():
+    """One sentence says so."""
     sim = simulate([{"shape": "sphere", "radius": 0.2}], {})
     with pytest.raises(SceneError, match="heat cannot come or go"):
         sim.change(sim.scene.model_copy(update={"heat": None}))

@@ -77,7 +77,7 @@ class SeveralStages:
         ]
         return DomainModel(native, dx, parts)
 
-    def State(self, count: int, more_modes: int = 0, sleeps: bool = False) -> DomainState:
+    def State(self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False) -> DomainState:
         """Make `count` particles at rest. Errors: DeviceError."""
         return DomainState(self._drivers, self._core.State(count, more_modes))
 

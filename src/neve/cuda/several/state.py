@@ -95,8 +95,8 @@ class DomainState:
         return getattr(self.host, name)
 
     def __getattr__(self, name: str) -> Any:
-        if name == "rest":
-            return self.host.rest  # no columns: nothing sleeps here
+        if name in ("rest", "enthalpy", "thermal"):
+            return getattr(self.host, name)  # no columns: nothing sleeps or has heat here
         if name not in FIELDS:
             raise AttributeError(name)
         for part in self.parts:

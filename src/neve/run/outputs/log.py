@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal
 
 from neve.diagnostics import Balance, row_of
-from neve.io.log import FLOW, columns, stages
+from neve.io.log import FLOW, HEAT, columns, stages
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.scene.schema.outputs import Need, Scheduled, Sizes
@@ -79,8 +79,9 @@ class LogOutput:
         """Start the log, or continue it after the row of frame `done`."""
         method = run.scene.numerics.method
         self._stages = stages(method)
-        self._flow = FLOW if run.scene.is_open else ()
-        names = columns(method, run.scene.is_open)
+        open_, heated = run.scene.is_open, run.scene.heat is not None
+        self._more = (*(FLOW if open_ else ()), *(HEAT if heated else ()))
+        names = columns(method, open_, heated)
         self._log = run.table(run.folder.log.name, names, run.frames_done(schedule))
         watched = "excess" in self._log.columns and not run.scene.is_keyed
         self._watch = EnergyWatch(self._log.last) if watched else None
@@ -90,7 +91,7 @@ class LogOutput:
         sim, stats, totals = context.sim, context.sim.stats, context.sim.diagnostics()
         moved = context.frame > 0  # the initial state took no step
         seconds = {**(stats.stage_seconds if moved else {}), **context.timer.take()}
-        values: dict[str, float | None] = {**sim.solver.log_values(totals), **row_of(totals, self._flow)}
+        values: dict[str, float | None] = {**sim.solver.log_values(totals), **row_of(totals, self._more)}
         if "excess" in self._log.columns:
             values["excess"] = None
         if self._watch:

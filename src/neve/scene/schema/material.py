@@ -338,7 +338,7 @@ class Heat(Part):
     )
     sintering: Switch = entry(
         False,
-        "Whether contacts and bonds at rest grow stronger with time, the faster the warmer.",
+        "Whether snow at rest grows stronger with time, the faster the warmer.",
         "",
         "power of time 0.21: Szabo and Schneebeli 2007 (from memory)",
     )

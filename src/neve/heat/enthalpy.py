@@ -1,42 +1,19 @@
-"""Heat of particles: what the core needs of a scene's heat, and what its columns mean."""
+"""What the enthalpy of particles means: temperature and phase."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.scene.schema.scene import Scene
 
-if TYPE_CHECKING:
-    from neve._core import Particles
-
 LATENT, C_ICE, C_WATER = 3.34e5, 2100.0, 4182.0
-"""Heat of fusion [J/kg], specific heats of ice and of water [J/(kg K)]: core/particles/enthalpy.hpp."""
-INTERVAL = 0.01
-"""Time between two passes over the heat, of motion [s]."""
+"""Heat of fusion [J/kg], specific heats of ice and of water [J/(kg K)]: core/heat/enthalpy.hpp."""
 
 Array = NDArray[np.float64]
-
-
-def set_heat(scene: Scene, particles: Particles) -> None:
-    """Give the core the heat of `scene`, if it has any."""
-    heat = scene.heat
-    if heat is None:
-        return
-    conductivity = 0.0 if heat.conductivity == "density" else float(heat.conductivity)
-    absorbed = heat.sun * (1.0 - heat.albedo)
-    towards = list(scene.light.towards_sun)
-    particles.set_heat(
-        heat.air_temperature,
-        heat.air_exchange,
-        absorbed,
-        towards,
-        conductivity,
-        heat.heat_speed,
-        heat.sintering,
-    )
 
 
 def enthalpy_at(scene: Scene, mass: NDArray[Any]) -> Array:
@@ -58,3 +35,11 @@ def liquid(enthalpy: NDArray[Any], mass: NDArray[Any]) -> Array:
     """Return the share of `mass` (n,) [kg] that is water at `enthalpy` (n,) [J]: (n,) [1]."""
     e, m = (np.asarray(a, dtype=np.float64) for a in (enthalpy, mass))
     return np.asarray(np.clip(e / (m * LATENT), 0.0, 1.0))
+
+
+def columns(state: Callable[[], tuple[NDArray[Any], NDArray[Any]]]) -> dict[str, Callable[[], Array]]:
+    """Return what film and viewer may draw: the temperature [deg C], and the phase [1], 0 snow and 1 water.
+
+    state: returns enthalpy [J] and mass [kg] of the particles, (n,) each
+    """
+    return {"temperature": lambda: temperature(*state()), "phase": lambda: liquid(*state())}

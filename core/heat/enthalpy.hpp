@@ -1,4 +1,4 @@
-// Heat of particles: what a scene says of it, and the state of one particle (docs/particles.md, Heat).
+// Heat of particles: what a scene says of it, and the state of one particle (docs/heat.md).
 #pragma once
 
 #include <algorithm>
@@ -16,6 +16,13 @@ inline constexpr double c_water = 4182;           // and of water
 inline constexpr double k_water = 0.6;            // conductivity of water [W/(m K)]
 inline constexpr double water = 1000, ice = 917;  // densities [kg/m3]
 inline constexpr double melting = 273.15;         // [K]
+
+// Change of the liquid share from which on size and strength of a particle follow it [1].
+inline constexpr double phase_step = 2e-3;
+// Of a difference of temperatures that may go in one round [1].
+inline constexpr double most_change = 0.4;
+// Rounds of one pass: a step of motion that asks for more would never end.
+inline constexpr double most_rounds = 1e5;
 
 // Temperature [deg C] of mass m [kg] with enthalpy e [J], which is zero for ice at the melting point: below zero solid, up
 // to m latent a mush at the melting point, water above.
@@ -66,26 +73,14 @@ struct HeatReport {
   int rounds = 0;    // in which it was made
   bool finite = true;
   bool endless = false;  // so many that it was not made
-};
 
-// Directions in which the surface of a particle is looked at: the corners of an icosahedron and of a dodecahedron.
-inline constexpr int facet_count = 32;
-inline const std::array<std::array<double, 3>, facet_count>& facets() {
-  static const auto all = [] {
-    const double g = (1 + std::sqrt(5.0)) / 2, far = std::sqrt(1 + g * g), root = std::sqrt(3.0);
-    std::array<std::array<double, 3>, facet_count> out{};
-    std::size_t n = 0;
-    for (int signs = 0; signs < 4; ++signs) {
-      const double a = signs & 1 ? 1 : -1, b = signs & 2 ? 1 : -1;
-      for (std::size_t k = 0; k < 3; ++k) {
-        out[n][k] = 0, out[n][(k + 1) % 3] = a / far, out[n][(k + 2) % 3] = b * g / far, ++n;
-        out[n][k] = 0, out[n][(k + 1) % 3] = a / g / root, out[n][(k + 2) % 3] = b * g / root, ++n;
-      }
-      for (const double c : {-1.0, 1.0}) out[n++] = {a / root, b / root, c / root};
-    }
-    return out;
-  }();
-  return all;
-}
+  // Of a pass in which differences of temperature would shrink by `change` at once [1].
+  static HeatReport of(double change) {
+    const double rounds = std::max(1.0, std::ceil(change / heat::most_change));
+    HeatReport report;
+    report.rounds = int(std::min(rounds, 2e9)), report.endless = rounds > heat::most_rounds;
+    return report;
+  }
+};
 
 }  // namespace neve

@@ -1,0 +1,1 @@
+"""Heat of snow by any method."""
