@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from neve.backend import backend
 from neve.build import PlacedSolids, coupled, material_table, samples_of
+from neve.cuda.errors import DeviceError
 from neve.heat.clock import heat_model
 from neve.heat.enthalpy import enthalpy_at
 from neve.particles.constants import (
@@ -58,8 +59,11 @@ ROUNDS, ROUNDS_BETWEEN_LISTS = 60, 6
 def kernels(scene: Scene) -> Precision:
     """Return the compiled stages for the scene's precision. Errors: SceneError for a device that has none."""
     numerics = scene.numerics
-    found = backend("cpu" if numerics.device == "auto" else numerics.device).kernels(numerics.precision)
-    if not hasattr(found, "Particles") or hasattr(found, "device"):  # of a GPU, whose stages are others
+    try:
+        found = backend("cpu" if numerics.device == "auto" else numerics.device).kernels(numerics.precision)
+    except DeviceError:  # nor has what is not there
+        found = None
+    if found is None or not hasattr(found, "Particles") or hasattr(found, "device"):  # of a GPU
         raise SceneError(
             f'numerics.device = "{numerics.device}" has no numerics.method = "particles": use "cpu"'
         )

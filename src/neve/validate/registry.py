@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from neve.validate.elastic import bar, discs, refinement, settlement
-from neve.validate.grains import collapse, cut, repose, slide, slip
+from neve.validate.grains import collapse, contacts, cut, repose, slide, slip
 from neve.validate.result import Result
 from neve.validate.rigid import crater, wheel
 from neve.validate.snow import cam_clay, oedometer, real_snow, time_step
@@ -34,6 +34,7 @@ CASES = {
         Case("discs", "Two elastic discs collide", "18", discs.case),
         Case("collapse", "A column of grains collapses", "22", collapse.case),
         Case("repose", "Slope of a heap", "23", repose.case),
+        Case("contacts", "Particles in contact slide and heap", "19, 23", contacts.case),
         Case("cut", "A vertical cut", "24", cut.case),
         Case("cam_clay", "Yield and crushing of cohesive snow", "25", cam_clay.case),
         Case("time_step", "Refining the time step", "own", time_step.case),

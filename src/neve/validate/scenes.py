@@ -108,6 +108,13 @@ def column(sim: Simulation, name: str) -> Array:
     return np.asarray(getattr(sim.state, name), dtype=np.float64)[order]
 
 
+def slow(sim: Simulation, kept: float) -> None:
+    """Leave only the share `kept` of all velocities, and of what a particle knows of those around it."""
+    for name in ("v", "C"):
+        if name in (field.name for field in sim.solver.fields):
+            getattr(sim.state, name)[...] *= kept
+
+
 def stress(sim: Simulation) -> Array:
     """Return the Kirchhoff stress tau of the particles [Pa], (n, 3, 3), in the order of their birth."""
     return np.asarray(column(sim, "tau")[:, SYMMETRIC])

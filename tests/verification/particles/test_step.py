@@ -1,5 +1,7 @@
 """The step of particles: its oracle, momentum, bits, solids, compaction, and what is refused."""
 
+import re
+
 import numpy as np
 import pytest
 from reference import particles as reference
@@ -8,6 +10,7 @@ from verification.particles.common import columns, energy, particles
 import neve
 from neve.particles.constants import ICE
 from neve.particles.solver import CONTACTS
+from neve.scene.errors import SceneError
 from neve.solver import Blowup
 
 SOFT = {"law": "drucker_prager", "cohesion": 500.0, "E0": 1e5, "friction_angle": 30.0}
@@ -303,3 +306,32 @@ def test_what_is_refused():
     arrays[CONTACTS[1]] = arrays[CONTACTS[1]] + sim.count
     with pytest.raises(ValueError, match="contacts"):
         neve.Simulation.restore(sim.scene, arrays)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_a_gpu_is_refused_in_one_sentence(precision):
+    """This method has no stages on a GPU, and says so one there or not; "auto" takes the processor."""
+    ball = [{"shape": "sphere", "radius": 0.1}]
+    with pytest.raises(SceneError) as error:
+        particles(ball, device="cuda", precision=precision)
+    told = 'numerics.device = "cuda" has no numerics.method = "particles": use "cpu".'
+    assert str(error.value) == told
+    assert particles(ball, device="auto", precision=precision).count > 0
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"sinks": [{"shape": "box", "size": (1, 1, 1)}]}, 'sinks: numerics.method = "particles" adds and'),
+        (
+            {"snow_keyframes": [{"t": 1.0, "E0": 1e5}]},
+            'snow_keyframes: numerics.method = "particles" changes',
+        ),
+    ],
+)
+def test_what_only_the_grid_can_is_refused(more, told):
+    """Snow that goes, and snow that changes in time: one sentence each that names the key and the method."""
+    with pytest.raises(SceneError, match=re.escape(told)) as error:
+        particles([{"shape": "sphere", "radius": 0.1}], more=more)
+    assert "\n" not in str(error.value)
+    assert str(error.value).endswith('use "mpm".')

@@ -106,7 +106,7 @@ class ParticleJudge(Judge):
         self.kind = ("particles",) if heat is None else ("particles", f"heat x {heat.heat_speed:.2g}")
         self._start = self._now()
         self._most_moved = 0.0
-        self._saved: dict[str, np.ndarray] = {}  # type: ignore[type-arg]
+        self._saved: dict[str, np.ndarray] = {}
         self._left: list[int] = []
 
     def _now(self) -> ParticleDiagnostics:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from neve.simulation import Simulation
 from neve.validate.result import Check, Curve, Plot, Result, band, near
-from neve.validate.scenes import box, column, duct, elastic, moduli, plane, simulation, stress
+from neve.validate.scenes import box, column, duct, elastic, moduli, plane, simulation, slow, stress
 
 Array = NDArray[np.float64]
 
@@ -53,8 +53,7 @@ def relax(sim: Simulation, seconds: float, dt: float) -> int:
         v, m = np.asarray(sim.state.v, dtype=np.float64), np.asarray(sim.state.m, dtype=np.float64)
         kinetic = float((m[:, None] * v**2).sum())
         if rising and kinetic < before:
-            sim.state.v[...] = 0.0
-            sim.state.C[...] = 0.0
+            slow(sim, 0.0)
             stops, kinetic = stops + 1, 0.0
         rising, before = kinetic >= before, kinetic
     return stops

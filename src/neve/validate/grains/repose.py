@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from neve.simulation import Simulation
 from neve.validate.grains.plane_strain import G, restless, sliding, surface
 from neve.validate.result import Check, Curve, Plot, Result, at_most, band
-from neve.validate.scenes import box, plane, simulation, slab
+from neve.validate.scenes import box, plane, simulation, slab, slow
 
 Array = NDArray[np.float64]
 
@@ -30,18 +31,21 @@ class Slope:
     steps: int
 
 
-def repose(degrees: float, cells: int = 16, pace: float = 0.2, drag: float = 0.0) -> Slope:
+def repose(
+    degrees: float, cells: int = 16, pace: float = 0.2, drag: float = 0.0, thick: int = 1, **numerics: Any
+) -> Slope:
     """Draw back the wall before a heap of `cells` cells height by `pace` [m/s], and measure the slope.
 
-    With `drag` [1/s] all velocities decay at that rate, so that nothing falls faster than g / drag.
+    With `drag` [1/s] all velocities decay at that rate, so that nothing falls faster than g / drag. thick: of
+    the slab [cells].
     """
     height, length = 0.2, 0.36
     h = height / cells
     way = 1.2 * height / np.tan(np.radians(min(degrees, LEAST)))
     sim = simulation(
-        [box((0, 0, 0), (length, h, height))],
+        [box((0, 0, 0), (length, thick * h, height))],
         [
-            *slab(h),
+            *slab(thick * h),
             plane((0, 0, 0), (1, 0, 0)),
             plane((0, 0, 0), (0, 0, 1), "sticky"),
             plane((length, 0, 0), (-1, 0, 0), "separate", velocity=[pace, 0.0, 0.0]),
@@ -51,6 +55,7 @@ def repose(degrees: float, cells: int = 16, pace: float = 0.2, drag: float = 0.0
         dx=h,
         precision="float32",
         sampling="jittered",
+        **numerics,
     )
     if drag:
         _crawl(sim, float(way / pace), drag)
@@ -69,8 +74,7 @@ def _crawl(sim: Simulation, seconds: float, drag: float) -> None:
     kept = np.exp(-drag * seconds / pieces)
     for _ in range(pieces):
         sim.advance(seconds / pieces)
-        sim.state.v[...] *= kept
-        sim.state.C[...] *= kept
+        slow(sim, kept)
 
 
 ANGLES = (20.0, 26.0, 30.0)
