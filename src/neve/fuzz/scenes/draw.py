@@ -109,12 +109,15 @@ def draw(seed: int, number: int, method: str | None = None) -> tuple[Scene, str]
     own = np.random.default_rng([seed, number, ON_ITS_OWN])
     drawn = "particles" if own.random() < PARTICLES else "mpm"
     if (method or drawn) == "particles":
-        _as_particles(own, tables)
+        _as_particles(own, tables, fast)
     return scene_from(tables, where=f"fuzz scene {seed}/{number}"), name
 
 
-def _as_particles(rng: Random, tables: dict[str, Any]) -> None:
-    """Let a scene be run as particles in contact, half of the scenes with heat."""
+def _as_particles(rng: Random, tables: dict[str, Any], fast: float) -> None:
+    """Let a scene be run as particles in contact, half of the scenes with heat, a quarter with sleep.
+
+    fast: speed of what moves [m/s].
+    """
     kept = ("dx", "precision", "particles_per_cell", "sampling", "cfl", "dt", "dt_max", "seed")
     numerics = tables["numerics"]
     tables["numerics"] = {"method": "particles"} | {key: numerics[key] for key in kept if key in numerics}
@@ -132,6 +135,12 @@ def _as_particles(rng: Random, tables: dict[str, Any]) -> None:
             "conductivity": "density" if rng.random() < 0.5 else conductivity,
             "heat_speed": max(min(_log(rng, 1e-3, 1e6), most), 1e-3),
             "sintering": bool(rng.random() < 0.5),
+        }
+    if rng.random() < 0.25:
+        tables["numerics"] |= {
+            "sleep": True,
+            "sleep_speed": min(_log(rng, 1e-3, 0.3) * fast, 1.0),
+            "sleep_after": min(float(rng.uniform(0.02, 0.3)) * tables["run"]["duration"], 10.0),
         }
 
 

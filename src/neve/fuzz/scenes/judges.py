@@ -93,7 +93,7 @@ class MpmJudge(Judge):
 class ParticleJudge(Judge):
     """Momentum is what gravity and solids gave, heat what air and sun did; bits are those of a resumed run.
 
-    Energy is judged until snow melts, which changes sizes and stiffness.
+    Energy is judged until snow melts, which changes sizes and stiffness; momentum where none may fall asleep.
     """
 
     meter_of = ParticleMeter
@@ -103,7 +103,8 @@ class ParticleJudge(Judge):
         self.sim.solver.begin(0, 0.0)
         super().begin()
         heat = self.sim.scene.heat
-        self.kind = ("particles",) if heat is None else ("particles", f"heat x {heat.heat_speed:.2g}")
+        sleep = ("sleep",) if self.sim.scene.numerics.sleep else ()
+        self.kind = ("particles", *sleep, *(() if heat is None else (f"heat x {heat.heat_speed:.2g}",)))
         self._start = self._now()
         self._most_moved = 0.0
         self._saved: dict[str, np.ndarray] = {}
@@ -127,7 +128,7 @@ class ParticleJudge(Judge):
         fall = now.mass * self.sim.time * np.array(self.sim.scene.world.gravity)
         missing = float(np.abs(np.array(now.momentum) - start.momentum - given - fall).max())
         scale = self._most_moved + float(np.abs(start.momentum).max() + np.abs(fall).max())
-        if missing > 8.0 * eps * (self.sim.steps + 8) * scale:
+        if not self.sim.scene.numerics.sleep and missing > 8.0 * eps * (self.sim.steps + 8) * scale:
             return f"momentum of {missing:.3g} N s came from nowhere, {missing / scale:.2g} of what moved"
         heat = float(np.abs(np.asarray(self.sim.state.enthalpy)).sum()) + abs(now.heat_taken)
         lost = abs(now.heat - start.heat - now.heat_taken)
