@@ -155,7 +155,8 @@ def _mass_by_id(sim: Simulation) -> np.ndarray[tuple[int], np.dtype[np.float64]]
 def _fault(sim: Simulation, mass: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
     state = sim.state
     for field in sim.solver.fields:
-        if not np.all(np.isfinite(getattr(state, field.name))):
+        value = np.asarray(getattr(state, field.name))
+        if np.any(np.isnan(value) if field.name == "rest" else ~np.isfinite(value)):  # infinite in sleep
             return f"{field.name} is not finite"
     if not np.array_equal(np.sort(state.id), np.arange(len(mass))):
         return "a particle was lost"
