@@ -6,11 +6,17 @@ particle (fixed-corotated energy, clamp of the singular values, hardening: Stoma
 means throughout: `ti.svd`, static unrolling over the 27 nodes, automatic atomics, all threads, fast_math.
 """
 
-from __future__ import annotations
+# Annotations are not postponed: Taichi reads them.
+
+import importlib
+import os
+from importlib.metadata import version
 
 import numpy as np
-import taichi as ti
 from case import J_P_BOUNDS, Case
+
+LANGUAGE = os.environ.get("SNOW_LANGUAGE", "taichi")  # or its fork, "quadrants"
+ti = importlib.import_module(LANGUAGE)
 
 
 @ti.data_oriented
@@ -19,8 +25,7 @@ class TaichiSnow:
 
     def __init__(self, case: Case) -> None:
         """Copy the particles into Taichi fields, in the order of the grid's rows, which suits the cache."""
-        cell = np.floor(case.x / case.dx - 0.5).astype(np.int64) - case.low
-        order = np.lexsort((cell[:, 2], cell[:, 1], cell[:, 0]))
+        order = case.by_rows()
         self.n = len(case.x)
         self.dx, self.dt, self.inv_dx = case.dx, case.dt, 1.0 / case.dx
         self.mu0 = case.E0 / (2 * (1 + case.nu))
@@ -145,3 +150,27 @@ class TaichiSnow:
                 v = self.contact(v)
             self.v[p], self.C[p] = v, C
             self.x[p] += self.dt * v
+
+
+class Program:
+    """The snow, as `worker.py` runs it (see `neve_snow.py`)."""
+
+    law, precision = "Stomakhin 2013", "float32"
+
+    def __init__(self, case: Case, threads: int, device: str) -> None:
+        """Take the particles of `case`; device: "cpu" or "cuda"."""
+        arch = ti.cuda if device == "cuda" else ti.cpu
+        ti.init(arch=arch, log_level=ti.WARN, cpu_max_num_threads=threads)
+        self.version = version(LANGUAGE)
+        self.snow = TaichiSnow(case)
+        self.dt, self.particles = case.dt, self.snow.n
+
+    def advance(self, seconds: float) -> tuple[int, float]:
+        """Simulate `seconds`."""
+        steps = round(seconds / self.dt)
+        self.snow.advance(steps)
+        return steps, steps * self.dt
+
+    def state(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Return x, v, J_P."""
+        return self.snow.x.to_numpy(), self.snow.v.to_numpy(), self.snow.flowed()

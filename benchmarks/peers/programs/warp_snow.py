@@ -8,6 +8,7 @@ step are recorded in a CUDA graph.
 
 from __future__ import annotations
 
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -144,8 +145,7 @@ class WarpSnow:
 
     def __init__(self, case: Case, device: str) -> None:
         """Copy the particles, in the order of the grid's rows; device: "cuda" or "cpu"."""
-        cell = np.floor(case.x / case.dx - 0.5).astype(np.int64) - case.low
-        order = np.lexsort((cell[:, 2], cell[:, 1], cell[:, 0]))
+        order = case.by_rows()
         self.n, self.device, self._graph = len(case.x), device, None
 
         def array(values: Any, kind: Any) -> Any:
@@ -193,3 +193,25 @@ class WarpSnow:
         F_E, J_P, tau = (wp.clone(a) for a in (self.F_E, self.J_P, self.tau))
         wp.launch(flow, self.n, [self.constants, self.C, F_E, J_P, tau], device=self.device)
         return J_P.numpy()
+
+
+class Program:
+    """The snow, as `worker.py` runs it (see `neve_snow.py`)."""
+
+    law, precision = "Stomakhin 2013", "float32"
+
+    def __init__(self, case: Case, threads: int, device: str) -> None:
+        """Take the particles of `case`; device: "cpu" or "cuda". On a processor Warp has one thread."""
+        self.version = version("warp-lang")
+        self.snow = WarpSnow(case, device)
+        self.dt, self.particles = case.dt, self.snow.n
+
+    def advance(self, seconds: float) -> tuple[int, float]:
+        """Simulate `seconds`."""
+        steps = round(seconds / self.dt)
+        self.snow.advance(steps)
+        return steps, steps * self.dt
+
+    def state(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Return x, v, J_P."""
+        return self.snow.x.numpy(), self.snow.v.numpy(), self.snow.flowed()
