@@ -1,9 +1,9 @@
 """The block in Genesis, with its snow: the same law and transfer, its own grid, sampling and contact.
 
-Genesis fills the box itself, so the particles lie elsewhere and their number may differ. Its grid is dense
-over the bounds, which are cut close to the block. The law is that of Stomakhin et al. 2013 with xi = 10 and no
-bounds on J_P; the ground is a rigid plane with Genesis's own coupling. This has not been run yet: Genesis could
-not be installed where the table was made.
+Genesis fills the box itself, so the particles lie elsewhere and their number may differ. Its grid is
+dense over the bounds, which are cut close to the block. The law is that of Stomakhin et al. 2013 with xi
+= 10 and no bounds on J_P; the ground is a rigid plane with Genesis's own coupling. This has not been run
+yet: Genesis could not be installed where the table was made.
 """
 
 from __future__ import annotations
