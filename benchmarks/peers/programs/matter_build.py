@@ -13,7 +13,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 SOURCE = "https://github.com/larsblatny/matter"
-EIGEN = ("/usr/include/eigen3", "/usr/local/include/eigen3", "/opt/homebrew/include/eigen3")
+EIGEN = "/usr/include/eigen3"  # or where the variable EIGEN_INCLUDE says
 LEFT_OUT = {"save_data.cpp"}  # it writes files, by a library that its build downloads
 
 
@@ -22,12 +22,12 @@ def main() -> None:
     folder = Path(sys.argv[1]) / "matter"
     source = os.environ.get("MATTER_SOURCE", SOURCE)
     subprocess.run(["git", "clone", "--quiet", "--depth", "1", source, folder], check=True)
-    eigen = [path for path in EIGEN if Path(path).is_dir()]
-    if not eigen:
+    eigen = os.environ.get("EIGEN_INCLUDE", EIGEN)
+    if not Path(eigen).is_dir():
         raise SystemExit("Error: the headers of Eigen 3 are not installed")
     files = [path for path in (folder / "src/simulation").glob("*.cpp") if path.name not in LEFT_OUT]
     flags = ["-std=c++17", "-O3", "-march=native", "-DNDEBUG", "-fopenmp", "-DTHREEDIM", '-DSRC_DIR=""', "-w"]
-    include = [f"-I{folder / 'src'}", f"-I{eigen[0]}"]
+    include = [f"-I{folder / 'src'}", f"-I{eigen}"]
     sources = [str(HERE / "matter_snow.cpp"), *map(str, sorted(files))]
     compiler, program = os.environ.get("CXX", "g++"), str(folder.parent / "matter_snow")
     subprocess.run([compiler, *flags, *include, *sources, "-o", program], check=True)
