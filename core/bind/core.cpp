@@ -16,6 +16,7 @@ void bind_f32(nb::module_& m);
 void bind_f64(nb::module_& m);
 void bind_geometry(nb::module_& m);
 void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64);
+void bind_sph(nb::module_& m, nb::module_& f32, nb::module_& f64);
 }  // namespace neve::bind
 
 namespace {
@@ -221,4 +222,5 @@ NB_MODULE(_core, m) {
   auto f64 = m.def_submodule("f64", "Double precision, for verification and wide worlds.");
   neve::bind::bind_f64(f64);
   neve::bind::bind_particles(m, f32, f64);
+  neve::bind::bind_sph(m, f32, f64);
 }

@@ -764,6 +764,146 @@ class Particles(Protocol):
 
 _Particles = Particles
 
+class SolveReport:
+    """How a solve ended."""
+
+    iterations: int
+    """Number of iterations."""
+    residual: float
+    """Of pressure: mean of |rho_0 - rho* - A p| / rho_0; of shear: |b - M a| / |b| [1]."""
+    converged: bool
+    """The residual is within the tolerance."""
+
+class SphReport:
+    """What the end of a step of smoothed particles found."""
+
+    speed: float
+    """Largest speed of a particle at the end [m/s]."""
+    strain_rate: float
+    """Largest |grad v| [1/s]."""
+    finite: bool
+    """Every particle has a finite velocity."""
+    taken: bool
+    """The particles have moved."""
+
+class SphTotals:
+    """Sums over the snow, in double precision and in a fixed order."""
+
+    mass: float
+    """[kg]"""
+    momentum: list[float]
+    """Sum of m v, (3,) [kg m/s]."""
+    kinetic: float
+    """Sum of m |v|^2 / 2 [J]."""
+    elastic: float
+    """Of the stress, with the moduli that `find_densities` found [J]."""
+    potential: float
+    """Sum of -m g . x [J]."""
+
+class Sph(Protocol):
+    """Snow as smoothed particles, and the boundary particles of solids.
+
+    Arrays are views of the core's memory, rows in an order that `find_pairs` changes.
+    """
+
+    x: Reals
+    """Positions (n, 3) [m]."""
+    v: Reals
+    """Velocities (n, 3) [m/s]."""
+    F_E: Reals
+    """Elastic stretches in the axes of the world, symmetric (n, 3, 3) [1]."""
+    m: Reals
+    """Masses (n,) [kg]."""
+    V0: Reals
+    """Volumes at birth (n,) [m3]."""
+    rho_birth: Reals
+    """Rest densities at birth (n,) [kg/m3]; where one is 0, `find_densities` sets it to that of now."""
+    J_P: Reals
+    """Rest density at birth over that now (n,) [1]; from `find_densities`."""
+    stiffness: Reals
+    """Factors on E0 (n,) [1]."""
+    strength: Reals
+    """Factors on the critical strains (n,) [1]."""
+    material: NDArray[np.uint16]
+    """Rows of the material table (n,)."""
+    source: NDArray[np.uint16]
+    """Numbers of the sources (n,)."""
+    id: NDArray[np.uint32]
+    """Birth numbers (n,)."""
+    rho0: Reals
+    """Rest densities (n,) [kg/m3]; from `find_densities`."""
+    rho: Reals
+    """Densities, boundaries included (n,) [kg/m3]; from `find_densities`."""
+    lam: Reals
+    """Lame's first moduli, hardened (n,) [Pa]; from `find_densities`."""
+    G: Reals
+    """Shear moduli, hardened (n,) [Pa]; from `find_densities`."""
+    L: Reals
+    """Corrections of the kernel's gradient (n, 3, 3) [1]; from `correct_gradients`."""
+    p: Reals
+    """Pressures (n,) [Pa]; from `solve_pressure`."""
+    given: Reals
+    """Accelerations by gravity and friction (n, 3) [m/s2]; from `find_given`."""
+    pressed: Reals
+    """Accelerations by pressure (n, 3) [m/s2]; from `solve_pressure`."""
+    sheared: Reals
+    """Accelerations by shear (n, 3) [m/s2]; from `solve_shear`."""
+    boundary_x: Reals
+    """Positions of boundary particles (k, 3) [m], in an order that `find_pairs` changes."""
+    boundary_v: Reals
+    """Velocities of boundary particles (k, 3) [m/s]."""
+    boundary_V: Reals
+    """Volumes of boundary particles (k,) [m3]."""
+    @property
+    def count(self) -> int:
+        """Number of particles n."""
+    @property
+    def support(self) -> float:
+        """Distance at which the kernel ends [m]."""
+    @property
+    def pairs(self) -> list[int]:
+        """Entries of snow with snow, two for each pair, and of snow with boundaries."""
+    @property
+    def bytes(self) -> int:
+        """Memory [bytes]."""
+    def set_boundary(self, x: Array64, normal: Array64, solid: NDArray[np.int32]) -> None:
+        """Take boundary particles, and find their volumes.
+
+        x [m], normal (k, 3): in the frames of their solids; solid (k,): of each, rising.
+        Errors: ValueError for arrays of other lengths or an order that does not rise.
+        """
+    def find_pairs(self, solids: _Model, dt: float = 0.0) -> None:
+        """Sort snow and boundary by cell, and list the pairs within the support.
+
+        dt [s]: of free fall of the bodies among the solids, whose velocities then count.
+        Errors: ValueError with the birth number of a particle that is lost, or for a material or a solid that
+        the model has not.
+        """
+    def find_densities(self, solids: _Model) -> None:
+        """Find rho_0, rho, J_P, lam and G."""
+    def correct_gradients(self, solids: _Model) -> None:
+        """Find L; needs `find_densities`."""
+    def find_given(self, solids: _Model, dt: float) -> None:
+        """Find the accelerations by gravity and friction in a step of dt [s]."""
+    def solve_pressure(self, dt: float, tolerance: float, most: int) -> SolveReport:
+        """Solve for the pressures at the end of a step of dt [s], in `most` iterations at most."""
+    def solve_shear(self, dt: float, tolerance: float, most: int) -> SolveReport:
+        """Solve for the accelerations by shear in a step of dt [s], in `most` iterations at most."""
+    def advance(self, solids: _Model, dt: float, way: float, strain: float) -> SphReport:
+        """Move the snow by dt [s], unless a particle would move by more than `way` [m] or dt |grad v| exceed
+        `strain` [1].
+        """
+    def body_rate(self, solids: _Model) -> float:
+        """Return the largest rate at which snow can change the velocity of a body [1/s]; 0 without any."""
+    def velocity_gradient(self, u: Array64) -> Reals:
+        """Return the gradients (n, 3, 3) [1/s] of velocities u (n, 3) [m/s], of solids at rest."""
+    def totals(self, solids: _Model) -> SphTotals:
+        """Add up the state."""
+    def take_exchanged(self, solids: int) -> Array64:
+        """Return what snow and each of the solids exchanged since the last call, (solids, 7)."""
+
+_Sph = Sph
+
 class Precision(Protocol):
     """The objects and stages of one precision; objects of the other one are a TypeError."""
 
@@ -801,6 +941,8 @@ class Precision(Protocol):
         """
     def Particles(self, count: int) -> _Particles:
         """Make `count` particles without mass or radius; J_P and factors are 1, id 0 to count - 1."""
+    def Sph(self, count: int, support: float) -> _Sph:
+        """Make particles at rest, not deformed, without mass; `support` of the kernel [m]."""
     def Grid(self) -> _Grid:
         """Make an empty grid: `sort` lays it out."""
     def sort(self, model: _Model, state: _State, grid: _Grid, /) -> None:

@@ -26,6 +26,7 @@ from neve.scene.schema.scene import Collider, Scene, Snow, Source
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
+    from neve._core import Precision
     from neve.rigid.coupled_bodies import CoupledBodies
 
 WAKING = (
@@ -69,6 +70,25 @@ def coupled(scene: Scene) -> tuple[tuple[Solid, ...], CoupledBodies | None]:
 def solids(scene: Scene) -> tuple[Solid, ...]:
     """Return all that snow can meet: the colliders, then the bodies, in the order of the scene."""
     return coupled(scene)[0]
+
+
+def gridless_model(scene: Scene, core: Precision) -> CoreModel:
+    """Return the core's model of a method without a grid: gravity, and neither snows nor solids yet."""
+    gravity = np.array(scene.world.gravity, dtype=np.float64)
+    return core.Model(scene.numerics.dx, scene.numerics.spline, "pic", 0.0, gravity)
+
+
+def require_closed(scene: Scene) -> None:
+    """Refuse a scene in which snow comes, goes or changes in time, for a method that knows no such snow.
+
+    Errors: SceneError.
+    """
+    method = scene.numerics.method
+    for name in ("emitters", "sinks"):
+        if getattr(scene, name):
+            raise SceneError(f'{name}: numerics.method = "{method}" adds and removes no snow; use "mpm"')
+    if scene.snow_keyframes:
+        raise SceneError(f'snow_keyframes: numerics.method = "{method}" changes no snow in time; use "mpm"')
 
 
 def material_table(scene: Scene) -> list[Snow]:
@@ -118,7 +138,7 @@ class PlacedSolids:
         self.dx = dx
         self.solid_speed = 0.0
         for solid in self.solids:
-            _add(native, solid)
+            add_solid(native, solid)
         for i, solid in enumerate(self.solids):
             if solid.motion == "dynamic":
                 native.make_dynamic(i)
@@ -237,8 +257,8 @@ def _fastest(solid: Solid, now: Pose) -> float:
     return speed + math.hypot(*now.omega) * solid.reach
 
 
-def _add(native: CoreModel, solid: Solid) -> None:
-    """Tell the core of `solid`."""
+def add_solid(native: CoreModel, solid: Solid) -> None:
+    """Add `solid` to a model of the core, after those that are there."""
     if solid.mesh:
         native.add_mesh_solid(solid.mesh.sdf, solid.mode, solid.mu_c, solid.mesh.usual_thickness)
     elif solid.terrain:

@@ -45,8 +45,16 @@ class Registry:
 
 METHODS = Registry(
     "numerics.method",
-    {"mpm": "neve.mpm.solver:MpmSolver", "particles": "neve.particles.solver:ParticleSolver"},
-    {"mpm": "the material point method", "particles": "particles in contact"},
+    {
+        "mpm": "neve.mpm.solver:MpmSolver",
+        "particles": "neve.particles.solver:ParticleSolver",
+        "sph": "neve.sph.solver:SphSolver",
+    },
+    {
+        "mpm": "the material point method",
+        "particles": "particles in contact",
+        "sph": "smoothed particles with implicit pressure and shear",
+    },
 )
 """The solvers: subclasses of `neve.solver.Solver`."""
 

@@ -20,10 +20,10 @@ LAYERS = [
     {"cpu", "surface", "cuda"},  # the stages of the step over all of them
     # what is asked of all of them besides; their heat; the discrete element method
     {"cpu/passes", "cpu/heat", "particles"},
-    {"particles/heat"},  # its heat
+    {"particles/heat", "sph"},  # its heat; smoothed particles
     {"bind/device"},  # what is handed to a GPU
     {"bind"},  # Python
-    {"bind/particles"},  # Python, for the discrete element method
+    {"bind/particles", "bind/sph"},  # Python, for the discrete element method and smoothed particles
 ]
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
 

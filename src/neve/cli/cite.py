@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from neve.io.version import version
-from neve.scene.values.choices import LAWS, SPLINES, TRANSFERS
+from neve.scene.values.choices import DEFAULT_LAW, LAWS, SPLINES, TRANSFERS
 
 if TYPE_CHECKING:
     from neve.scene.schema.scene import Scene
@@ -23,6 +23,7 @@ WORKS: Mapping[str, str] = {
 METHODS: Mapping[str, tuple[str, ...]] = {
     "mpm": ("sulsky1994", "sulsky1995"),
     "particles": ("goswami2019", "cundall1979"),
+    "sph": ("gissler2020", "akinci2012", *LAWS[DEFAULT_LAW].cites),
     **{name: tuple(choice.cites) for name, choice in {**LAWS, **SPLINES, **TRANSFERS}.items()},
     "snow": tuple(dict.fromkeys(key for law in LAWS.values() for key in law.plasticity_cites)),
     "poisson": ("bridson2007",),
@@ -35,6 +36,8 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "camera.keyframes": ("fritsch1984",),
     "camera.follow": ("cleveland1979",),
 }
+GRIDLESS = ("particles", "sph")
+"""Methods with neither the laws of the material point method nor its transfers."""
 
 
 def methods(scene: Scene) -> list[str]:
@@ -44,7 +47,7 @@ def methods(scene: Scene) -> list[str]:
     if any(LAWS[snow.law].has_elastic_option and snow.plasticity == "snow" for snow in snows):
         laws.append("snow")
     names = [scene.numerics.method]
-    if scene.numerics.method != "particles":
+    if scene.numerics.method not in GRIDLESS:
         names += [*laws, scene.numerics.spline, scene.numerics.transfer]
     if scene.numerics.sampling == "poisson":
         names.append("poisson")

@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.backend import backend
-from neve.build import PlacedSolids, coupled, material_table, samples_of
+from neve.build import (
+    PlacedSolids,
+    coupled,
+    gridless_model,
+    material_table,
+    require_closed,
+    samples_of,
+)
 from neve.cuda.errors import DeviceError
 from neve.heat.clock import heat_model
 from neve.heat.enthalpy import enthalpy_at
@@ -72,16 +79,10 @@ def kernels(scene: Scene) -> Precision:
 
 def place_solids(scene: Scene) -> PlacedSolids:
     """Return the scene's solids in the core, the bodies where they start. Errors: SceneError."""
-    for name in ("emitters", "sinks"):
-        if getattr(scene, name):
-            raise SceneError(f'{name}: numerics.method = "particles" adds and removes no snow; use "mpm"')
-    if scene.snow_keyframes:
-        raise SceneError('snow_keyframes: numerics.method = "particles" changes no snow in time; use "mpm"')
+    require_closed(scene)
     solids, rigid = coupled(scene)
-    numerics = scene.numerics
-    gravity = np.array(scene.world.gravity, dtype=np.float64)
-    native = kernels(scene).Model(numerics.dx, numerics.spline, "pic", 0.0, gravity)
-    return PlacedSolids(native, scene.colliders, solids, rigid, numerics.dx)
+    native = gridless_model(scene, kernels(scene))
+    return PlacedSolids(native, scene.colliders, solids, rigid, scene.numerics.dx)
 
 
 def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[str, NDArray[Any]]:

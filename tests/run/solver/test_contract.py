@@ -21,7 +21,7 @@ TAU = Field("tau", (6,), "Pa", "real", "Kirchhoff stress, which FIELDS leaves ou
 ALIASES = {"Reals", "Array64", "Triple"}
 PARTS = {
     "Geometry": ("TriangleMesh", "SdfGrid", "HeightField"),
-    "Precision": ("Model", "State", "Grid", "Particles"),
+    "Precision": ("Model", "State", "Grid", "Particles", "Sph"),
 }
 """Types of `geometry`, `f32` and `f64`, and the classes that lie in them."""
 

@@ -265,7 +265,7 @@ def test_each_solver_says_what_is_fixed():
 
 
 @pytest.mark.parametrize(
-    ("key", "allowed"), [("method", 'use "mpm", "particles" or "grains"'), ("device", r'use "cpu"')]
+    ("key", "allowed"), [("method", 'use "mpm", "particles", "sph" or "grains"'), ("device", r'use "cpu"')]
 )
 def test_a_bad_word_says_what_is_allowed(tmp_path, key, allowed):
     """One sentence with key, value and the registered words."""

@@ -51,7 +51,7 @@ def test_presets_are_all_there() -> None:
     bodies = ["avalanche", "ball_on_snow", "boot", "castle", "roll", "walk", "wheel"]
     names = ["collide", "cube_on_snow", "plow", "snowball_wall", "snowballs_collide", "text_fall"]
     contacts = ["melt", "walk_live", "wall_plough"]
-    assert presets() == sorted([*bodies, *names, *contacts, "throw_ball", "throw_cube"])
+    assert presets() == sorted([*bodies, *names, *contacts, "bridge", "throw_ball", "throw_cube"])
     for name in presets():
         about = preset_about(name)
         assert about == load(name).about

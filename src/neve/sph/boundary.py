@@ -1,0 +1,106 @@
+"""Surfaces of solids as particles, near the snow (Akinci et al. 2012)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neve.build import add_solid
+from neve.colliders.solid import Solid
+from neve.geometry.pose import Pose
+from neve.reproducible import product
+
+if TYPE_CHECKING:
+    from neve._core import Model as CoreModel
+
+Array = NDArray[np.float64]
+
+EDGE = 6
+"""Edge of a block of the lattice, in distances of particles: the reach of snow (2), of the volumes of
+boundary particles (2), how far these are moved from their lattice (1/2), and what snow may move before the
+blocks are looked for anew (1)."""
+PLAY = 1.0
+"""That distance, in distances of particles."""
+TURNS = 3
+"""Steps of projection to a surface."""
+
+
+class Boundary:
+    """Sample the surfaces of solids with particles where snow is near.
+
+    A lattice in the frame of each solid has one particle for each of its points that lies within half a
+    spacing of the surface `depth` below the solid's own, moved onto that surface. So particles are as many on
+    an area as on that of a lattice, however it is turned; where they are closer, their volumes are smaller.
+    The same blocks of the lattice give the same particles, whenever they are sampled.
+
+    native: a model of its own in double precision, to which the solids are added, each in its own frame;
+    spacing: distance of the snow's particles [m].
+    """
+
+    def __init__(self, native: CoreModel, solids: Sequence[Solid], spacing: float) -> None:
+        self._native = native
+        self._spacing = spacing
+        self._edge = EDGE * spacing
+        self._depths = [min(0.5 * spacing, 0.25 * _thickness(solid)) for solid in solids]
+        for i, solid in enumerate(solids):
+            add_solid(native, solid)
+            native.place_solid(i, np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3))
+        self._known: list[dict[tuple[int, int, int], tuple[Array, Array]]] = [{} for _ in solids]
+
+    def near(self, x: Array, poses: Sequence[Pose]) -> tuple[Array, Array, NDArray[np.int32]]:
+        """Return the particles near snow at x (n, 3) [m]: points (k, 3) [m] and outward normals (k, 3) in the
+        frames of their solids, and which solid each is of, (k,).
+
+        In the order of the solids, their blocks, and the points of a block. poses: of the solids.
+        """
+        points, normals, owners = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0, dtype=np.int32)]
+        for i, pose in enumerate(poses):
+            for block in self._blocks(i, x, pose):
+                at, normal = self._known[i][block]
+                points.append(at)
+                normals.append(normal)
+                owners.append(np.full(len(at), i, dtype=np.int32))
+        return np.concatenate(points), np.concatenate(normals), np.concatenate(owners)
+
+    def _blocks(self, i: int, x: Array, pose: Pose) -> list[tuple[int, int, int]]:
+        """Return the blocks around snow at x in the lattice of solid i, in order; sample those not known."""
+        local = product(x - pose.position, np.asarray(pose.rotation))
+        there = np.unique(np.floor(local / self._edge).astype(np.int64), axis=0)
+        steps = np.stack(np.meshgrid(*[(-1, 0, 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+        around = np.unique((there[:, None, :] + steps).reshape(-1, 3), axis=0)
+        phi, _ = self._native.surface(i, np.ascontiguousarray((around + 0.5) * self._edge))
+        close = np.abs(phi) <= 1.1 * self._edge  # half of a block's diagonal is 0.87 of its edge
+        blocks = [(int(a), int(b), int(c)) for a, b, c in around[close]]
+        fresh = [block for block in blocks if block not in self._known[i]]
+        if fresh:
+            self._sample(i, fresh)
+        return blocks
+
+    def _sample(self, i: int, blocks: list[tuple[int, int, int]]) -> None:
+        """Find the particles of `blocks` of the lattice of solid i."""
+        step = (np.arange(EDGE) + 0.5) * self._spacing
+        cells = np.stack(np.meshgrid(step, step, step, indexing="ij"), axis=-1).reshape(-1, 3)
+        corners = np.array(blocks, dtype=np.float64) * self._edge
+        x = (corners[:, None, :] + cells).reshape(-1, 3)
+        owner = np.repeat(np.arange(len(blocks)), len(cells))
+        depth = self._depths[i]
+        phi, _ = self._native.surface(i, x)
+        level = phi + depth
+        keep = (level > -0.5 * self._spacing) & (level <= 0.5 * self._spacing)
+        x, owner = np.ascontiguousarray(x[keep]), owner[keep]
+        normal = np.zeros((0, 3))
+        for _ in range(TURNS):
+            phi, normal = self._native.surface(i, x)
+            x = x - (phi + depth)[:, None] * normal
+        for k, block in enumerate(blocks):
+            self._known[i][block] = (x[owner == k], normal[owner == k])
+
+
+def _thickness(solid: Solid) -> float:
+    """Return about how far opposite sides of a solid are apart [m]."""
+    if solid.mesh:
+        return float(solid.mesh.usual_thickness)
+    return np.inf if solid.endless else 2.0 * float(np.min(solid.half[solid.half > 0], initial=np.inf))
