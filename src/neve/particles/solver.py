@@ -198,11 +198,11 @@ class ParticleSolver(Solver):
         """Check the particles, renew used lists of neighbours, move the bodies. Errors: Blowup."""
         self._require_finite(self._report, steps, time)
         self._set_time(time)
-        if self.scene.heat is not None:
-            self._pass_heat(dt, steps, time)
         if self.state.is_due:
             with self._listing():
                 self.state.renew(self.placed.native, steps)
+        if self.scene.heat is not None:  # which needs all pairs as they are now
+            self._pass_heat(dt, steps, time)
         if self.placed.rigid is None:
             return None
         with self.timer.stage("bodies"):

@@ -11,7 +11,7 @@ MORE = {"heat": {"air_temperature": 20.0, "heat_speed": 10.0}, "run": {"duration
 
 
 @pytest.mark.filterwarnings("ignore::neve.scene.errors.SceneWarning")
-@pytest.mark.parametrize("number", range(16))
+@pytest.mark.parametrize("number", [*range(16), 50])  # 50: heat flows as the reach of lists is used up
 def test_scene_holds(number):
     """`neve fuzz scenes --method particles --only NUMBER` holds."""
     outcome = endure(0, number, "particles")
