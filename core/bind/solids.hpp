@@ -89,6 +89,20 @@ nb::tuple surface_at(const Model<T>& model, std::size_t index, const In<double, 
   return nb::make_tuple(a, b);
 }
 
+// Put a solid in its place: its frame's origin, rotation row by row, and how it moves.
+template <class T>
+void place(Model<T>& model, std::size_t i, const double* centre, const double* rotation,
+           const double* velocity, const double* omega) {
+  const auto vector = [](const double* a) { return Vec3<T>{T(a[0]), T(a[1]), T(a[2])}; };
+  Solid<T>& s = model.solids.at(i);
+  s.centre = vector(centre);
+  for (int k = 0; k < 9; ++k) s.rotation(k / 3, k % 3) = T(rotation[k]);
+  s.velocity = vector(velocity), s.omega = vector(omega);
+  if (s.body < 0) return;
+  Twist& start = model.bodies.start[std::size_t(s.body)];
+  for (std::size_t k = 0; k < 3; ++k) start[k] = velocity[k], start[3 + k] = omega[k];
+}
+
 // Where solids are, and which of them the snow moves.
 template <class T>
 void bind_motion(nb::class_<Model<T>>& c) {
@@ -98,16 +112,25 @@ void bind_motion(nb::class_<Model<T>>& c) {
        [](M& self, std::size_t i, const In<double, nb::shape<3>>& centre,
           const In<double, nb::shape<3, 3>>& rotation, const In<double, nb::shape<3>>& velocity,
           const In<double, nb::shape<3>>& omega) {
-         Solid<T>& s = self.solids.at(i);
-         s.centre = vec<T>(centre);
-         for (int k = 0; k < 9; ++k) s.rotation(k / 3, k % 3) = T(rotation.data()[k]);
-         s.velocity = vec<T>(velocity);
-         s.omega = vec<T>(omega);
-         if (s.body < 0) return;
-         Twist& start = self.bodies.start[std::size_t(s.body)];
-         for (std::size_t k = 0; k < 3; ++k) start[k] = velocity.data()[k], start[3 + k] = omega.data()[k];
+         place(self, i, centre.data(), rotation.data(), velocity.data(), omega.data());
        },
        nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
+      .def(
+          "place_bodies",
+          [](M& self, const In<double, nb::shape<-1, 3>>& centres,
+             const In<double, nb::shape<-1, 3, 3>>& rotations, const In<double, nb::shape<-1, 6>>& rates) {
+            const std::vector<int>& bodies = self.bodies.solids;
+            const std::size_t n = bodies.size();
+            if (centres.shape(0) != n || rotations.shape(0) != n || rates.shape(0) != n)
+              throw nb::value_error("a row for each body is needed");
+            for (std::size_t i = 0; i < n; ++i) {
+              const double* rate = rates.data() + 6 * i;
+              place(self, std::size_t(bodies[i]), centres.data() + 3 * i, rotations.data() + 9 * i, rate,
+                    rate + 3);
+            }
+          },
+          nb::arg("centres"), nb::arg("rotations"), nb::arg("rates"),
+          "Place all bodies, as place_solid does each.")
       .def(
           "set_belt",
           [](M& self, std::size_t i, const In<double, nb::shape<3>>& velocity) {

@@ -33,11 +33,12 @@ struct BlockContacts {
 
   void clear(std::int32_t b) { block = b, nodes.clear(), contacts.clear(); }
   // Add the contacts of the nodes from the block's `first` with the `near` solids, copies of those in `all`.
-  void add(const std::vector<Solid<T>>& near, const std::vector<Solid<T>>& all, const Vec3<R>& x,
-           const Vec3<R>& v, const Lift<R>& lift, R m, int first, T skin) {
+  template <class Solids>
+  void add(const Solids& near, const std::vector<Solid<T>>& all, const Vec3<R>& x, const Vec3<R>& v,
+           const Lift<R>& lift, R m, int first, T skin) {
     const std::size_t begin = contacts.size();
     each_holding(near, x, m, skin, [&](const Solid<T>& solid, const Vec3<R>& normal, const Mask& inside) {
-      const Facing<R> there = facing_before(solid, x, normal, v, splat<R>(lift.dt));
+      const Facing<R> there = facing_before(solid, x, normal, v, splat<R>(lift.dt), inside);
       contacts.push_back({&all[std::size_t(solid.index)], inside, there, x - spread<R>(solid.centre)});
     });
     if (contacts.size() > begin) nodes.push_back({v, lift, m, first, begin, contacts.size()});

@@ -50,12 +50,22 @@ Moved<Lanes<T>> apply_contacts(const BlockContacts<T>& all, const typename Block
   return {v, lift.s};
 }
 
+// The sum over the lanes.
+template <class N>
+BodyResponse summed(const ResponseOf<N>& response) {
+  BodyResponse sum;
+  for (int k = 0; k < 6; ++k) sum.impulse[k] = sum_lanes(response.impulse[k]);
+  for (int k = 0; k < 36; ++k) sum.slope[k] = sum_lanes(response.slope[k]);
+  return sum;
+}
+
 // The responses of the snow of some blocks to bodies. Each block's are summed on their own, then in the order of the
 // blocks, whatever the threads do.
 template <class T>
 class Responses {
   using R = Lanes<T>;
-  using Part = std::vector<std::pair<std::size_t, BodyResponse>>;  // by body
+  using Part = std::vector<std::pair<std::size_t, ResponseOf<Doubles<R>>>>;  // by body
+  using Sum = std::vector<std::pair<std::size_t, BodyResponse>>;
 
  public:
   Responses(const std::vector<BlockContacts<T>>& blocks, std::size_t count, std::size_t bodies)
@@ -64,22 +74,24 @@ class Responses {
   // To bodies that move with U.
   std::vector<BodyResponse> to(const std::vector<Twist>& U) {
     each_index(parts_.size(), [&](std::size_t b) {
+      Part part;
+      for (const auto& nodes : blocks_[b].nodes) add(blocks_[b], nodes, U, part);
       parts_[b].clear();
-      for (const auto& nodes : blocks_[b].nodes) add(blocks_[b], nodes, U, parts_[b]);
+      for (const auto& [body, response] : part) parts_[b].emplace_back(body, summed(response));
     });
     std::vector<BodyResponse> total(bodies_);
-    for (const Part& part : parts_) {
+    for (const Sum& part : parts_) {
       for (const auto& [body, response] : part) total[body].add(response);
     }
     return total;
   }
 
  private:
-  static BodyResponse& of(std::size_t body, Part& part) {
+  static ResponseOf<Doubles<R>>& of(std::size_t body, Part& part) {
     for (auto& [known, response] : part) {
       if (known == body) return response;
     }
-    return part.emplace_back(body, BodyResponse{}).second;
+    return part.emplace_back(body, ResponseOf<Doubles<R>>{}).second;
   }
 
   static void add(const BlockContacts<T>& all, const typename BlockContacts<T>::NodePack& nodes,
@@ -95,7 +107,7 @@ class Responses {
 
   const std::vector<BlockContacts<T>>& blocks_;
   std::size_t bodies_;
-  std::vector<Part> parts_;
+  std::vector<Sum> parts_;
 };
 
 }  // namespace detail
@@ -117,6 +129,7 @@ class BodyVelocitySolver {
       : bodies_(bodies), n_(6 * bodies.solids.size()), U_0_(bodies.start) {
     for (std::size_t i = 0; i < U_0_.size(); ++i) {
       double linear = 0, angular = 0;
+      for (std::size_t j = 0; j < U_0_.size(); ++j) coupled_.push_back(couples(bodies.mobility, i, j));
       for (std::size_t k = 0; k < 6; ++k) {
         U_0_[i][k] += dt * bodies.free[i][k];
         (k < 3 ? linear : angular) += bodies.mobility[(6 * i + k) * n_ + 6 * i + k];
@@ -168,8 +181,9 @@ class BodyVelocitySolver {
     std::vector<double> out(n_);
     for (std::size_t r = 0; r < n_; ++r) {
       double sum = U_0_[r / 6][r % 6] - U[r / 6][r % 6];
-      for (std::size_t c = 0; c < n_; ++c)
-        sum += bodies_.mobility[r * n_ + c] * response[c / 6].impulse[c % 6];
+      for (std::size_t c = 0; c < n_; ++c) {
+        if (coupled(r, c)) sum += bodies_.mobility[r * n_ + c] * response[c / 6].impulse[c % 6];
+      }
       out[r] = sum;
     }
     return out;
@@ -183,13 +197,24 @@ class BodyVelocitySolver {
       for (std::size_t c = 0; c < n_; ++c) {
         double sum = r == c ? 1 : 0;
         const std::size_t body = c / 6;
-        for (std::size_t k = 0; k < 6; ++k)
+        for (std::size_t k = 0; k < 6 && coupled(r, c); ++k)
           sum += bodies_.mobility[r * n_ + 6 * body + k] * response[body].slope[6 * k + c % 6];
         matrix[r * n_ + c] = sum;
       }
     }
     neve::solve(matrix, right);
     return right;
+  }
+
+  // Whether an impulse on body j moves body i: bodies that nothing joins do not.
+  bool couples(const std::vector<double>& mobility, std::size_t i, std::size_t j) const {
+    for (std::size_t k = 0; k < 36; ++k) {
+      if (mobility[(6 * i + k / 6) * n_ + 6 * j + k % 6] != 0) return true;
+    }
+    return false;
+  }
+  bool coupled(std::size_t row, std::size_t column) const {
+    return coupled_[row / 6 * U_0_.size() + column / 6];
   }
 
   // In m/s: angular velocities count at the body's radius of gyration.
@@ -202,6 +227,7 @@ class BodyVelocitySolver {
   const CoupledBodies& bodies_;
   std::size_t n_;
   std::vector<Twist> U_0_;
+  std::vector<char> coupled_;      // by pairs of bodies
   std::vector<double> gyration2_;  // tr A_vv / tr A_ww: squares of radii of gyration [m2], up to a factor
 };
 

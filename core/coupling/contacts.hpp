@@ -9,43 +9,22 @@ namespace neve {
 // A wall often lies exactly on a row of nodes; this share of a cell decides that it holds them, rather than rounding.
 inline constexpr double skin_cells = 1e-4;
 
-// A ball around those points of a pack that count.
-template <class T>
-struct Ball {
-  Vec3<T> centre{};
-  T radius = -1;  // below zero: none counts
-};
+// Those points of a mask that a solid may be within `reach` of. One point asks a sample of a mesh first; of a pack, who knows
+// more of the solid can tell.
 template <class R, class M>
-inline Ball<scalar_t<R>> ball_around(const Vec3<R>& x, const M& mask) {
-  using T = scalar_t<R>;
+inline auto may_reach(const Solid<scalar_t<R>>& solid, const Vec3<R>& x, const R& reach, const M& mask) {
   if constexpr (is_pack<R>) {
-    int first = 0, last = width<R> - 1;
-    while (first < last && !mask[first]) ++first;
-    while (last > first && !mask[last]) --last;
-    if (!mask[first]) return {};
-    Ball<T> ball;
-    for (int k = 0; k < 3; ++k) ball.centre[k] = (x[k][first] + x[k][last]) / 2;
-    const Vec3<R> off = x - spread<R>(ball.centre);
-    ball.radius = std::sqrt(max_lane(select(mask, dot(off, off), R{}))) * T(1.0001);
-    return ball;
+    return mask & mask;
   } else {
-    return mask ? Ball<T>{x, T(0)} : Ball<T>{};
+    return mask && (!solid.mesh || is_near(solid, x, reach));
   }
 }
 
-// The same if one of the solids is a mesh, whose distance costs more than looking whether any point may be near.
-template <class Solids, class R, class M>
-inline Ball<scalar_t<R>> ball_for(const Solids& solids, const Vec3<R>& x, const M& mask) {
-  for (const auto& solid : solids) {
-    if (solid.mesh) return ball_around(x, mask);
-  }
-  return {};
-}
-
-// Whether a mesh is farther than `reach` from all points in the ball: one look at its grid instead of one a lane.
-template <class T>
-inline bool is_clear(const Solid<T>& mesh, const Ball<T>& ball, T reach) {
-  return ball.radius < 0 || !is_near(mesh, ball.centre, ball.radius + reach);
+// Whether none of the points of a mask that move along `path` [m/s] gets to the solid, at a glance: who knows more of the
+// solid can tell.
+template <class R, class M>
+inline bool stays_away(const Solid<scalar_t<R>>&, const Vec3<R>&, const Vec3<R>&, const M&) {
+  return false;
 }
 
 // Which points some solid holds: no more than `skin` [m] outside.
@@ -61,12 +40,12 @@ inline auto held_by_any(const Solids& solids, const Vec3<R>& x, scalar_t<R> skin
 template <class Solids, class R, class F>
 inline void each_holding(const Solids& solids, const Vec3<R>& x, R m, scalar_t<R> skin, F&& visit) {
   const auto here = m > R{};
-  const auto ball = ball_for(solids, x, here);
   for (const auto& solid : solids) {
-    const scalar_t<R> reach = skin + solid.margin;
-    if (solid.mesh && is_clear(solid, ball, reach)) continue;
-    const Surface<R> s = surface(solid, x);
-    const auto inside = (s.phi <= splat<R>(reach)) & here;
+    const R reach = splat<R>(skin + solid.margin);
+    const auto near = may_reach(solid, x, reach, here);
+    if (!any(near)) continue;
+    const Surface<R> s = surface(solid, x, near);
+    const auto inside = (s.phi <= reach) & near;
     if (any(inside)) visit(solid, s.normal, inside);
   }
 }
@@ -116,7 +95,7 @@ inline Vec3<R> collide(const Solids& solids, const Vec3<R>& x, Vec3<R> v, L& lif
                        scalar_t<R> dt, R m, F&& exchanged) {
   each_holding(solids, x, m, skin, [&](const auto& solid, const Vec3<R>& normal, const auto& inside) {
     const Vec3<R> before = v, v_co = solid.surface_velocity_at(x, normal);
-    v = meet(solid, inside, facing(solid, x, normal, before - v_co, splat<R>(dt)), v_co, v, lift);
+    v = meet(solid, inside, facing(solid, x, normal, before - v_co, splat<R>(dt), inside), v_co, v, lift);
     exchanged(solid, inside, x - spread<R>(solid.centre), v_co, before, v);
   });
   return v;

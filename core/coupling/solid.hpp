@@ -37,15 +37,15 @@ struct Solid : PlacedShape<T> {
 };
 
 // Where a solid of unit normal n at x faces snow that moves along it with v_rel for dt. Across an edge, where the normal half
-// a step on is another face's, n alone counts.
-template <class R>
+// a step on is another face's, n alone counts. Lanes that are not of the mask `wanted` mean nothing.
+template <class R, class M>
 inline Facing<R> facing(const Solid<scalar_t<R>>& solid, const Vec3<R>& x, const Vec3<R>& n,
-                        const Vec3<R>& v_rel, const R& dt) {
+                        const Vec3<R>& v_rel, const R& dt, const M& wanted) {
   if (solid.kind == Shape::plane || solid.kind == Shape::box || solid.mode == ContactMode::sticky)
     return flat(n);
   const R half = dt * scalar_t<R>(0.5), one = splat<R>(1);
   const Vec3<R> along = v_rel - n * dot(v_rel, n), w = spread<R>(solid.omega);
-  const Vec3<R> normal = surface(solid, x + along * half).normal + cross(w, n) * half;
+  const Vec3<R> normal = surface(solid, x + along * half, wanted).normal + cross(w, n) * half;
   const R turn = dot(normal, n);
   const auto same_face = turn > splat<R>(scalar_t<R>(0.9));
   const Vec3<R> mid = select(same_face, normal * (one / select(same_face, turn, one)), n);

@@ -34,7 +34,7 @@ inline Impact<R> find_impact(const Solid<scalar_t<R>>& solid, const Vec3<R>& x, 
   R before = {}, phi = s.phi, at = min((phi - half_skin) / length, one);
   auto going = mask;
   for (int k = 0; k < most_steps && any(going); ++k) {
-    const Surface<R> near = surface(solid, x + way * at);
+    const Surface<R> near = surface(solid, x + way * at, going);
     const auto arrives = going & (near.phi <= skin);
     const R share = clamp((phi - half_skin) / max(phi - near.phi, tiny), R{}, one);
     impact.at = select(arrives, before + (at - before) * share, impact.at);
@@ -56,14 +56,15 @@ inline void move_past(const Solids& solids, const Vec3<R>& x, Vec3<R>& v, Vec3<R
   using T = scalar_t<R>;
   const T skin = T(skin_cells) * dx;
   const auto here = m > R{};
-  const auto ball = ball_for(solids, x, here);
   for (const auto& solid : solids) {
+    if (stays_away(solid, x, path, here)) continue;
     const Vec3<R> way = (path - solid.velocity_at(x)) * dt;
     const R reach = sqrt(dot(way, way)) + skin;
-    if (solid.mesh && is_clear(solid, ball, max_lane(select(here, reach, R{})))) continue;
-    const Surface<R> s = surface(solid, x);
-    const auto inside = (s.phi <= splat<R>(skin)) & here;
-    const auto comes = (s.phi > splat<R>(skin)) & (s.phi < reach) & here;
+    const auto near = may_reach(solid, x, reach, here);
+    if (!any(near)) continue;
+    const Surface<R> s = surface(solid, x, near);
+    const auto inside = (s.phi <= splat<R>(skin)) & near;
+    const auto comes = (s.phi > splat<R>(skin)) & (s.phi < reach) & near;
     if (!any(inside | comes)) continue;
     Impact<R> impact{splat<R>(2), s.normal};
     if (any(comes)) impact = find_impact(solid, x, s, way, skin, T(stride_cells) * dx, comes);
@@ -75,7 +76,7 @@ inline void move_past(const Solids& solids, const Vec3<R>& x, Vec3<R>& v, Vec3<R
     // with play it is the nodes that hold snow back
     const ContactMode mode = has_play(solid.mode, solid.mu_c) ? ContactMode::separate : solid.mode;
     const Facing<R> there =
-        facing(solid, place, impact.normal, path - v_co, R((splat<R>(1) - impact.at) * dt));
+        facing(solid, place, impact.normal, path - v_co, R((splat<R>(1) - impact.at) * dt), met);
     v = select(met, after_contact(v, there, v_co, mode, solid.mu_c), v);
     const Vec3<R> turned = after_contact(path, there, v_co, mode, solid.mu_c);
     const Vec3<R> out =

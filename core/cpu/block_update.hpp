@@ -42,7 +42,7 @@ struct BlockUpdate {
 
   // Solids near a block, as they are to snow and as they are to water.
   struct Near {
-    const std::vector<Solid<T>>&to_snow, &to_water;
+    const std::vector<NearSolid<T>>&to_snow, &to_water;
   };
 
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did. `water`: (m f) of
@@ -55,7 +55,8 @@ struct BlockUpdate {
     load_quads(node, v.x, v.y, v.z, mass);
     const Vec3<R> x = positions(at, first);
     const R wet = water ? wet_mass(water, mass) : R{};
-    const auto act = [&](const std::vector<Solid<T>>& solids, const Vec3<R>& before, auto& left, const R& m) {
+    const auto act = [&](const std::vector<NearSolid<T>>& solids, const Vec3<R>& before, auto& left,
+                         const R& m) {
       return collide(solids, x, before, left, skin(), dt, m,
                      [&](const auto& solid, const auto& inside, const auto&... exchanged) {
                        record(exchange.of(solid.index), inside, mass, exchanged...);
@@ -132,7 +133,7 @@ struct BlockUpdate {
       for (const Solid<T>& solid : near) {
         if (solid.body >= 0) return true;
       }
-      const auto to_water = grid.has_water ? smooth(near) : std::vector<Solid<T>>{};
+      const auto to_water = grid.has_water ? smooth(near) : std::vector<NearSolid<T>>{};
       for (int n = 0; n < 64 && !near.empty(); n += lane_count<T>)
         collide_nodes({near, to_water}, coord(grid, b), n, node + 4 * n, change + 4 * n, lift_at(grid, b, n),
                       grid.has_water ? grid.node_lift(b) + 4 * n : nullptr, exchange);
@@ -189,9 +190,9 @@ struct BlockUpdate {
   }
   T skin() const { return T(skin_cells * model.dx); }
 
-  std::vector<Solid<T>> solids_near_block(const Grid<T>& grid, std::int32_t b) const {
+  std::vector<NearSolid<T>> solids_near_block(const Grid<T>& grid, std::int32_t b) const {
     constexpr double middle = 1.5, reach = 3.2;  // [cells]: half a block's diagonal, and the widest margin
-    return solids_near_nodes(model, coord(grid, b), middle, reach);
+    return near_solids(model, coord(grid, b), middle, reach);
   }
 
   void bound_velocities(Grid<T>& grid, std::int32_t b) const {

@@ -36,7 +36,7 @@ class HomeGather {
     if (exchange_) exchange_->clear();
     tile_.load_from(grid, home_, &Grid<T>::node);
     if constexpr (Transfer::has_change) change_.load_from(grid, home_, &Grid<T>::node_change);
-    solids_ = solids_near_nodes(model, home_.at, 3.5, 7.1);
+    solids_ = solids_near_home<T, Spline>(model, home_.at, dt);
     if (state.has_heat()) to_water_ = smooth(solids_);
   }
 
@@ -230,7 +230,7 @@ class HomeGather {
   TileFrame<T> frame_;
   Tile<T> tile_, change_;
   Gather<T, Spline> from_, from_change_;
-  std::vector<Solid<T>> solids_, to_water_;
+  std::vector<NearSolid<T>> solids_, to_water_;
   Stencils<T, Spline, Weights::count> stencils_;
   Extremes<R> extremes_;
   R drift2_{}, flowed_{};

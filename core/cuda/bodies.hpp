@@ -81,7 +81,7 @@ struct Waiting {
     const Vec3<T> x = node.x();
     each_holding(solids, x, m, node.step.skin,
                  [&](const Solid<T>& solid, const Vec3<T>& normal, bool inside) {
-                   const Facing<T> there = facing_before(solid, x, normal, v_free, lift.dt);
+                   const Facing<T> there = facing_before(solid, x, normal, v_free, lift.dt, inside);
                    const Vec3<T> arm = x - solid.centre, before = v;
                    const Vec3<T> v_co = surface_velocity(solid, node.s.bodies.velocity, arm, normal);
                    const Play<T> play = lift.play(normal);

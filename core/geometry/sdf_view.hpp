@@ -34,23 +34,18 @@ struct SdfView : SdfLattice {
   // phi and normal at points in the body's frame. Within the grid: trilinear, the normal made a unit again, or where
   // normals cancel that of the nearest sample. Beyond it: from the point of the surface that belongs to the grid's
   // nearest point, which is no less than the distance.
-  template <class R>
-  Surface<R> at(const Vec3<R>& x) const {
+  // Lanes that are not of the mask `wanted` mean nothing.
+  template <class R, class M>
+  Surface<R> at(const Vec3<R>& x, const M& wanted) const {
     using T = scalar_t<R>;
-    const T inv = T(1 / spacing);
     Vec3<R> cell, beyond;
-    for (int k = 0; k < 3; ++k) {
-      const R u = (x[k] - T(box_low[k])) * inv;
-      cell[k] = clamp(u, R{}, splat<R>(T(cells * bricks[k])));
-      beyond[k] = (u - cell[k]) * T(spacing);
-    }
-    auto [phi, n] = blended(cell);
-    const auto cancel = dot(n, n) < splat<R>(T(least_slope * least_slope));
+    locate(x, cell, beyond);
+    auto [phi, n] = blended(cell, wanted);
+    const auto cancel = wanted & (dot(n, n) < splat<R>(T(least_slope * least_slope)));
     if (any(cancel)) {
       const R half = splat<R>(T(0.5));
-      n = select(cancel,
-                 blended(Vec3<R>{floor(cell.x + half), floor(cell.y + half), floor(cell.z + half)}).normal,
-                 n);
+      const Vec3<R> nearest{floor(cell.x + half), floor(cell.y + half), floor(cell.z + half)};
+      n = select(cancel, blended(nearest, cancel).normal, n);
     }
     n = unit(n);
     const auto out = dot(beyond, beyond) > R{};
@@ -62,29 +57,58 @@ struct SdfView : SdfLattice {
     return {phi, n};
   }
 
-  // Whether the surface or the inside may be within `reach` [m] of x; false only if it is not.
-  bool is_near(const Vec3<double>& x, double reach) const {
-    double d2 = 0, beyond2 = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double extent = spacing * cells * bricks[k];
-      const double d = max(max(low[k] - x[k], x[k] - high[k]), 0.0);
-      const double b = max(max(box_low[k] - x[k], x[k] - box_low[k] - extent), 0.0);
-      d2 += d * d, beyond2 += b * b;
-    }
-    if (d2 > reach * reach) return false;
-    if (beyond2 > 0) return true;
-    // phi at a corner of the cell, which is no more than its diagonal away, tells enough
-    const auto u = [&](int k) { return max((x[k] - box_low[k]) / spacing, 0.0); };
-    const Cell c = cell_of(u(0), u(1), u(2));
-    const std::int32_t brick = table[c.brick];
-    const double slack = 1.7321 * spacing;
-    if (brick != coarse_only) return fine[std::size_t(brick) * brick_floats + sample_of(c)] <= reach + slack;
-    const double phi = coarse[4 * c.corner];
-    return phi <= 0 ||
-           (reach >= band && phi <= reach + slack * cells);  // without a brick it is farther than the band
+  template <class R>
+  Surface<R> at(const Vec3<R>& x) const {
+    return at(x, R{} == R{});
   }
 
+  // A number that the distance of x, and what `at` says of it, do not fall below [m]: phi at the nearest sample, less how far
+  // that is, and less what blends of samples may be off by. Without a brick all is inside, or farther than the band. Beyond
+  // the grid: the distance from the solid's bounds.
+  double least(const Vec3<double>& x) const {
+    constexpr double infinite = std::numeric_limits<float>::max();
+    Vec3<double> cell, beyond, apart;
+    locate(x, cell, beyond);
+    for (int k = 0; k < 3; ++k) apart[k] = max(max(low[k] - x[k], x[k] - high[k]), 0.0);
+    const double outside = sqrt(dot(apart, apart));
+    if (dot(beyond, beyond) > 0) return outside;
+    const Cell c = cell_of(cell.x, cell.y, cell.z);
+    const std::int32_t brick = table[c.brick];
+    const bool rough = brick == coarse_only;
+    std::size_t up[3];
+    double away2 = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double f = rough ? (cell[k] - cells * c.b[k]) / cells : cell[k] - c.i[k];
+      up[k] = f > 0.5 ? 1 : 0;
+      away2 += (f - double(up[k])) * (f - double(up[k]));
+    }
+    if (!rough) {
+      const float* at = fine + std::size_t(brick) * brick_floats + sample_of(c);
+      const double phi = at[4 * ((up[0] * side + up[1]) * side + up[2])];
+      // a blend is off by no more than half a diagonal: it is a mean over the corners of a cell
+      return max(outside, phi - spacing * (sqrt(away2) + 0.8661));
+    }
+    const auto ny = std::size_t(bricks[1] + 1), nz = std::size_t(bricks[2] + 1);
+    const double phi = coarse[4 * (c.corner + (up[0] * ny + up[1]) * nz + up[2])];
+    return phi <= 0 ? -infinite : max(outside, max(band, phi - spacing * (cells * sqrt(away2) + 0.8661)));
+  }
+
+  // Whether the surface or the inside may be within `reach` [m] of x; false only if it is not.
+  bool is_near(const Vec3<double>& x, double reach) const { return least(x) <= reach; }
+
  private:
+  // Points in cells from the grid's first corner, those outside moved to its nearest point; and by how much [m].
+  template <class R>
+  void locate(const Vec3<R>& x, Vec3<R>& cell, Vec3<R>& beyond) const {
+    using T = scalar_t<R>;
+    const T inv = T(1 / spacing);
+    for (int k = 0; k < 3; ++k) {
+      const R u = (x[k] - T(box_low[k])) * inv;
+      cell[k] = clamp(u, R{}, splat<R>(T(cells * bricks[k])));
+      beyond[k] = (u - cell[k]) * T(spacing);
+    }
+  }
+
   template <class R>
   static Vec3<R> unit(const Vec3<R>& n) {
     const R length2 = dot(n, n);
@@ -94,11 +118,12 @@ struct SdfView : SdfLattice {
   }
 
   // phi and a blend of normals at points in the grid, in cells from its first corner.
-  template <class R>
-  Surface<R> blended(const Vec3<R>& cell) const {
-    alignas(64) scalar_t<R> quads[4 * width<R>];
-    for (int l = 0; l < width<R>; ++l)
+  template <class R, class M>
+  Surface<R> blended(const Vec3<R>& cell, const M& wanted) const {
+    alignas(64) scalar_t<R> quads[4 * width<R>] = {};
+    for_lanes(wanted, [&](int l) {
       blend(detail::lane(cell.x, l), detail::lane(cell.y, l), detail::lane(cell.z, l), quads + 4 * l);
+    });
     Surface<R> s;
     detail::packs_of_quads(quads, s.phi, s.normal.x, s.normal.y, s.normal.z);
     return s;

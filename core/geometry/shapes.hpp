@@ -112,8 +112,16 @@ struct PlacedShape {
   bool operator==(const PlacedShape&) const = default;
 };
 
-template <class R>
-inline Surface<R> surface(const PlacedShape<scalar_t<R>>& shape, const Vec3<R>& x) {
+// A point as a shape's own frame has it.
+template <class T>
+inline Vec3<double> local_of(const PlacedShape<T>& shape, const Vec3<T>& x) {
+  const Vec3<T> local = transposed_times(shape.rotation, x - shape.centre);
+  return {double(local.x), double(local.y), double(local.z)};
+}
+
+// Lanes that are not of the mask `wanted` mean nothing: samples are read for the others alone.
+template <class R, class M>
+inline Surface<R> surface(const PlacedShape<scalar_t<R>>& shape, const Vec3<R>& x, const M& wanted) {
   const Mat3<R> to_world{spread<R>(shape.rotation.c0), spread<R>(shape.rotation.c1),
                          spread<R>(shape.rotation.c2)};
   const Vec3<R> local = transposed_times(to_world, x - spread<R>(shape.centre));
@@ -123,18 +131,21 @@ inline Surface<R> surface(const PlacedShape<scalar_t<R>>& shape, const Vec3<R>& 
     case Shape::sphere: s = detail::sphere_surface(local, shape.half.x); break;
     case Shape::box: s = detail::box_surface(local, shape.half); break;
     case Shape::cylinder: s = detail::cylinder_surface(local, shape.half.x, shape.half.z); break;
-    case Shape::mesh: s = shape.mesh->at(local); break;
+    case Shape::mesh: s = shape.mesh->at(local, wanted); break;
     case Shape::terrain: s = shape.terrain->at(local); break;
   }
   return {s.phi, to_world * s.normal};
+}
+template <class R>
+inline Surface<R> surface(const PlacedShape<scalar_t<R>>& shape, const Vec3<R>& x) {
+  return surface(shape, x, R{} == R{});
 }
 
 // Whether the surface or the inside of a shape may be within `reach` [m] of x; false only if it is not.
 template <class T>
 inline bool is_near(const PlacedShape<T>& shape, const Vec3<T>& x, T reach) {
   if (!shape.mesh && !shape.terrain) return surface(shape, x).phi <= reach;
-  const Vec3<T> local = transposed_times(shape.rotation, x - shape.centre);
-  const Vec3<double> at{double(local.x), double(local.y), double(local.z)};
+  const Vec3<double> at = local_of(shape, x);
   return shape.mesh ? shape.mesh->is_near(at, double(reach)) : shape.terrain->is_near(at, double(reach));
 }
 

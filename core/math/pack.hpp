@@ -196,6 +196,27 @@ NEVE_INLINE bool any(const M& mask) {
   }
 }
 
+// One bit a lane, the first lane's the lowest.
+template <IsPack M>
+NEVE_INLINE std::uint32_t bits_of(const M& mask) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(M) == 64) {
+    const auto m = reinterpret_cast<__m512i>(mask);
+    return sizeof(scalar_t<M>) == 4 ? std::uint32_t(_mm512_test_epi32_mask(m, m))
+                                    : std::uint32_t(_mm512_test_epi64_mask(m, m));
+  }
+#endif
+  std::uint32_t bits = 0;
+  for (int l = 0; l < width<M>; ++l) bits |= std::uint32_t(mask[l] != 0) << l;
+  return bits;
+}
+
+// Call f(lane) for each lane of a mask, by rising lane.
+template <IsPack M, class F>
+NEVE_INLINE void for_lanes(const M& mask, F&& f) {
+  for (std::uint32_t left = bits_of(mask); left != 0; left &= left - 1) f(__builtin_ctz(left));
+}
+
 template <IsPack R>
 NEVE_INLINE scalar_t<R> max_lane(const R& a) {
   using T = scalar_t<R>;
@@ -331,6 +352,60 @@ NEVE_INLINE void store(scalar_t<R>* to, const R& a, int count = width<R>) {
     const int first = std::min(k * width<P>, count);
     detail::store_some<P>(to + first, part_of(a, k), std::min(count - first, width<P>));
   });
+}
+
+// ---- precision ----
+
+template <IsPack R>
+struct DoublesOf<R> {
+  using type = Wide<double, width<R>>;
+};
+template <IsPack R>
+NEVE_INLINE Doubles<R> doubles(const R& a) {
+  using D = Doubles<R>;
+  using P = part_t<D>;
+  alignas(64) scalar_t<R> numbers[width<R>];
+  detail::store_registers(numbers, a);
+  return each_part<register_count<D>>([&](int k) NEVE_INLINE_LAMBDA {
+    return __builtin_convertvector(
+        detail::load_registers<Pack<scalar_t<R>, width<P>>>(numbers + k * width<P>), P);
+  });
+}
+
+// ---- sums ----
+
+namespace detail {
+
+template <class P, std::size_t... I>
+NEVE_INLINE auto lower_half(P a, std::index_sequence<I...>) {
+  return __builtin_shufflevector(a, a, static_cast<int>(I)...);
+}
+template <class P, std::size_t... I>
+NEVE_INLINE auto upper_half(P a, std::index_sequence<I...>) {
+  return __builtin_shufflevector(a, a, static_cast<int>(I + sizeof...(I))...);
+}
+template <class P>
+NEVE_INLINE scalar_t<P> sum_of_register(P a) {
+  constexpr int n = width<P>;
+  if constexpr (n == 2) {
+    return a[0] + a[1];
+  } else {
+    constexpr auto half = std::make_index_sequence<n / 2>{};
+    return sum_of_register(static_cast<Pack<scalar_t<P>, n / 2>>(lower_half(a, half) + upper_half(a, half)));
+  }
+}
+
+}  // namespace detail
+
+// The sum of all lanes, by halves: the same bits whatever a register holds.
+template <IsPack R>
+NEVE_INLINE scalar_t<R> sum_lanes(const R& a) {
+  if constexpr (register_count<R> > 1) {
+    constexpr int half = register_count<R> / 2;
+    return sum_lanes(each_part<half>([&](int k) NEVE_INLINE_LAMBDA { return a.part[k] + a.part[k + half]; }));
+  } else {
+    return detail::sum_of_register(a);
+  }
 }
 
 }  // namespace neve

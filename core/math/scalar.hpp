@@ -50,6 +50,24 @@ NEVE_INLINE bool negated(const M& mask) {
   return mask == 0;
 }
 
+// The same numbers in double precision.
+template <class R>
+struct DoublesOf {
+  using type = double;
+};
+template <class R>
+using Doubles = typename DoublesOf<R>::type;
+template <IsScalar R>
+NEVE_INLINE double doubles(const R& a) {
+  return a;
+}
+
+// Call f(lane) for each lane of a mask.
+template <IsScalar M, class F>
+NEVE_INLINE void for_lanes(const M& mask, F&& f) {
+  if (mask) f(0);
+}
+
 template <IsScalar R>
 NEVE_INLINE R max_lane(const R& a) {
   return a;

@@ -32,25 +32,6 @@ NEVE_INLINE P gather_register(const scalar_t<P>* from, const std::int32_t* rows)
   return out;
 }
 
-template <class P, std::size_t... I>
-NEVE_INLINE auto lower_half(P a, std::index_sequence<I...>) {
-  return __builtin_shufflevector(a, a, static_cast<int>(I)...);
-}
-template <class P, std::size_t... I>
-NEVE_INLINE auto upper_half(P a, std::index_sequence<I...>) {
-  return __builtin_shufflevector(a, a, static_cast<int>(I + sizeof...(I))...);
-}
-template <class P>
-NEVE_INLINE scalar_t<P> sum_of_register(P a) {
-  constexpr int n = width<P>;
-  if constexpr (n == 2) {
-    return a[0] + a[1];
-  } else {
-    constexpr auto half = std::make_index_sequence<n / 2>{};
-    return sum_of_register(static_cast<Pack<scalar_t<P>, n / 2>>(lower_half(a, half) + upper_half(a, half)));
-  }
-}
-
 }  // namespace detail
 
 // from[rows[l]] in lane l; all `width` rows are read.
@@ -113,14 +94,6 @@ NEVE_INLINE scalar_t<R> largest_lane(const R& a) {
   scalar_t<R> out = a[0];
   for (int l = 1; l < width<R>; ++l) out = a[l] > out ? a[l] : out;
   return out;
-}
-
-// The sum of all lanes.
-template <IsPack R>
-NEVE_INLINE scalar_t<R> sum_lanes(const R& a) {
-  auto all = part_of(a, 0);
-  for_parts<register_count<R> - 1>([&](int k) NEVE_INLINE_LAMBDA { all = all + part_of(a, k + 1); });
-  return detail::sum_of_register(all);
 }
 
 }  // namespace neve

@@ -42,8 +42,9 @@ Vec3<Lanes<T>> touch_bodies(const BodyContacts<T>& all, const typename BodyConta
 }
 
 template <class T>
-void add_to_response(BodyResponse& sum, const SolidContact<Lanes<T>>& contact, const Lanes<T>& m,
-                     const Vec3<Lanes<T>>& v_co, const Vec3<Lanes<T>>& before, const Vec3<Lanes<T>>& after) {
+void add_to_response(ResponseOf<Doubles<Lanes<T>>>& sum, const SolidContact<Lanes<T>>& contact,
+                     const Lanes<T>& m, const Vec3<Lanes<T>>& v_co, const Vec3<Lanes<T>>& before,
+                     const Vec3<Lanes<T>>& after) {
   const auto met = contact.met(before, v_co), dry = met & negated(contact.runs);
   const Vec3<Lanes<T>> from = contact.sped(before), to = contact.sped(after);
   Solid<T> solid = *contact.solid;
@@ -68,10 +69,11 @@ std::vector<Twist> body_velocities(const CoupledBodies& bodies,
   }
   if (busy.empty()) return {};
   const std::size_t count = bodies.solids.size();
-  std::vector<std::vector<BodyResponse>> parts(busy.size());
+  using Part = ResponseOf<Doubles<Lanes<T>>>;
+  std::vector<std::vector<Part>> parts(busy.size());
   return BodyVelocitySolver(bodies, dt).solve([&](const std::vector<Twist>& U) {
     each_index(busy.size(), [&](std::size_t c) {
-      parts[c].assign(count, BodyResponse{});
+      parts[c].assign(count, Part{});
       for (const auto& pack : busy[c]->packs) {
         detail::touch_bodies(*busy[c], pack, U, [&](const auto& contact, const auto&... velocities) {
           detail::add_to_response<T>(parts[c][std::size_t(contact.solid->body)], contact, pack.m,
@@ -81,7 +83,7 @@ std::vector<Twist> body_velocities(const CoupledBodies& bodies,
     });
     std::vector<BodyResponse> total(count);
     for (const auto& part : parts) {
-      for (std::size_t b = 0; b < count; ++b) total[b].add(part[b]);
+      for (std::size_t b = 0; b < count; ++b) total[b].add(detail::summed(part[b]));
     }
     return total;
   });

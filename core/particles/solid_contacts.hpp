@@ -58,7 +58,7 @@ class SolidContacts {
     Vec3<R> after = v;
     if (any(open & contact.met(v, v_co))) {
       const Vec3<R> v_rel = contact.sped(v) - v_co;
-      const auto there = facing(*contact.solid, contact.x, contact.n, v_rel, splat<R>(dt));
+      const auto there = facing(*contact.solid, contact.x, contact.n, v_rel, splat<R>(dt), contact.here);
       after = select(open, contact.after(v, there, v_co), v);
     }
     change.v_co = v_co;

@@ -429,6 +429,13 @@ class Model(Protocol):
         [m/s]; omega (3,) [1/s]
         Errors: IndexError for a solid that is not there.
         """
+    def place_bodies(self, centres: Array64, rotations: Array64, rates: Array64) -> None:
+        """Put the b bodies, in their order, somewhere until they are placed anew.
+
+        centres (b, 3) [m]; rotations (b, 3, 3) from their own axes to the world's [1]; rates (b, 6): velocity
+        of the centre [m/s] and omega [1/s]
+        Errors: ValueError for another number of bodies.
+        """
     def set_belt(self, index: int, velocity: Array64) -> None:
         """Let the flat faces of solid `index` move along themselves like a belt; at first they do not.
 

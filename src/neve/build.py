@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from neve.colliders.motion import pose
 from neve.colliders.solid import Solid, solid_of
 from neve.geometry.pose import Pose
-from neve.reproducible import product
+from neve.reproducible import norms, product
 from neve.sampling import Samples, filled
 from neve.sampling.carving import carved
 from neve.sampling.draping import draped, height_over
@@ -183,9 +183,7 @@ class PlacedSolids:
             if self.solids[i].motion != "static":
                 self._place_collider(i, collider, time)
         if self.rigid:
-            for i, p in enumerate(self.rigid.poses(), len(self.colliders)):
-                self._place(i, p)
-            self.native.set_body_dynamics(self.rigid.mobility(), self.rigid.free_acceleration())
+            self._place_bodies(self.rigid)
 
     def _place_collider(self, i: int, collider: Collider, time: float) -> None:
         p = pose(collider, time)
@@ -197,6 +195,17 @@ class PlacedSolids:
         self._centres[i] = p.position
         self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
         self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p) + belt)
+
+    def _place_bodies(self, rigid: CoupledBodies) -> None:
+        """Do as `_place` for all bodies at once, and tell how they move in the next step."""
+        positions, rotations, rates = rigid.placed()
+        first = len(self.colliders)
+        self._centres[first:] = positions
+        self.native.place_bodies(positions, rotations, rates)
+        self.native.set_body_dynamics(rigid.mobility(), rigid.free_acceleration())
+        speeds = norms(rates.reshape(-1, 2, 3))
+        fastest = speeds[:, 0] + speeds[:, 1] * self._reach[first:]
+        self.solid_speed = max(self.solid_speed, float(fastest.max(initial=0.0)))
 
     def totals_of_bodies(self) -> dict[str, Any]:
         """Return bodies_momentum (3,) [kg m/s], bodies_kinetic, bodies_potential [J]; zero without bodies."""

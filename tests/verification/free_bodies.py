@@ -53,6 +53,10 @@ class FreeBodies:
     def poses(self):
         return [Pose(b.x.copy(), b.R.copy(), b.v.copy(), b.w.copy()) for b in self.bodies]
 
+    def placed(self):
+        rates = [[*b.v, *b.w] for b in self.bodies]
+        return np.array([b.x for b in self.bodies]), np.array([b.R for b in self.bodies]), np.array(rates)
+
     def mobility(self):
         out = np.zeros((6 * len(self.bodies),) * 2)
         for i, b in enumerate(self.bodies):

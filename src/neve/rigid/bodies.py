@@ -29,6 +29,8 @@ MAX_STEP = 5e-4
 """Longest step of the engine [s]."""
 FIRST_STEP = 1e-4
 """Length of the engine's step that is assumed before the first one [s]."""
+TURNED, TURNED_BACK = np.array((1, 2, 0)), np.array((2, 0, 1))
+"""Components of (a x b)_k = a_(k+1) b_(k+2) - a_(k+2) b_(k+1)."""
 LARGEST = 1e10
 """Positions and velocities beyond this count as lost, as they do for the engine [m, m/s, rad/s]."""
 
@@ -63,6 +65,12 @@ class RigidBodies:
         self._assembly.attachments += [attachment for _, attachment in of_robots]
         self.solids = (*bodies, *(solid for solid, _ in of_robots))
         """The solids that the engine moves: all bodies, then those of all robots."""
+        held = self._assembly.attachments
+        self._carriers = [attachment.body for attachment in held]
+        axes = [np.column_stack((attachment.rotation, attachment.position)) for attachment in held]
+        self._frames = np.array(axes).reshape(-1, 3, 4)
+        """Axes and origin of each solid's frame, as the body that carries it has them."""
+        self._jacobian = np.zeros((6 * len(held), self._model.nv))
         self._data = self._mj.MjData(self._model)
         self._signature = int(self._mj.mjtState.mjSTATE_INTEGRATION)
         self._model.opt.timestep = FIRST_STEP
@@ -74,11 +82,12 @@ class RigidBodies:
 
     def poses(self) -> list[Pose]:
         """Return where the frame of each solid is and how it moves."""
+        return [Pose(x, R, rate[:3], rate[3:]) for x, R, rate in zip(*self.placed(), strict=True)]
+
+    def placed(self) -> tuple[Array, Array, Array]:
+        """Return the same in arrays: positions (n, 3), rotations (n, 3, 3), both velocities (n, 6)."""
         rates = times(self._jacobian, self._data.qvel).reshape(-1, 6)
-        return [
-            Pose(x, R, rate[:3], rate[3:])
-            for x, R, rate in zip(self._positions, self._rotations, rates, strict=True)
-        ]
+        return self._positions, self._rotations, rates
 
     def mobility(self) -> Array:
         """Return A (6 n, 6 n) in dU = A dP: how impulses on the solids change their velocities in a step.
@@ -112,12 +121,11 @@ class RigidBodies:
         if self._damping is not None:
             forces = data.qfrc_smooth + data.qfrc_constraint
             rates = solved(self._damped_inertia(), forces[None])[0]
-        found = times(self._jacobian, rates)
-        change = np.zeros((6, model.nv))
-        for i, held in enumerate(self._assembly.attachments):
-            mj.mj_jacDot(model, data, change[:3], change[3:], self._positions[i], held.body)
-            found[6 * i : 6 * i + 6] += times(change, data.qvel)
-        return np.asarray(found.reshape(-1, 6))
+        change = np.empty_like(self._jacobian)
+        parts = change.reshape(len(self.solids), 2, 3, model.nv)
+        for (linear, angular), x, body in zip(parts, self._positions, self._carriers, strict=True):
+            mj.mj_jacDot(model, data, linear, angular, x, body)
+        return np.asarray((times(self._jacobian, rates) + times(change, data.qvel)).reshape(-1, 6))
 
     def advance(self, dt: float, exchanged: Array, time: float) -> None:
         """Move the bodies from `time` on by `dt` [s] under what they exchanged with the snow.
@@ -130,9 +138,9 @@ class RigidBodies:
         """
         model, data = self._model, self._data
         wrenches = np.asarray(exchanged, dtype=np.float64)[:, :6] / dt
-        for solid, wrench in zip(self.solids, wrenches, strict=True):
-            if not np.isfinite(wrench).all():
-                raise LostBody(f"the snow pushes {solid.name} without a finite force at t = {time:.6g} s")
+        if not np.isfinite(wrenches).all():
+            lost = self.solids[int(np.argmin(np.isfinite(wrenches).all(axis=1)))]
+            raise LostBody(f"the snow pushes {lost.name} without a finite force at t = {time:.6g} s")
         if abs(time - data.time) > 1e-9 * max(1.0, time):
             data.time = time
             self._refresh()
@@ -237,11 +245,11 @@ class RigidBodies:
     def _apply(self, wrenches: Array) -> None:
         """Apply a force at each solid's frame and a torque about it, as they stand now [N, N m], (n, 6)."""
         data = self._data
+        force, arm = wrenches[:, :3], self._positions - data.xipos[self._carriers]
+        whole = np.array(wrenches)
+        whole[:, 3:] += arm[:, TURNED] * force[:, TURNED_BACK] - arm[:, TURNED_BACK] * force[:, TURNED]
         data.xfrc_applied[:] = 0.0
-        for held, x, wrench in zip(self._assembly.attachments, self._positions, wrenches, strict=True):
-            force, torque = wrench[:3], wrench[3:]
-            data.xfrc_applied[held.body, :3] += force
-            data.xfrc_applied[held.body, 3:] += torque + cross(x - data.xipos[held.body], force)
+        np.add.at(data.xfrc_applied, self._carriers, whole)
 
     def _begin_step(self) -> None:
         """Do the first half of a step of the engine: positions, velocities, contacts, and what these aim at.
@@ -303,14 +311,9 @@ class RigidBodies:
         self._mj.mj_fwdConstraint(model, data)
         data.qacc_warmstart[:] = kept
         self._damping = damping(self._mj, model, data)
-        attachments = self._assembly.attachments
-        carriers = [held.body for held in attachments]
-        R = data.xmat[carriers].reshape(-1, 3, 3)
-        arms = np.array([held.position for held in attachments]).reshape(-1, 3, 1)
-        self._positions = data.xpos[carriers] + product(R, arms)[..., 0]
-        turned = np.array([held.rotation for held in attachments]).reshape(-1, 3, 3)
-        self._rotations = product(R, turned)
-        self._jacobian = np.zeros((6 * len(attachments), model.nv))
-        for i, held in enumerate(attachments):
-            rows = self._jacobian[6 * i : 6 * i + 6]
-            self._mj.mj_jac(model, data, rows[:3], rows[3:], self._positions[i], held.body)
+        placed = product(data.xmat[self._carriers].reshape(-1, 3, 3), self._frames)
+        self._positions = data.xpos[self._carriers] + placed[..., 3]
+        self._rotations = np.ascontiguousarray(placed[..., :3])
+        parts = self._jacobian.reshape(len(self.solids), 2, 3, model.nv)
+        for (linear, angular), x, body in zip(parts, self._positions, self._carriers, strict=True):
+            self._mj.mj_jac(model, data, linear, angular, x, body)

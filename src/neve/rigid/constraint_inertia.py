@@ -16,6 +16,8 @@ def damping(mj: Any, model: Any, data: Any) -> Array | None:
     The force of an actuator falls by -biasprm[2] for each unit of its speed (MuJoCo's affine bias), unless
     it is at its limit.
     """
+    if not model.nu and not model.dof_damping.any():
+        return None
     found = np.diag(model.dof_damping).copy()
     for i in range(model.nu):
         rate = -float(model.actuator_biasprm[i, 2])

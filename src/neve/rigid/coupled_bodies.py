@@ -51,6 +51,10 @@ class CoupledBodies(Protocol):
         """Return where the solids are now and how they move."""
         ...
 
+    def placed(self) -> tuple[Array, Array, Array]:
+        """Return the same in arrays: positions (n, 3), rotations (n, 3, 3), both velocities (n, 6)."""
+        ...
+
     def mobility(self) -> Array:
         """Return A (6 n, 6 n): impulses and moments P [N s, N m s] change the velocities by A P."""
         ...
