@@ -78,7 +78,7 @@ class Exposure {
     psi_.resize(filled_.size()), solid_.resize(filled_.size());
     each_index(nodes_.blocks().size(), [&](std::size_t b) {
       const BlockCoord at = nodes_.blocks()[b];
-      const auto near = solids_near_nodes(model, at, 1.5, 3.2);
+      const auto near = near_solids(model, at, 1.5, 3.2);
       for (int n = 0; n < 64; ++n) {
         const Vec3<T> x = node_position(model, at, n / 16, n / 4 % 4, n % 4);
         double solid = 0;
