@@ -4,6 +4,9 @@
 
 #include "coupling/contacts.hpp"
 #include "coupling/exchange.hpp"
+#if !defined(__CUDACC_RTC__)
+#include "coupling/doubles.hpp"
+#endif
 
 namespace neve {
 
