@@ -42,6 +42,30 @@ void record_walls(const CubicKernel<T>& kernel, const Model<T>& world, const Sph
   }
 }
 
+// A ball around those points of a pack that count.
+template <class T>
+struct Ball {
+  Vec3<T> centre{};
+  T radius = -1;  // below zero: none counts
+};
+template <class R, class M>
+inline Ball<scalar_t<R>> ball_around(const Vec3<R>& x, const M& mask) {
+  using T = scalar_t<R>;
+  if constexpr (is_pack<R>) {
+    int first = 0, last = width<R> - 1;
+    while (first < last && !mask[first]) ++first;
+    while (last > first && !mask[last]) --last;
+    if (!mask[first]) return {};
+    Ball<T> ball;
+    for (int k = 0; k < 3; ++k) ball.centre[k] = (x[k][first] + x[k][last]) / 2;
+    const Vec3<R> off = x - spread<R>(ball.centre);
+    ball.radius = std::sqrt(max_lane(select(mask, dot(off, off), R{}))) * T(1.0001);
+    return ball;
+  } else {
+    return mask ? Ball<T>{x, T(0)} : Ball<T>{};
+  }
+}
+
 namespace detail {
 
 // A bound on the speed of a solid's surface within a ball [m/s].
