@@ -108,7 +108,7 @@ NEVE_INLINE P exp_of_floats(P a) {
   return p * reinterpret_cast<P>(bits);
 }
 
-// exp(a) in double: the same with degree 12, error < 2 eps. ln 2 is a number of 32 bits, whose products with n are exact,
+// exp(a) in double: the same with degree 12, error < 2 eps; of what is not a number, as in float, the least value. ln 2 is a number of 32 bits, whose products with n are exact,
 // and the rest; n + 1023 becomes whole in the last bits of a number so large that they count ones.
 template <class P>
 NEVE_INLINE P exp_of_doubles(P a) {

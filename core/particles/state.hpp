@@ -132,8 +132,10 @@ template <class T>
 struct PairQuads {
   Column<Quartet<T>> place, motion, grip;
 
+  static constexpr std::size_t room_for(std::size_t n) { return n + 1 + std::size_t(lane_count<T>); }
+  bool made_for(std::size_t n) const { return place.size() == room_for(n); }
   void resize(std::size_t n) {
-    const std::size_t room = n + 1 + std::size_t(lane_count<T>);
+    const std::size_t room = room_for(n);
     if (place.size() != room) place.resize(room), motion.resize(room), grip.resize(room);
     constexpr T far = StartGrid<T>::nowhere;
     for (std::size_t p = n; p < room; ++p) place[p] = {far, far, far, T(0)}, motion[p] = grip[p] = {};

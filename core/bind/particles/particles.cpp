@@ -17,11 +17,16 @@ struct Particles : ParticleSnow<T> {
   void require_lists() const {
     if (!this->listing.made_for(this->state.count)) throw nb::value_error("call prepare() first");
   }
+  // What steps and heat need: lists, and what is kept beside them.
+  void require_ready() const {
+    require_lists();
+    if (!this->quads.made_for(this->state.count)) throw nb::value_error("call prepare() first");
+  }
 };
 
 template <class T>
 ParticleReport step(Particles<T>& p, const Model<T>& solids, double dt) {
-  p.require_lists();
+  p.require_ready();
   return take_step(p, solids, dt);
 }
 
@@ -130,7 +135,7 @@ void bind_heat(nb::class_<Particles<T>>& c) {
       .def(
           "pass_heat",
           [](P& p, double dt) {
-            p.require_lists();
+            p.require_ready();
             if (p.table.empty()) throw nb::value_error("call set_materials() first");
             return pass_heat(static_cast<ParticleSnow<T>&>(p), dt);
           },
@@ -171,7 +176,10 @@ void bind_of(nb::module_& m) {
           nb::arg("near"), nb::arg("dt"), free_gil)
       .def_prop_ro("is_due", [](const P& p) { return p.is_due(); })
       .def(
-          "renew", [](P& p, const Model<T>& solids, std::int64_t steps) { renew(p, solids, steps); },
+          "renew",
+          [](P& p, const Model<T>& solids, std::int64_t steps) {
+            p.require_ready(), renew(p, solids, steps);
+          },
           nb::arg("solids"), nb::arg("steps"), free_gil)
       .def(
           "make_bonds",

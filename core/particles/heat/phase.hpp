@@ -13,16 +13,21 @@ template <class T>
 class PhaseChange {
  public:
   PhaseChange(const HeatModel& model, ParticleState<T>& s, Neighbours<T>& lists)
-      : model_(model), s_(s), lists_(lists), grown_(s.count), freezes_(s.count) {}
+      : model_(model),
+        s_(s),
+        lists_(lists),
+        grown_(s.count),
+        freezes_(s.count),
+        changed_(s.count),
+        bond_before_(s.bond.column(0), s.bond.column(0) + s.count) {}
 
   // `derive`: called for a particle whose liquid share has changed. dt: of the heat's own time [s]. Returns which have.
   template <class F>
   std::vector<char> apply(double dt, F&& derive) {
-    std::vector<char> changed(s_.count);
     each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) {
-        changed[p] = change(p);
-        if (changed[p]) derive(p);
+        changed_[p] = change(p);
+        if (changed_[p]) derive(p);
       }
     });
     each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
@@ -30,7 +35,7 @@ class PhaseChange {
         lists_.each(p, [&](std::uint32_t e) { pair(p, e, dt); });
       }
     });
-    return changed;
+    return std::move(changed_);
   }
 
  private:
@@ -49,7 +54,9 @@ class PhaseChange {
     return true;
   }
 
-  // Bonds keep their stretch while particles change their size; water has none; what freezes is bonded to what it touches.
+  // Bonds keep their stretch while particles change their size, and their strength falls as that of the snow does, with
+  // what sintering gave; it is that of the snow again where water freezes. Water has no bonds; what freezes is bonded
+  // to what it touches.
   void pair(std::size_t p, std::uint32_t e, double dt) {
     const auto q = std::size_t(lists_.row[e]);
     T &hold = lists_.hold[e], &rest = lists_.a[e];
@@ -57,20 +64,28 @@ class PhaseChange {
     const T overlap = T(double(radii) - distance(s_, p, q));
     const T limit = T(0.5) * (s_.bond.column(0)[p] + s_.bond.column(0)[q]) * radii;
     const bool is_water = s_.liquid.column(0)[p] >= T(1) || s_.liquid.column(0)[q] >= T(1);
-    const bool changes = grown_[p] != T(0) || grown_[q] != T(0) || freezes_[p] || freezes_[q];
+    const bool changes = changed_[p] || changed_[q];
+    const T left = changes ? share_left(p, q) : T(1);
     if (hold > T(0)) {
       rest += grown_[p] + grown_[q];
-      if (changes) hold = is_water ? T(0) : std::min(hold, std::max(limit, rest));
+      if (changes) hold = is_water ? T(0) : std::max(T(hold * left), rest);
+      if (!is_water && (freezes_[p] || freezes_[q])) hold = std::max(hold, limit);
       if (hold == T(0)) rest = T(0);
     } else if (changes) {
       if (!is_water && (freezes_[p] || freezes_[q]) && (hold < T(0) || overlap > T(0)) && limit > T(0)) {
         hold = std::max(limit, overlap), rest = std::min(overlap, T(0));
         lists_.b[e] = lists_.c[e] = T(0);
       } else if (hold < T(0)) {
-        hold = -std::max(std::min(-hold, limit), loose<T>);
+        hold = -std::max(T(-hold * left), loose<T>);
       }
     }
     if (model_.sinters && !is_water && (hold != T(0) || overlap > T(0))) sinter(p, q, e, overlap, limit, dt);
+  }
+
+  // The share of its strength that a pair keeps as one of its particles melts.
+  T share_left(std::size_t p, std::size_t q) const {
+    const T before = bond_before_[p] + bond_before_[q], now = s_.bond.column(0)[p] + s_.bond.column(0)[q];
+    return before > T(0) ? std::min(T(now / before), T(1)) : T(1);
   }
 
   void sinter(std::size_t p, std::size_t q, std::uint32_t e, T overlap, T limit, double dt) {
@@ -104,7 +119,8 @@ class PhaseChange {
   ParticleState<T>& s_;
   Neighbours<T>& lists_;
   std::vector<T> grown_;
-  std::vector<char> freezes_;
+  std::vector<char> freezes_, changed_;
+  std::vector<T> bond_before_;
 };
 
 }  // namespace detail

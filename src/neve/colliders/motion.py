@@ -55,9 +55,10 @@ class _Path:
         self._last: tuple[float, Pose] | None = None
 
     def at(self, t: float) -> Pose:
-        if self._last is None or self._last[0] != t:
-            self._last = (t, self._pose(t))
-        return self._last[1]
+        last = self._last  # read once: other threads may ask for other times
+        if last is None or last[0] != t:
+            last = self._last = (t, self._pose(t))
+        return last[1]
 
     def _pose(self, t: float) -> Pose:
         keys = self.collider.keyframes

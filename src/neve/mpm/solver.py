@@ -28,7 +28,7 @@ from neve.mpm.state import (
     to_arrays,
 )
 from neve.mpm.state_checks import inspect, require_whole, warn_of_density
-from neve.mpm.step import STAGES, Stages
+from neve.mpm.step import STAGES, Stages, on_lattice
 from neve.mpm.step_control import try_step
 from neve.mpm.time_step import Choice, fitted, largest, limits_of
 from neve.scene.schema.scene import Scene, Source
@@ -177,7 +177,7 @@ class MpmSolver(Solver):
     def _pass_heat(self, steps: int, time: float, dt: float) -> None:
         """Let heat flow, once it is due, after the step of dt [s] that ends at `time` [s]. Errors: Blowup."""
         core, native, state = self.model.core, self.model.native, self.state
-        with self.timer.stage("stress"):
+        with self.timer.stage("stress"), on_lattice(self.model):
             found = self.heat.advance(lambda due: core.pass_heat(native, state, due), dt, steps, time)
         if found is None:
             return

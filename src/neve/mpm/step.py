@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,18 @@ def step(on: Stages, dt: float, accepts: Callable[[GridReport], bool] = lambda r
     return on.grid_to_particles(dt)  # 7: F = (I + dt grad v) F, section 7; 8: v_p; 9: section 8; 10: x_p
 
 
+@contextmanager
+def on_lattice(model: Model) -> Iterator[None]:
+    """Do what particles that have left the lattice forbid. Errors: Blowup in place of their ValueError."""
+    try:
+        yield
+    except ValueError as error:
+        reach = 2**22 * model.numerics.dx
+        raise Blowup(
+            f"{error}, which ends {reach:.4g} m from the origin: enlarge numerics.dx, or {remedy(model)}"
+        ) from None
+
+
 @dataclass(frozen=True)
 class Stages:
     """Run the stages of the step on one model, state and grid, and time each of them."""
@@ -57,15 +70,8 @@ class Stages:
         """
         if self.grid.current and not anew:
             return
-        with self.timer.stage("sort"):
-            try:
-                self.model.core.sort(self.model.native, self.state, self.grid)
-            except ValueError as error:
-                reach = 2**22 * self.model.numerics.dx
-                raise Blowup(
-                    f"{error}, which ends {reach:.4g} m from the origin: enlarge numerics.dx, "
-                    f"or {remedy(self.model)}"
-                ) from None
+        with self.timer.stage("sort"), on_lattice(self.model):
+            self.model.core.sort(self.model.native, self.state, self.grid)
 
     def particles_to_grid(self, dt: float) -> None:
         """Scatter mass, momentum and dt [s] times force to the nodes."""

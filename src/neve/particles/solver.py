@@ -124,8 +124,11 @@ class ParticleSolver(Solver):
                 self.placed.rigid.restore(saved)
 
     def _derive(self) -> None:
-        set_constants(self.scene, self.state)
+        self._set_constants()
         self._near = reach(self.state)
+
+    def _set_constants(self) -> None:
+        set_constants(self.scene, self.state)
         self._least_stiff = FEWEST * self.state.stiffest
 
     def _bond(self, first: int) -> None:
@@ -213,7 +216,10 @@ class ParticleSolver(Solver):
     def _pass_heat(self, dt: float, steps: int, time: float) -> None:
         """Let heat flow, once it is due: `dt` [s] of motion later than at the last call. Errors: Blowup."""
         with self.timer.stage("heat"):
-            self.heat.advance(self.state.pass_heat, dt, steps, time)
+            if self.heat.advance(self.state.pass_heat, dt, steps, time) is None:
+                return
+            self._set_constants()  # what freezes is stiffer
+            self._report = self.state.stiffness_now()
 
     @property
     def stiffest(self) -> float:

@@ -77,6 +77,21 @@ def test_the_thresholds_are_where_they_were(side, turned):
         assert (response(_f64(), F, 1.0, law)[1] != 1).all() == flows
 
 
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("side", ["theta_c", "theta_s"])
+def test_what_is_beyond_on_all_axes_flows(core, precision, side):
+    """Near a point where all stretches meet at their threshold, one beyond it by 20 eps or more flows."""
+    law, rng = LAWS["stomakhin2013"], np.random.default_rng(4)
+    limit, out = (1 - law.theta_c, -1) if side == "theta_c" else (1 + law.theta_s, 1)
+    beyond = 10 ** rng.uniform(-5 if precision == "float32" else -13, -3, PACKS)
+    within = beyond[:, None] * rng.uniform(0.5, 4, (PACKS, 2))
+    stretches = limit + out * np.column_stack([beyond, -within])
+    U, V = turns(PACKS, 1), turns(PACKS, 2)
+    F = ((U * stretches[:, None, :]) @ transpose(V)).astype(precision)
+    J_P = response(core, F, 1.0, law, precision)[1]
+    assert (J_P != 1).all()
+
+
 def test_a_mirror_is_not_small():
     """F F^T of a reflection is the identity's, but its snow is inside out and takes the way of the SVD."""
     law = LAWS["stomakhin2013"]

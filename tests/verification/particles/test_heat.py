@@ -14,7 +14,7 @@ from neve.scene.reading.load import scene_from
 from neve.solver import Blowup
 
 AREA_OF_BOND = 0.79
-"""Area of a bond over pi r^2, as docs/particles.md says."""
+"""Area of a bond over pi r^2, as docs/heat.md says."""
 GROUND = {"shape": "plane"}
 
 
@@ -201,6 +201,38 @@ def test_refrozen_water_is_ice():
     state.pass_heat(1e-9)
     np.testing.assert_allclose(state.m / (state.V0 * state.J_P), 917.0, rtol=1e-6)
     assert np.all(np.asarray(state.liquid) == 0)
+
+
+def test_what_freezes_bit_by_bit_is_bonded_as_the_snow():
+    """A bond made as the first of the water freezes bears what the snow's bonds bear once all is ice."""
+    sim = simulate([{"shape": "box", "size": [0.1] * 3}], {"air_exchange": 0.0, "snow_temperature": 0.0})
+    sim.solver.begin(0, 0.0)
+    state = sim.state
+    for share in (1.0, 0.97, 0.5, 0.0):
+        state.enthalpy[...] = share * np.asarray(state.m) * LATENT - (share == 0.0)
+        state.pass_heat(1e-9)
+    begin, row, values = (np.asarray(a) for a in state.contacts())
+    mine = np.repeat(np.arange(state.count), np.diff(begin))
+    bond, radius = np.asarray(state.bond), np.asarray(state.radius)
+    least = 0.5 * (bond[mine] + bond[row]) * (radius[mine] + radius[row])
+    bonded = values[:, 0] > 0
+    assert bonded.sum() > state.count
+    assert np.all(values[bonded, 0] >= least[bonded] * (1 - 1e-5))
+
+
+@pytest.mark.parametrize("melts", [False, True])
+def test_sintered_bonds_lose_what_melts(melts):
+    """A bond that sintering has strengthened loses the share that melts, in place of all that it gained."""
+    heat = {"air_exchange": 0.0, "snow_temperature": 0.0, "sintering": True}
+    sim = simulate([{"shape": "box", "size": [0.1] * 3}], heat, snow={"xi": 10.0})
+    sim.solver.begin(0, 0.0)
+    state = sim.state
+    state.pass_heat(1e6)
+    grown = np.asarray(state.contacts()[2])[:, 0]
+    state.enthalpy[...] = (0.25 if melts else 0.0) * np.asarray(state.m) * LATENT
+    state.pass_heat(1e-9)
+    left = np.asarray(state.contacts()[2])[:, 0] / grown
+    np.testing.assert_allclose(np.median(left), 0.75 if melts else 1.0, rtol=0.02)
 
 
 def test_sintering():

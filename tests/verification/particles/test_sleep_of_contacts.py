@@ -1,5 +1,7 @@
 """Particles at rest that are not stepped: they stay, they wake by each cause, and nothing else changes."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from verification.particles.common import columns, energy, particles
@@ -235,7 +237,7 @@ def test_same_bits_on_any_number_of_threads_and_after_a_resume():
                 sim = neve.Simulation.restore(sim.scene, sim.arrays(), threads=threads)
                 assert asleep(sim) == seen[-1]
         assert 0 < max(seen) < sim.count
-        assert min(seen[7:]) < max(seen)
+        assert any(later < earlier for earlier, later in pairwise(seen)), "none was woken"
         runs.append((seen, sim.arrays()))
     for seen, arrays in runs[1:]:
         assert seen == runs[0][0]

@@ -31,7 +31,7 @@ def placed(x: NDArray[Any], edge: float) -> dict[str, NDArray[Any]] | None:
     place = np.empty((len(x), 3), np.uint16)
     block = np.empty((3, len(x)), np.int64)
     for axis in range(3):
-        at = x[:, axis] / np.float64(edge)
+        at = x[:, axis].astype(np.float64) / edge
         whole = np.floor(at)
         block[axis] = whole
         place[:, axis] = np.minimum((at - whole) * STEPS, STEPS - 1)

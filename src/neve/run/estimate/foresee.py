@@ -134,7 +134,7 @@ def estimate(
     frame_bytes = _archive(stored(frame, block_edge(scene))) * times
     need, unknown = _needs(scene, last, Sizes(frame_bytes, saved * times, len(near.solids()) * ROW_BYTES))
     steps = _steps(foreseen, last, scene.run.fps)
-    state = near.bytes * foreseen.growth + saved + DEPTH * frame_bytes / times
+    state = near.bytes * foreseen.growth + saved + _waiting(frame, scene)
     device = near.solver.device
     return Estimate(
         particles=Range(particles, particles * _less(coarser), particles / _less(coarser)),
@@ -204,20 +204,23 @@ def _open(
     near: the scene itself or something near it, after some steps; drawing: seconds that a picture takes
     """
     some = crowd(scene, foreseen, last / scene.run.fps)
-    each_frame, each_saved, each = (
+    each_frame, each_saved, each, each_waiting = (
         float(FRAME_BYTES[scene.run.frames]),
         float(SAVED_BYTES),
         float(SAMPLE_BYTES),
+        float(DEPTH * sum(FRAME_BYTES[kind] for kind in {"plain", scene.run.frames})),
     )
     if near is not None and near.count:
-        each_frame = _archive(stored(_frame(near), block_edge(scene))) / near.count
+        frame = _frame(near)
+        each_frame = _archive(stored(frame, block_edge(scene))) / near.count
+        each_waiting = _waiting(frame, scene) / near.count
         each_saved = _saved(near) / near.count
         each = near.bytes / near.count
     each_frame += 8.0 if scene.sinks and near is None else 0.0
     solids = len(scene.colliders) + len(scene.bodies)
     sizes = Sizes(some.mean * each_frame, some.most * each_saved, solids * ROW_BYTES)
     need, unknown = _needs(scene, last, sizes)
-    state = some.most * (ROOM * each + each_saved + DEPTH * each_frame)
+    state = some.most * (ROOM * each + each_saved + each_waiting)
     steps = _steps(foreseen, last, scene.run.fps)
     return Estimate(
         particles=Range(some.most, 0.9 * some.most, 1.1 * some.most),
@@ -279,6 +282,13 @@ def _frame(sim: Simulation) -> Frame:
 
 def _saved(sim: Simulation) -> float:
     return _archive(sim.arrays())
+
+
+def _waiting(frame: Frame, scene: Scene) -> float:
+    """Return the bytes of frames that wait to be written: as copied, and as their file holds them."""
+    edge = block_edge(scene)
+    packed = _archive(stored(frame, edge)) if edge is not None else 0.0
+    return DEPTH * (_archive(stored(frame, None)) + packed)
 
 
 def _archive(arrays: object) -> float:
