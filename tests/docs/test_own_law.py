@@ -54,13 +54,15 @@ def tree(tmp_path_factory):
     if not COMPILER:
         pytest.skip("there is no C++ compiler")
     import neve._render
+    import neve._surface
 
     tree = tmp_path_factory.mktemp("tree")
     shutil.copy(ROOT / "CMakeLists.txt", tree)
     shutil.copytree(ROOT / "core", tree / "core")
     built = shutil.ignore_patterns("_core.*.so", "_core.*.dylib", "builds", "__pycache__", "page")
     shutil.copytree(ROOT / "src/neve", tree / "src/neve", ignore=built)
-    shutil.copy(neve._render.__file__, tree / "src/neve")  # what draws knows of no law
+    for module in (neve._render, neve._surface):  # what draws knows of no law
+        shutil.copy(module.__file__, tree / "src/neve")
     apply(tree)
     cache = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     quick = [

@@ -12,7 +12,7 @@ from neve.cuda.memory import Buffer
 
 
 class DeviceTotals(NamedTuple):
-    """Sums over the state; see `neve._core.Totals`."""
+    """Sums over the state; see `neve._core.Totals`. There is no heat on a GPU."""
 
     mass: float
     momentum: list[float]
@@ -20,6 +20,8 @@ class DeviceTotals(NamedTuple):
     affine: float
     elastic: float
     potential: float
+    heat: float = 0.0
+    water: float = 0.0
 
 
 class Sums:

@@ -35,10 +35,11 @@ def advice(scene: Scene) -> list[str]:
             *_thin_seam(scene, whole, name),
         ]
     found += _long_step(scene)
-    for i, collider in enumerate(scene.colliders):
-        found += _thin_solid(scene, collider, f"colliders.{i}")
-    for i, body in enumerate(scene.bodies):
-        found += _thin_solid(scene, body, f"bodies.{i}")
+    if scene.numerics.method == "mpm":  # which has nodes that both sides share
+        for i, collider in enumerate(scene.colliders):
+            found += _thin_solid(scene, collider, f"colliders.{i}")
+        for i, body in enumerate(scene.bodies):
+            found += _thin_solid(scene, body, f"bodies.{i}")
     return joined([*found, *unused(scene)])
 
 
