@@ -166,7 +166,7 @@ def test_balance_and_run_off():
     """While a block falls, melts and runs off, heat is what air and sun gave, to rounding."""
     sim = melting()
     start, width = sim.diagnostics(), np.ptp(np.asarray(sim.state.x)[:, 0])
-    sim.advance(1.0)
+    sim.advance(1.2)
     now = sim.diagnostics()
     assert 0.2 * now.mass < now.water < 0.9 * now.mass
     assert now.heat - start.heat == pytest.approx(now.heat_taken, rel=1e-12)
@@ -204,11 +204,11 @@ def test_refrozen_water_is_ice():
 
 
 def test_what_freezes_bit_by_bit_is_bonded_as_the_snow():
-    """A bond made as the first of the water freezes bears what the snow's bonds bear once all is ice."""
+    """Bonds of slush bear little, and what the snow's bear once all of it is ice."""
     sim = simulate([{"shape": "box", "size": [0.1] * 3}], {"air_exchange": 0.0, "snow_temperature": 0.0})
     sim.solver.begin(0, 0.0)
     state = sim.state
-    for share in (1.0, 0.97, 0.5, 0.0):
+    for share in (0.97, 0.5, 0.0):
         state.enthalpy[...] = share * np.asarray(state.m) * LATENT - (share == 0.0)
         state.pass_heat(1e-9)
     begin, row, values = (np.asarray(a) for a in state.contacts())
