@@ -26,7 +26,6 @@ from neve.scene.schema.scene import Collider, Scene, Snow, Source
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
-    from neve._core import Precision
     from neve.rigid.coupled_bodies import CoupledBodies
 
 WAKING = (
@@ -70,12 +69,6 @@ def coupled(scene: Scene) -> tuple[tuple[Solid, ...], CoupledBodies | None]:
 def solids(scene: Scene) -> tuple[Solid, ...]:
     """Return all that snow can meet: the colliders, then the bodies, in the order of the scene."""
     return coupled(scene)[0]
-
-
-def gridless_model(scene: Scene, core: Precision) -> CoreModel:
-    """Return the core's model of a method without a grid: gravity, and neither snows nor solids yet."""
-    gravity = np.array(scene.world.gravity, dtype=np.float64)
-    return core.Model(scene.numerics.dx, scene.numerics.spline, "pic", 0.0, gravity)
 
 
 def require_closed(scene: Scene) -> None:

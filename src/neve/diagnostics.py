@@ -7,6 +7,26 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+MECHANICS = (
+    "mass",  # [kg]
+    "momentum_x",  # [kg m/s]
+    "momentum_y",
+    "momentum_z",
+    "kinetic",  # energies [J]
+    "elastic",
+    "potential",
+    "affine",  # kinetic energy of the velocity field that each particle carries around itself
+    "work",  # of the solids on the snow since the start
+    "bodies_momentum_x",  # of the bodies that snow moves [kg m/s]
+    "bodies_momentum_y",
+    "bodies_momentum_z",
+    "bodies_kinetic",  # their energies [J]
+    "bodies_potential",
+    "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
+    "particles",
+)
+"""Columns of the log that every method of simulation here fills."""
+
 
 @dataclass(frozen=True)
 class Diagnostics:

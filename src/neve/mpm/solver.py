@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.colliders.solid import Solid
-from neve.diagnostics import Diagnostics, row_of
+from neve.diagnostics import MECHANICS, Diagnostics, row_of
 from neve.geometry.pose import Pose
 from neve.heat.clock import HeatClock
 from neve.heat.enthalpy import columns as heat_columns
@@ -60,23 +60,8 @@ class MpmSolver(Solver):
         "initial_volume",
     )
     log_columns = (
-        "mass",  # [kg]
-        "momentum_x",  # [kg m/s]
-        "momentum_y",
-        "momentum_z",
-        "kinetic",  # energies [J]
-        "elastic",
-        "potential",
-        "affine",  # kinetic energy of the velocity field that each particle carries around itself
-        "work",  # of the colliders on the snow since the start
-        "bodies_momentum_x",  # of the bodies that snow moves [kg m/s]
-        "bodies_momentum_y",
-        "bodies_momentum_z",
-        "bodies_kinetic",  # their energies [J]
-        "bodies_potential",
-        "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
-        "particles",
-        "asleep",  # of them, those that no step moves
+        *MECHANICS,
+        "asleep",  # of the particles, those that no step moves
         "blocks",  # grid blocks of 4x4x4 nodes in use
     )
     state: State

@@ -10,16 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.backend import backend
 from neve.build import (
     PlacedSolids,
     coupled,
-    gridless_model,
     material_table,
     require_closed,
-    samples_of,
 )
-from neve.cuda.errors import DeviceError
+from neve.gridless.initial import fresh_snow, kernels_with, model_of
 from neve.heat.clock import heat_model
 from neve.heat.enthalpy import enthalpy_at
 from neve.particles.constants import (
@@ -34,8 +31,7 @@ from neve.particles.constants import (
     radius_at_birth,
 )
 from neve.sampling import Samples
-from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Scene
+from neve.scene.schema.scene import Scene, Snow
 from neve.solver import Field, fill_columns
 
 if TYPE_CHECKING:
@@ -65,23 +61,14 @@ ROUNDS, ROUNDS_BETWEEN_LISTS = 60, 6
 
 def kernels(scene: Scene) -> Precision:
     """Return the compiled stages for the scene's precision. Errors: SceneError for a device that has none."""
-    numerics = scene.numerics
-    try:
-        found = backend("cpu" if numerics.device == "auto" else numerics.device).kernels(numerics.precision)
-    except DeviceError:  # nor has what is not there
-        found = None
-    if found is None or not hasattr(found, "Particles") or hasattr(found, "device"):  # of a GPU
-        raise SceneError(
-            f'numerics.device = "{numerics.device}" has no numerics.method = "particles": use "cpu"'
-        )
-    return found
+    return kernels_with(scene, "Particles")
 
 
 def place_solids(scene: Scene) -> PlacedSolids:
     """Return the scene's solids in the core, the bodies where they start. Errors: SceneError."""
     require_closed(scene)
     solids, rigid = coupled(scene)
-    native = gridless_model(scene, kernels(scene))
+    native = model_of(scene, kernels(scene))
     return PlacedSolids(native, scene.colliders, solids, rigid, scene.numerics.dx)
 
 
@@ -91,15 +78,19 @@ def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[
     Each source is packed on its own: the particles that `neve.sampling` places are moved apart until they
     hardly overlap. Errors: as `neve.mpm.initial.snow_of`.
     """
-    rows_of = {snow: row for row, snow in enumerate(material_table(scene))}
-    parts = []
-    for i, samples in zip(indices, samples_of(scene, solids, indices), strict=True):
-        snow = scene.snow_of(scene.sources[i])
+
+    def lying(samples: Samples, snow: Snow) -> tuple[Samples, dict[str, NDArray[Any]]]:
         radius = np.array([radius_at_birth(volume) for volume in samples.volume])
-        samples = packed(scene, samples, radius, solids)
-        parts.append(_columns(scene, samples, radius, rows_of[snow], i, snow.rho0))
-    columns = {field.name: np.concatenate([part[field.name] for part in parts]) for field in FIELDS[:-1]}
-    return columns | {"id": np.arange(len(columns["x"]), dtype=np.uint32)}
+        s = packed(scene, samples, radius, solids)
+        m = (snow.rho0 * s.density * s.volume).astype(scene.numerics.precision)
+        return s, {
+            "radius": radius,
+            "liquid": np.zeros(len(s.x)),
+            "rest": np.zeros((len(s.x), 4)),
+            "enthalpy": enthalpy_at(scene, m),
+        }
+
+    return fresh_snow(scene, solids, indices, FIELDS, lying)
 
 
 def packed(scene: Scene, samples: Samples, radius: NDArray[np.float64], solids: PlacedSolids) -> Samples:
@@ -125,33 +116,6 @@ def packed(scene: Scene, samples: Samples, radius: NDArray[np.float64], solids: 
     x = np.empty((count, 3))
     x[np.asarray(fresh.id)] = fresh.x
     return replace(samples, x=x + middle)
-
-
-def _columns(
-    scene: Scene, s: Samples, radius: NDArray[np.float64], row: int, source: int, rho0: float
-) -> dict[str, NDArray[Any]]:
-    real = np.dtype(scene.numerics.precision)
-    count = len(s.x)
-    reals = {
-        "x": s.x,
-        "v": s.v,
-        "m": rho0 * s.density * s.volume,
-        "V0": s.volume,
-        "radius": radius,
-        "J_P": np.ones(count),
-        "stiffness": s.stiffness,
-        "strength": s.strength,
-        "liquid": np.zeros(count),
-        "rest": np.zeros((count, 4)),
-    }
-    columns: dict[str, NDArray[Any]] = {
-        name: np.asarray(values, dtype=real) for name, values in reals.items()
-    }
-    return columns | {
-        "enthalpy": enthalpy_at(scene, columns["m"]),
-        "material": np.full(count, row, dtype=np.uint16),
-        "source": np.full(count, source, dtype=np.uint16),
-    }
 
 
 def from_arrays(scene: Scene, arrays: Mapping[str, NDArray[Any]]) -> Particles:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import material_table, require_same_sources, wakes_all, with_one_more
-from neve.colliders.solid import Solid
-from neve.diagnostics import row_of
-from neve.geometry.pose import Pose
+from neve.build import wakes_all
+from neve.diagnostics import MECHANICS
+from neve.gridless.solver import GridlessDiagnostics, GridlessSolver
 from neve.heat.clock import HeatClock
 from neve.heat.enthalpy import columns as heat_columns
 from neve.particles.constants import BOND_GAP
@@ -26,10 +25,8 @@ from neve.particles.initial import (
     set_constants,
     snow_of,
 )
-from neve.rigid.going_on import going_on
 from neve.scene.schema.scene import Scene, Source
-from neve.scene.values.curves import keyed
-from neve.solver import Arrays, Blowup, Solver, StepSummary, advance_bodies, joined
+from neve.solver import Arrays, Blowup, StepSummary, joined
 
 if TYPE_CHECKING:
     from neve._core import ParticleReport, Particles
@@ -40,25 +37,15 @@ FEWEST = 6
 """Contacts of a particle that the time step allows for at least: new ones come within a step."""
 
 
-@dataclass(frozen=True)
-class ParticleDiagnostics:
-    """Hold the sums over all particles at one instant, in double precision in a fixed order.
+@dataclass(frozen=True, kw_only=True)
+class ParticleDiagnostics(GridlessDiagnostics):
+    """Hold the sums over all particles; elastic energy is of bonds, contacts and the springs of friction.
 
-    mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic, elastic (of bonds, contacts and the springs of
-    their friction), potential (-m g . x); affine is none. `work` [J]: of the colliders on the snow so far.
     bonds, contacts: how many there are; asleep: particles that no step moves.
-    Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic and bodies_potential [J].
     heat: enthalpy above that of ice at the melting point, heat_taken: from air and sun so far [J];
     water: liquid mass [kg]; heat_speed [1], 0 without heat.
     """
 
-    mass: float
-    momentum: tuple[float, float, float]
-    kinetic: float
-    elastic: float
-    potential: float
-    work: float
-    particles: int
     bonds: int
     contacts: int
     asleep: int
@@ -66,13 +53,9 @@ class ParticleDiagnostics:
     heat_taken: float
     water: float
     heat_speed: float
-    affine: float = 0.0
-    bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    bodies_kinetic: float = 0.0
-    bodies_potential: float = 0.0
 
 
-class ParticleSolver(Solver):
+class ParticleSolver(GridlessSolver):
     """Advance snow as particles that push, pull, rub and are compacted.
 
     Attributes:
@@ -82,29 +65,15 @@ class ParticleSolver(Solver):
     fields = FIELDS
     has_heat = True
     stages = ("neighbours", "step", "bodies", "heat")
-    fixed = (*Solver.fixed, "dx", "particles_per_cell", "sampling", "seed")
     log_columns = (
-        "mass",  # [kg]
-        "momentum_x",  # [kg m/s]
-        "momentum_y",
-        "momentum_z",
-        "kinetic",  # energies [J]
-        "elastic",
-        "potential",
-        "affine",  # none
-        "work",  # of the colliders on the snow since the start
-        "bodies_momentum_x",  # of the bodies that snow moves [kg m/s]
-        "bodies_momentum_y",
-        "bodies_momentum_z",
-        "bodies_kinetic",  # their energies [J]
-        "bodies_potential",
-        "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
-        "particles",
+        *MECHANICS,
         "bonds",
         "contacts",
         "asleep",  # particles that no step moves
     )
     state: Particles
+    place_solids = staticmethod(place_solids)
+    snow_of = staticmethod(snow_of)
 
     def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
         """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""
@@ -206,12 +175,7 @@ class ParticleSolver(Solver):
                 self.state.renew(self.placed.native, steps)
         if self.scene.heat is not None:  # which needs all pairs as they are now
             self._pass_heat(dt, steps, time)
-        if self.placed.rigid is None:
-            return None
-        with self.timer.stage("bodies"):
-            exchanged = self.take_exchanged()
-            advance_bodies(self.placed, dt, exchanged, time)
-        return exchanged
+        return self._move_bodies(time, dt)
 
     def _pass_heat(self, dt: float, steps: int, time: float) -> None:
         """Let heat flow, once it is due: `dt` [s] of motion later than at the last call. Errors: Blowup."""
@@ -225,11 +189,6 @@ class ParticleSolver(Solver):
     def stiffest(self) -> float:
         """Largest sum of the stiffness of a particle's contacts over its mass, of the last step [1/s2]."""
         return max(self._report.stiffest, self._least_stiff)
-
-    def _set_time(self, time: float) -> None:
-        """Give gravity the value that it has at `time` [s]."""
-        if self.scene.world.keyframes:
-            self.placed.set_gravity(keyed(self.scene.world, "gravity", time))
 
     def _require_finite(self, report: ParticleReport, steps: int, time: float) -> None:
         if report.finite:
@@ -245,15 +204,8 @@ class ParticleSolver(Solver):
     def diagnostics(self, exchanged: NDArray[np.float64]) -> ParticleDiagnostics:
         """Add up the state, in double precision in a fixed order."""
         t = self.state.totals(self.placed.native)
-        px, py, pz = t.momentum
         return ParticleDiagnostics(
-            mass=t.mass,
-            momentum=(px, py, pz),
-            kinetic=t.kinetic,
-            elastic=t.elastic,
-            potential=t.potential,
-            work=float(exchanged[:, 6].sum()),
-            particles=self.count,
+            **self._sums(t, exchanged),
             bonds=round(t.bonds),
             contacts=round(t.contacts),
             asleep=int(self.state.asleep),
@@ -261,33 +213,17 @@ class ParticleSolver(Solver):
             heat_taken=self.heat.taken,
             water=t.water if self.scene.heat else 0.0,
             heat_speed=self.scene.heat.heat_speed if self.scene.heat else 0.0,
-            **self.placed.totals_of_bodies(),
         )
-
-    def log_values(self, totals: ParticleDiagnostics) -> Mapping[str, float]:
-        """Return the values of the columns of the log, but the excess of energy."""
-        return row_of(totals, self.log_columns)
 
     def save(self) -> dict[str, NDArray[Any]]:
         """Return the state, its contacts, the last dt, by which these are old, and the bodies."""
         contacts = dict(zip(CONTACTS, map(np.array, self.state.contacts()), strict=True))
-        bodies = self.placed.rigid.save() if self.placed.rigid else {}
         last = {
             "last_dt": np.array(self.state.last_dt),
             "order": np.array(self.state.order),
             **self.heat.save(),
         }
-        return {**super().save(), **contacts, **last, **bodies}
-
-    @property
-    def count(self) -> int:
-        """Number of particles."""
-        return int(self.state.count)
-
-    @property
-    def bytes(self) -> int:
-        """Memory of particles and contacts [bytes]."""
-        return int(self.state.bytes)
+        return {**super().save(), **contacts, **last}
 
     @property
     def radius(self) -> NDArray[Any]:
@@ -302,49 +238,27 @@ class ParticleSolver(Solver):
         state = self.state
         found = super().columns()
         del found["rest"]  # infinite in sleep
-        more: dict[str, Callable[[], Any]] = {"density": lambda: np.asarray(state.m / (state.V0 * state.J_P))}
         if self.scene.heat is not None:
-            more |= heat_columns(lambda: (state.enthalpy, state.m))
+            found |= heat_columns(lambda: (state.enthalpy, state.m))
         if self.scene.numerics.sleep:
-            more["asleep"] = lambda: np.isinf(state.rest[:, 0]).astype(np.uint16)
-        return found | more
-
-    @property
-    def solids(self) -> Sequence[Solid]:
-        """Colliders and rigid bodies."""
-        return self.placed.solids
-
-    def poses(self, time: float) -> list[Pose]:
-        """Return the pose of each solid at `time` [s]."""
-        return self.placed.poses(time)
-
-    def take_exchanged(self) -> NDArray[np.float64]:
-        """Return what snow and each solid exchanged since the last call, (n, 7)."""
-        return self.state.take_exchanged(len(self.placed.solids))
+            found["asleep"] = lambda: np.isinf(state.rest[:, 0]).astype(np.uint16)
+        return found
 
     def change(self, scene: Scene) -> None:
         """Go on with the same particles and contacts in another scene. Bonds keep their strength.
 
         Errors: SceneError for sources that come or go, or snows that part.
         """
-        require_same_sources(self.scene, scene)
-        placed = going_on(self.scene, scene, self.placed, place_solids)
-        table = material_table(scene)
-        rows = np.array([table.index(scene.snow_of(source)) for source in scene.sources], dtype=np.uint16)
-        self.state.material[...] = rows[self.state.source]
-        if wakes_all(self.scene, scene):
+        wakes = wakes_all(self.scene, scene)
+        self._go_on_in(scene)
+        if wakes:
             self.state.rest[...] = 0.0
-        self.placed, self.scene = placed, scene
         self._derive()
 
     def add(self, source: Source, time: float) -> None:
         """Add the snow of `source` at `time` [s], and the source to the scene. Errors: SceneError."""
-        scene = with_one_more(self.scene, source)
-        placed = going_on(self.scene, scene, self.placed, place_solids)
-        placed.place_solids(time)
-        fresh = snow_of(scene, placed, [len(self.scene.sources)])
+        scene, placed, fresh, first = self._with_source(source, time)
         there = self.save()
-        first = int(there["id"].max()) + 1 if len(there["id"]) else 0
         both = joined(there, fresh, first)
         begin = np.concatenate([there["contact_begin"], np.full(len(fresh["m"]), there["contact_begin"][-1])])
         state = from_arrays(scene, both)

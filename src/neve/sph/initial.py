@@ -12,15 +12,12 @@ from neve.backend import backend
 from neve.build import (
     PlacedSolids,
     coupled,
-    gridless_model,
     material_table,
     require_closed,
-    samples_of,
 )
-from neve.cuda.errors import DeviceError
+from neve.gridless.initial import fresh_snow, kernels_with, model_of
 from neve.sampling import Samples
-from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Scene
+from neve.scene.schema.scene import Scene, Snow
 from neve.scene.values.choices import DEFAULT_LAW
 from neve.solver import Field, fill_columns
 from neve.sph.boundary import Boundary
@@ -49,19 +46,12 @@ FIELDS = (
 
 def kernels(scene: Scene) -> Precision:
     """Return the compiled stages for the scene's precision. Errors: SceneError for a device that has none."""
-    numerics = scene.numerics
-    try:
-        found = backend("cpu" if numerics.device == "auto" else numerics.device).kernels(numerics.precision)
-    except DeviceError:  # nor has what is not there
-        found = None
-    if found is None or not hasattr(found, "Sph") or hasattr(found, "device"):  # of a GPU
-        raise SceneError(f'numerics.device = "{numerics.device}" has no numerics.method = "sph": use "cpu"')
-    return found
+    return kernels_with(scene, "Sph")
 
 
 def model(scene: Scene, precision: Precision) -> CoreModel:
     """Return the core's model of the scene without solids, its snows as `law_constants` has them."""
-    native = gridless_model(scene, precision)
+    native = model_of(scene, precision)
     for snow in material_table(scene):
         native.add_snow(DEFAULT_LAW, snow.plasticity, law_constants(snow))
     return native
@@ -86,36 +76,12 @@ def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[
 
     Errors: as `neve.mpm.initial.snow_of`.
     """
-    rows_of = {snow: row for row, snow in enumerate(material_table(scene))}
-    parts = []
-    for i, samples in zip(indices, samples_of(scene, solids, indices), strict=True):
-        snow = scene.snow_of(scene.sources[i])
-        parts.append(_columns(scene, samples, rows_of[snow], i, snow.rho0))
-    columns = {field.name: np.concatenate([part[field.name] for part in parts]) for field in FIELDS[:-1]}
-    return columns | {"id": np.arange(len(columns["x"]), dtype=np.uint32)}
 
+    def lying(s: Samples, snow: Snow) -> tuple[Samples, dict[str, NDArray[Any]]]:
+        count = len(s.x)  # the density at birth comes from the first sums on
+        return s, {"F_E": np.broadcast_to(np.eye(3), (count, 3, 3)), "rho_birth": np.zeros(count)}
 
-def _columns(scene: Scene, s: Samples, row: int, source: int, rho0: float) -> dict[str, NDArray[Any]]:
-    real = np.dtype(scene.numerics.precision)
-    count = len(s.x)
-    reals = {
-        "x": s.x,
-        "v": s.v,
-        "F_E": np.broadcast_to(np.eye(3), (count, 3, 3)),
-        "m": rho0 * s.density * s.volume,
-        "V0": s.volume,
-        "rho_birth": np.zeros(count),  # from the first sums on
-        "J_P": np.ones(count),
-        "stiffness": s.stiffness,
-        "strength": s.strength,
-    }
-    columns: dict[str, NDArray[Any]] = {
-        name: np.asarray(values, dtype=real) for name, values in reals.items()
-    }
-    return columns | {
-        "material": np.full(count, row, dtype=np.uint16),
-        "source": np.full(count, source, dtype=np.uint16),
-    }
+    return fresh_snow(scene, solids, indices, FIELDS, lying)
 
 
 def from_arrays(scene: Scene, arrays: Mapping[str, NDArray[Any]]) -> Sph:

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.build import material_table, require_same_sources, with_one_more
-from neve.colliders.solid import Solid
-from neve.diagnostics import row_of
-from neve.geometry.pose import Pose
-from neve.rigid.going_on import going_on
+from neve.diagnostics import MECHANICS, row_of
+from neve.gridless.solver import GridlessDiagnostics, GridlessSolver
 from neve.scene.schema.scene import Scene, Source
-from neve.scene.values.curves import keyed
-from neve.solver import Arrays, Blowup, Solver, StepSummary, advance_bodies, joined
+from neve.solver import Arrays, Blowup, StepSummary, joined
 from neve.sph.boundary import PLAY
 from neve.sph.constants import GROWTH, TRIES
 from neve.sph.initial import FIELDS, boundary_of, from_arrays, place_solids, snow_of
@@ -36,27 +32,11 @@ class SolveTotals(NamedTuple):
     shear_residual: float
 
 
-@dataclass(frozen=True)
-class SphDiagnostics:
-    """Hold the sums over all particles at one instant, in double precision in a fixed order.
+@dataclass(frozen=True, kw_only=True)
+class SphDiagnostics(GridlessDiagnostics):
+    """Hold the sums over all particles, and `solves`: of the steps since the last advance() began."""
 
-    mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic, elastic, potential (-m g . x); affine is none.
-    `work` [J]: of the solids on the snow so far. Of the rigid bodies: bodies_momentum (3,) [kg m/s],
-    bodies_kinetic and bodies_potential [J]. `solves`: of the steps since the last advance() began.
-    """
-
-    mass: float
-    momentum: tuple[float, float, float]
-    kinetic: float
-    elastic: float
-    potential: float
-    work: float
-    particles: int
     solves: SolveTotals
-    affine: float = 0.0
-    bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    bodies_kinetic: float = 0.0
-    bodies_potential: float = 0.0
 
 
 class Solves:
@@ -82,7 +62,7 @@ class Solves:
         return SolveTotals(pressure / steps, left, shear / steps, left_of_shear)
 
 
-class SphSolver(Solver):
+class SphSolver(GridlessSolver):
     """Advance snow as smoothed particles with implicit pressure and shear.
 
     Attributes:
@@ -91,30 +71,10 @@ class SphSolver(Solver):
 
     fields = FIELDS
     stages = (*STAGES, "bodies")
-    fixed = (*Solver.fixed, "dx", "particles_per_cell", "sampling", "seed")
-    log_columns = (
-        "mass",  # [kg]
-        "momentum_x",  # [kg m/s]
-        "momentum_y",
-        "momentum_z",
-        "kinetic",  # energies [J]
-        "elastic",
-        "potential",
-        "affine",  # none
-        "work",  # of the solids on the snow since the start
-        "bodies_momentum_x",  # of the bodies that snow moves [kg m/s]
-        "bodies_momentum_y",
-        "bodies_momentum_z",
-        "bodies_kinetic",  # their energies [J]
-        "bodies_potential",
-        "excess",  # growth of energy since the frame before that nothing accounts for; negative: dissipated
-        "particles",
-        "pressure_iterations",  # mean of the steps since the frame before
-        "pressure_residual",  # largest since then [1]
-        "shear_iterations",
-        "shear_residual",
-    )
+    log_columns = (*MECHANICS, *SolveTotals._fields)  # of the steps since the frame before
     state: Sph
+    place_solids = staticmethod(place_solids)
+    snow_of = staticmethod(snow_of)
 
     def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
         """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""
@@ -230,33 +190,12 @@ class SphSolver(Solver):
     def end_step(self, steps: int, time: float, dt: float) -> NDArray[np.float64] | None:
         """Move the bodies. Errors: Blowup."""
         self._set_time(time)
-        if self.placed.rigid is None:
-            return None
-        with self.timer.stage("bodies"):
-            exchanged = self.take_exchanged()
-            advance_bodies(self.placed, dt, exchanged, time)
-        return exchanged
-
-    def _set_time(self, time: float) -> None:
-        """Give gravity the value that it has at `time` [s]."""
-        if self.scene.world.keyframes:
-            self.placed.set_gravity(keyed(self.scene.world, "gravity", time))
+        return self._move_bodies(time, dt)
 
     def diagnostics(self, exchanged: NDArray[np.float64]) -> SphDiagnostics:
         """Add up the state, in double precision in a fixed order."""
-        t = self.state.totals(self.placed.native)
-        px, py, pz = t.momentum
-        return SphDiagnostics(
-            mass=t.mass,
-            momentum=(px, py, pz),
-            kinetic=t.kinetic,
-            elastic=t.elastic,
-            potential=t.potential,
-            work=float(exchanged[:, 6].sum()),
-            particles=self.count,
-            solves=self._solves.totals(),
-            **self.placed.totals_of_bodies(),
-        )
+        sums = self._sums(self.state.totals(self.placed.native), exchanged)
+        return SphDiagnostics(**sums, solves=self._solves.totals())
 
     def log_values(self, totals: SphDiagnostics) -> Mapping[str, float]:
         """Return the values of the columns of the log, but the excess of energy."""
@@ -265,59 +204,21 @@ class SphSolver(Solver):
 
     def save(self) -> dict[str, NDArray[Any]]:
         """Return the state, what the next step is chosen by beside it, and the bodies."""
-        bodies = self.placed.rigid.save() if self.placed.rigid else {}
-        return {**super().save(), "pace": np.array([self._strain_rate, self._solvable]), **bodies}
-
-    @property
-    def count(self) -> int:
-        """Number of particles."""
-        return int(self.state.count)
-
-    @property
-    def bytes(self) -> int:
-        """Memory of particles, sums and pairs [bytes]."""
-        return int(self.state.bytes)
-
-    def columns(self) -> dict[str, Callable[[], Any]]:
-        """Return the fields of the state, and the rest density [kg/m3]."""
-        state = self.state
-        return super().columns() | {"density": lambda: np.asarray(state.m / (state.V0 * state.J_P))}
-
-    @property
-    def solids(self) -> Sequence[Solid]:
-        """Colliders and rigid bodies."""
-        return self.placed.solids
-
-    def poses(self, time: float) -> list[Pose]:
-        """Return the pose of each solid at `time` [s]."""
-        return self.placed.poses(time)
-
-    def take_exchanged(self) -> NDArray[np.float64]:
-        """Return what snow and each solid exchanged since the last call, (n, 7)."""
-        return self.state.take_exchanged(len(self.placed.solids))
+        return {**super().save(), "pace": np.array([self._strain_rate, self._solvable])}
 
     def change(self, scene: Scene) -> None:
         """Go on with the same particles in another scene.
 
         Errors: SceneError for sources that come or go, or snows that part.
         """
-        require_same_sources(self.scene, scene)
-        self.placed = going_on(self.scene, scene, self.placed, place_solids)
-        table = material_table(scene)
-        rows = np.array([table.index(scene.snow_of(source)) for source in scene.sources], dtype=np.uint16)
-        self.state.material[...] = rows[self.state.source]
-        self.scene = scene
+        self._go_on_in(scene)
         self._boundary = boundary_of(scene, self.placed)
         self._travelled = math.inf
 
     def add(self, source: Source, time: float) -> None:
         """Add the snow of `source` at `time` [s], and the source to the scene. Errors: SceneError."""
-        scene = with_one_more(self.scene, source)
-        placed = going_on(self.scene, scene, self.placed, place_solids)
-        placed.place_solids(time)
-        fresh = snow_of(scene, placed, [len(self.scene.sources)])
+        scene, placed, fresh, first = self._with_source(source, time)
         there = self.save()
-        first = int(there["id"].max()) + 1 if len(there["id"]) else 0
         self.state = from_arrays(scene, joined({name: there[name] for name in fresh}, fresh, first))
         self.scene, self.placed = scene, placed
         self._boundary = boundary_of(scene, placed)

@@ -1,0 +1,1 @@
+"""What methods without a grid have in common."""
