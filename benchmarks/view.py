@@ -1,12 +1,14 @@
 """Measure how many states per second `neve view` brings to its pages, without a browser.
 
-    python benchmarks/view.py [PARTICLES]... [--pages N] [--seconds S] [--scene SCENE] [--threads N]
+    python benchmarks/view.py [PARTICLES]... [--pages N] [--seconds S] [--scene SCENE]
+        [--threads N] [--from T]
 
 Without --scene a player that costs nothing cycles through a few snapshots of snow, 120 a second: what is
 measured is the server alone (encoding, sending, the pages' answers). With --scene the scene is simulated as
-fast as it goes on the threads that are left, which is what a player sees. Pages are processes of their own
-that read every state and answer for it. Prints a table: states a second of the slowest page, MB/s to it, and
-the processors that the server's process kept busy.
+fast as it goes on the threads that are left, which is what a player sees; --from: after T seconds of it.
+Pages are processes of their own that read every state and answer for it. Prints a table: states a second of
+the slowest page, MB/s to it, the processors that the server's process kept busy, and seconds of the scene
+that passed in a second.
 """
 
 from __future__ import annotations
@@ -63,7 +65,7 @@ class Cycling(Player):
         pass
 
 
-def page(port: int, mode: str, seconds: float, answers) -> None:
+def page(port: int, mode: str, seconds: float, ready, answers) -> None:
     """Read states for so long, and put how many came a second and how many bytes."""
     from websockets.asyncio.client import connect
 
@@ -80,7 +82,7 @@ def page(port: int, mode: str, seconds: float, answers) -> None:
                     continue
                 seen += 1
                 await line.send(json.dumps({"do": "acknowledge", "version": seen}))
-                if seen == 3:  # the first come while processes start
+                if began is None and seen >= 3 and ready.is_set():  # the first come while processes start
                     began = time.perf_counter()
                     answers.put(None)
                 elif began is not None:
@@ -91,28 +93,35 @@ def page(port: int, mode: str, seconds: float, answers) -> None:
     asyncio.run(read())
 
 
-def measure(server, pages: int, seconds: float) -> tuple[float, float, float]:
-    """Return states a second and MB/s of the slowest page, and the processors that the server took."""
+def measure(server, pages: int, seconds: float, start: float) -> tuple[float, float, float, float]:
+    """Return states a second and MB/s of the slowest page, the processors that the server took, and its pace.
+
+    start: time of the scene from which to measure [s].
+    """
     context = multiprocessing.get_context("spawn")
-    answers = context.Queue()
+    answers, ready = context.Queue(), context.Event()
 
     async def main():
         async with server.serve(0) as socket:
             port = socket.sockets[0].getsockname()[1]
             readers = [
-                context.Process(target=page, args=(port, ("snow", "speed")[i % 2], seconds, answers))
+                context.Process(target=page, args=(port, ("snow", "speed")[i % 2], seconds, ready, answers))
                 for i in range(pages)
             ]
             for reader in readers:
                 reader.start()
+            while server.player.latest is None or server.player.latest.time < start:
+                await asyncio.sleep(0.01)
+            ready.set()
             for _ in readers:
                 await asyncio.to_thread(answers.get)
-            began, spent = time.perf_counter(), time.process_time()
+            began, spent, shown = time.perf_counter(), time.process_time(), server.player.latest.time
             found = [await asyncio.to_thread(answers.get) for _ in readers]
-            share = (time.process_time() - spent) / (time.perf_counter() - began)
+            passed = time.perf_counter() - began
+            share, pace = (time.process_time() - spent) / passed, (server.player.latest.time - shown) / passed
             for reader in readers:
                 await asyncio.to_thread(reader.join)
-            return (*min(found), share)
+            return (*min(found), share, pace)
 
     return asyncio.run(main())
 
@@ -125,8 +134,9 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--scene", help="simulate this scene instead")
     parser.add_argument("--threads", type=int, default=None)
+    parser.add_argument("--from", dest="start", type=float, default=0.0, help="time of the scene [s]")
     asked = parser.parse_args()
-    print(f"{'particles':>10} {'pages':>5} {'states/s':>8} {'MB/s':>6} {'processors':>10}")
+    print(f"{'particles':>10} {'pages':>5} {'states/s':>8} {'MB/s':>6} {'processors':>10} {'pace':>6}")
     for particles in asked.particles if asked.scene is None else [0]:
         if asked.scene is None:
             server = prepare("throw_ball")
@@ -134,9 +144,10 @@ def main() -> None:
             server.player.modes = {"speed"}
         else:
             server = prepare(asked.scene, threads=asked.threads)
-        rate, megabytes, share = measure(server, asked.pages, asked.seconds)
+        start = asked.start if asked.scene else 0.0
+        rate, megabytes, share, pace = measure(server, asked.pages, asked.seconds, start)
         count = len(server.player.latest.x)
-        print(f"{count:>10,} {asked.pages:>5} {rate:>8.1f} {megabytes:>6.0f} {share:>10.2f}")
+        print(f"{count:>10,} {asked.pages:>5} {rate:>8.1f} {megabytes:>6.0f} {share:>10.2f} {pace:>6.2f}")
 
 
 if __name__ == "__main__":

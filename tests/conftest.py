@@ -1,11 +1,15 @@
 """Shared by all tests."""
 
 import os
+import signal
 import tempfile
 
 # The tests are many short runs, often on a busy machine: threads that wait sleep, and LAPACK uses one.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# A job in the background of a shell ignores Ctrl-C, and so would all that the tests start: these hear it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 import numpy as np
 import pytest
@@ -21,6 +25,37 @@ os.environ["NEVE_CACHE"] = CACHE.name
 def pytest_configure(config):
     """Let scenes of the tests be coarse on purpose; tests/scene/checks/test_advice.py tests the warnings."""
     config.addinivalue_line("filterwarnings", "ignore::neve.scene.errors.SceneWarning")
+
+
+class AtOnce:
+    """Names each test when it fails: a run that is ended before its summary has still said what failed."""
+
+    def __init__(self, terminal):
+        self.terminal = terminal
+
+    def pytest_runtest_logreport(self, report):
+        if report.failed:
+            self.terminal.ensure_newline()
+            self.terminal.write_line(f"failed: {report.nodeid} ({report.when}) {lastline(report)}")
+
+
+def lastline(report):
+    """What a failed test said at its end, at most 200 characters."""
+    crash = getattr(report.longrepr, "reprcrash", None)
+    return (crash.message if crash else str(report.longrepr)).strip().splitlines()[-1][:200]
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionstart(session):
+    """Let failures be named as they come where there is a terminal: not in the processes that it starts."""
+    terminal = session.config.pluginmanager.getplugin("terminalreporter")
+    if terminal and not hasattr(session.config, "workerinput"):
+        session.config.pluginmanager.register(AtOnce(terminal))
+
+
+def pytest_unconfigure(config):
+    """Take the folder of grids away while all that this needs is still there."""
+    CACHE.cleanup()
 
 
 @pytest.fixture(params=["float32", "float64"])

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from neve.scene.reading.presets import PRESETS
+from neve.scene.reading.snow_tables import as_table
 from neve.scene.reading.validation_errors import shown
 from neve.scene.schema.outputs import OutputOptions, Scheduled, kinds
 from neve.scene.schema.roles import SHAPES
@@ -39,7 +40,6 @@ from neve.scene.schema.scene import (
     World,
     WorldKeyframe,
 )
-from neve.scene.schema.snow_tables import as_table
 from neve.scene.values.allowed import allowed, choices, part, source, unit
 
 LISTS = {

@@ -109,7 +109,7 @@ struct LawInfo : ChoiceInfo {
 
 struct TransferInfo : ChoiceInfo {
   Words options;
-  bool keeps_C, has_change, has_affine_change, damps, has_bounded_energy;
+  bool keeps_C, has_change, has_affine_change, damps, has_bounded_energy, separate_position_velocity;
 
   template <class Transfer>
   explicit TransferInfo(Transfer)
@@ -119,7 +119,8 @@ struct TransferInfo : ChoiceInfo {
         has_change(Transfer::has_change),
         has_affine_change(Transfer::has_affine_change),
         damps(Transfer::damps),
-        has_bounded_energy(Transfer::has_bounded_energy) {}
+        has_bounded_energy(Transfer::has_bounded_energy),
+        separate_position_velocity(Transfer::separate_position_velocity) {}
 };
 
 inline void bind_constant(nb::module_& m) {
@@ -195,7 +196,10 @@ inline void bind_choices(nb::module_& m) {
       .def_ro("has_change", &TransferInfo::has_change, "Force and momentum stay apart on the grid.")
       .def_ro("has_affine_change", &TransferInfo::has_affine_change, "C changes by what changed on the grid.")
       .def_ro("damps", &TransferInfo::damps, "All motions but translations fade.")
-      .def_ro("has_bounded_energy", &TransferInfo::has_bounded_energy);
+      .def_ro("has_bounded_energy", &TransferInfo::has_bounded_energy,
+              "No step gives the particles more than the grid had.")
+      .def_ro("separate_position_velocity", &TransferInfo::separate_position_velocity,
+              "Particles move with a velocity other than their own.");
   m.def(
       "laws",
       [] {

@@ -15,7 +15,12 @@ namespace neve::bind {
 void bind_f32(nb::module_& m);
 void bind_f64(nb::module_& m);
 void bind_geometry(nb::module_& m);
+void bind_heat_laws(nb::module_& m);
+void bind_implicit(nb::module_& f32, nb::module_& f64);
+void bind_ranks(nb::module_& f32, nb::module_& f64);
+void bind_rigid(nb::module_& m);
 void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64);
+void bind_snowfall(nb::module_& m);
 void bind_sph(nb::module_& m, nb::module_& f32, nb::module_& f64);
 }  // namespace neve::bind
 
@@ -210,6 +215,7 @@ NB_MODULE(_core, m) {
       .def_ro("finite", &neve::GridReport::finite);
   bind_heat(m);
   bind_step_choice(m);
+  m.attr("ice_density") = neve::ice_density;
   m.attr("displacement_limit") = neve::displacement_limit;
   m.attr("volume_ratio_limit") = neve::volume_ratio_limit;
   bind_totals(m);
@@ -217,10 +223,17 @@ NB_MODULE(_core, m) {
   auto geometry =
       m.def_submodule("geometry", "Bodies of triangles, their signed distance, ground from heights.");
   neve::bind::bind_geometry(geometry);
+  auto heat = m.def_submodule("heat", "Laws of heat and sintering, for layers.");
+  neve::bind::bind_heat_laws(heat);
+  auto snowfall = m.def_submodule("snowfall", "Where falling snow comes to lie.");
+  neve::bind::bind_snowfall(snowfall);
+  neve::bind::bind_rigid(m);
   auto f32 = m.def_submodule("f32", "Single precision.");
   neve::bind::bind_f32(f32);
   auto f64 = m.def_submodule("f64", "Double precision, for verification and wide worlds.");
   neve::bind::bind_f64(f64);
+  neve::bind::bind_implicit(f32, f64);
+  neve::bind::bind_ranks(f32, f64);
   neve::bind::bind_particles(m, f32, f64);
   neve::bind::bind_sph(m, f32, f64);
 }

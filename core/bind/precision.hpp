@@ -16,6 +16,7 @@
 #include "cpu/passes/first_not_finite.hpp"
 #include "cpu/passes/inspect.hpp"
 #include "cpu/passes/refresh.hpp"
+#include "cpu/passes/requirements.hpp"
 #include "cpu/passes/totals.hpp"
 #include "cpu/passes/volumes.hpp"
 #include "cpu/sleep.hpp"
@@ -146,12 +147,13 @@ void bind_state(nb::module_& m) {
                   "Everything per particle; arrays are views of the core's memory, at fixed addresses.");
   c.def(
       "__init__",
-      [](S* self, std::size_t count, int more_modes, bool sleeps, bool heat) {
+      [](S* self, std::size_t count, int more_modes, bool sleeps, bool heat, bool fine) {
         if (more_modes < 0) throw nb::value_error("more_modes is negative");
-        new (self) S(more_modes, sleeps, heat);
+        new (self) S(more_modes, sleeps, heat, fine);
         self->resize(count);
       },
-      nb::arg("count"), nb::arg("more_modes") = 0, nb::arg("sleeps") = false, nb::arg("heat") = false);
+      nb::arg("count"), nb::arg("more_modes") = 0, nb::arg("sleeps") = false, nb::arg("heat") = false,
+      nb::arg("fine") = false);
   c.def_ro("count", &S::count);
   c.def_prop_ro("bytes", &S::bytes);
   bind_population<T>(c);
@@ -184,6 +186,7 @@ void bind_state(nb::module_& m) {
     S& s = nb::cast<S&>(self);                      \
     return numbers(s.name, s.count, self);          \
   })
+  NEVE_NUMBERS(beyond);
   NEVE_NUMBERS(rest);
   NEVE_NUMBERS(enthalpy);
   NEVE_NUMBERS(thermal);
@@ -248,30 +251,6 @@ void bind_grid(nb::module_& m) {
            "(ijk (n, 3), mass (n,), momentum after p2g or velocity after grid_update (n, 3)).");
 }
 
-template <class T>
-void require_modes(const Model<T>& model, const State<T>& state) {
-  if ((state.rest.components() > 0) != model.sleeps())
-    throw nb::value_error("particles may sleep in the model and not in the state, or the other way round");
-  if (state.has_heat() != model.heat.has_value())
-    throw nb::value_error("the model has heat and the state has none, or the other way round");
-  if (state.modes.components() != 3 * velocities(model))
-    throw nb::value_error("the state has another number of velocity modes than the model");
-}
-template <class T>
-void require_sorted(const Model<T>& model, const State<T>& state, const Grid<T>& grid) {
-  if (!grid.current || grid.count != state.count || grid.has_change != keeps_change(model)) {
-    throw nb::value_error("the grid does not hold this state: call sort() first");
-  }
-  require_modes(model, state);
-}
-template <class T>
-void require_snow(const Model<T>& model, const State<T>& state) {
-  for (std::size_t p = 0; p < state.count; ++p) {
-    if (state.material[p] >= model.snows.size())
-      throw nb::value_error("a particle names a material that the model lacks");
-  }
-}
-
 // The stages of a step.
 template <class T>
 void bind_stages(nb::module_& m) {
@@ -294,6 +273,17 @@ void bind_stages(nb::module_& m) {
         });
       },
       free_gil, "Scatter mass, momentum and force to the grid.");
+  m.def(
+      "give",
+      [](const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {
+        require_sorted(model, state, grid);
+        with_spline(model.spline, [&](auto spline) {
+          with_transfer(model, [&](auto transfer) {
+            give<T, decltype(spline), decltype(transfer)>(model, state, grid, dt);
+          });
+        });
+      },
+      free_gil, "Scatter the particles at the border of a rank, for it and for others; then follows p2g.");
   m.def(
       "grid_update",
       [](Model<T>& model, Grid<T>& grid, double dt) {

@@ -123,6 +123,34 @@ HeldPuddle make_puddle(int solid, const std::array<float, 2>& origin, float cell
           std::vector<float>(wet.data(), wet.data() + wet.size())};
 }
 
+using Streaks = In<float, nb::shape<-1, 10>>;
+
+std::span<const Streak> streaks_of(const Streaks& rows) {
+  static_assert(sizeof(Streak) == 10 * sizeof(float));
+  return {reinterpret_cast<const Streak*>(rows.data()), rows.shape(0)};
+}
+
+// Draw flakes over the light (h, w, 3) of a picture.
+auto veil(const In<float, nb::shape<-1, -1, 3>>& light, const In<float, nb::shape<-1, -1>>& depth,
+          const Streaks& rows) {
+  const std::size_t h = light.shape(0), w = light.shape(1);
+  if (depth.shape(0) != h || depth.shape(1) != w) throw nb::value_error("depth has a number for each pixel");
+  float* out = nullptr;
+  auto held = fresh(out, {h, w, 3});
+  nb::gil_scoped_release release;
+  Veil over;
+  over.draw(int(w), int(h), streaks_of(rows), [&](int r, int c) {
+    const float found = depth.data()[std::size_t(r) * w + std::size_t(c)];
+    return found > 0 ? found : std::numeric_limits<float>::infinity();
+  });
+  for (std::size_t p = 0; p < h * w; ++p) {
+    const float* from = light.data() + 3 * p;
+    const Vec3f seen = over.over(int(p / w), int(p % w), {from[0], from[1], from[2]});
+    out[3 * p] = seen.x, out[3 * p + 1] = seen.y, out[3 * p + 2] = seen.z;
+  }
+  return held;
+}
+
 // A painter that two Python threads can share: one picture at a time.
 struct SharedPainter {
   Painter painter;
@@ -131,7 +159,7 @@ struct SharedPainter {
 
 auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volume, float cell_size,
           const std::vector<Solid>& solids, int threads, const Numbers& water,
-          const std::vector<HeldPuddle>& lying) {
+          const std::vector<HeldPuddle>& lying, const Streaks& falling) {
   if (water.shape(0) != 0 && water.shape(0) != x.shape(0))
     throw nb::value_error("water has one number per particle");
   if (J_P.shape(0) != 0 && J_P.shape(0) != x.shape(0))
@@ -147,9 +175,14 @@ auto draw(SharedPainter& shared, const Points& x, const Numbers& J_P, float volu
     const Threads use(threads);
     std::vector<Puddle> puddles;
     for (const HeldPuddle& held : lying) puddles.push_back(held.seen());
-    shared.painter.draw(
-        {points, {J_P.data(), J_P.shape(0)}, {water.data(), water.shape(0)}, volume, cell_size, puddles},
-        solids, rgb.data());
+    shared.painter.draw({points,
+                         {J_P.data(), J_P.shape(0)},
+                         {water.data(), water.shape(0)},
+                         volume,
+                         cell_size,
+                         puddles,
+                         streaks_of(falling)},
+                        solids, rgb.data());
   }
   return array(std::move(rgb), {std::size_t(camera.height), std::size_t(camera.width), 3});
 }
@@ -192,7 +225,7 @@ void bind_density(nb::module_& m) {
           "buried",
           [](const Density& d, const Points& x, const Triple& eye) {
             const Burial burial(d, vec(eye));
-            return each(x, [&](Vec3f p) { return burial.buried(p, d.sample(p)) ? 1.0f : 0.0f; });
+            return each(x, [&](Vec3f p) { return burial.buried(p) ? 1.0f : 0.0f; });
           },
           "x"_a, "eye"_a, "1 where snow hides a point from the eye, else 0.")
       .def(
@@ -236,8 +269,7 @@ void bind_painter(nb::module_& m) {
           },
           "camera"_a, "light"_a, "leaf"_a = neve::BvhBuilder::leaf_most)
       .def("draw", &draw, "x"_a, "J_P"_a, "volume"_a, "cell_size"_a, "solids"_a, "threads"_a, "water"_a,
-           "puddles"_a = std::vector<HeldPuddle>{},
-           "Draw particles and solids; return height x width x 3 bytes.");
+           "puddles"_a, "falling"_a, "Draw particles and solids; return height x width x 3 bytes.");
 }
 
 }  // namespace
@@ -251,6 +283,8 @@ NB_MODULE(_render, m) {
       "Words of what surfaces are made of.");
   m.def("spread", &spread, "light"_a, "snow"_a, "depth"_a, "radius"_a, "taps"_a, "share"_a, "thick"_a,
         "Light of a picture after it has spread in its snow.");
+  m.def("veil", &veil, "light"_a, "depth"_a, "streaks"_a,
+        "Light of a picture over which flakes are drawn, the farthest first.");
   nb::class_<Camera>(m, "Camera", "A pinhole camera.")
       .def(
           "__init__",

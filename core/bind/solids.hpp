@@ -8,6 +8,7 @@
 #include "bind/snow.hpp"
 #include "bind/words.hpp"
 #include "coupling/exchange.hpp"
+#include "coupling/scripted_path.hpp"
 #include "geometry/height_field.hpp"
 #include "geometry/sdf_grid.hpp"
 #include "mpm/model.hpp"
@@ -96,11 +97,43 @@ void place(Model<T>& model, std::size_t i, const double* centre, const double* r
   const auto vector = [](const double* a) { return Vec3<T>{T(a[0]), T(a[1]), T(a[2])}; };
   Solid<T>& s = model.solids.at(i);
   s.centre = vector(centre);
+  for (int k = 0; k < 3; ++k) s.centre_beyond[k] = T(centre[k] - double(s.centre[k]));
   for (int k = 0; k < 9; ++k) s.rotation(k / 3, k % 3) = T(rotation[k]);
   s.velocity = vector(velocity), s.omega = vector(omega);
   if (s.body < 0) return;
   Twist& start = model.bodies.start[std::size_t(s.body)];
   for (std::size_t k = 0; k < 3; ++k) start[k] = velocity[k], start[3 + k] = omega[k];
+}
+
+// Put all bodies in their place, and keep how they move in the next step. `reach`: of each body's surface from its frame's
+// origin. Returns a bound on the speed of their surfaces.
+template <class T>
+double move_bodies(Model<T>& model, const BodyMotion& motion, const double* reach, std::size_t count) {
+  const std::size_t n = model.bodies.solids.size();
+  if (motion.count() != n || count != n) throw nb::value_error("a row for each body is needed");
+  static_cast<BodyMotion&>(model.bodies) = motion;
+  double fastest = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double *v = motion.start[i].data(), *w = v + 3;
+    place(model, std::size_t(model.bodies.solids[i]), motion.centres[i].data(), motion.rotations[i].data(), v,
+          w);
+    const double speed = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
+                 turning = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+    fastest = std::max(fastest, speed + turning * reach[i]);
+  }
+  return fastest;
+}
+
+// Put solid i where its path has it at time t [s]. `reach`: as in move_bodies(), endless for what has no end. Returns a bound on the
+// speed of its surface, of an endless one the speed of its frame's origin [m/s].
+template <class T>
+double follow(Model<T>& model, std::size_t i, const ScriptedPath& path, double t, double reach) {
+  const ScriptedPose now = path.at(t);
+  place(model, i, now.position.data(), now.rotation.data(), now.velocity.data(), now.omega.data());
+  const auto length = [](const std::array<double, 3>& a) {
+    return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+  };
+  return length(now.velocity) + (std::isfinite(reach) ? length(now.omega) * reach : 0.0);
 }
 
 // Where solids are, and which of them the snow moves.
@@ -115,22 +148,15 @@ void bind_motion(nb::class_<Model<T>>& c) {
          place(self, i, centre.data(), rotation.data(), velocity.data(), omega.data());
        },
        nb::arg("index"), nb::arg("centre"), nb::arg("rotation"), nb::arg("velocity"), nb::arg("omega"))
+      .def("follow", &follow<T>, nb::arg("index"), nb::arg("path"), nb::arg("time"), nb::arg("reach"))
       .def(
-          "place_bodies",
-          [](M& self, const In<double, nb::shape<-1, 3>>& centres,
-             const In<double, nb::shape<-1, 3, 3>>& rotations, const In<double, nb::shape<-1, 6>>& rates) {
-            const std::vector<int>& bodies = self.bodies.solids;
-            const std::size_t n = bodies.size();
-            if (centres.shape(0) != n || rotations.shape(0) != n || rates.shape(0) != n)
-              throw nb::value_error("a row for each body is needed");
-            for (std::size_t i = 0; i < n; ++i) {
-              const double* rate = rates.data() + 6 * i;
-              place(self, std::size_t(bodies[i]), centres.data() + 3 * i, rotations.data() + 9 * i, rate,
-                    rate + 3);
-            }
+          "move_bodies",
+          [](M& self, const BodyMotion& motion, const In<double, nb::shape<-1>>& reach) {
+            return move_bodies(self, motion, reach.data(), reach.shape(0));
           },
-          nb::arg("centres"), nb::arg("rotations"), nb::arg("rates"),
-          "Place all bodies, as place_solid does each.")
+          nb::arg("motion"), nb::arg("reach"),
+          "Place all bodies and say how they move in the next step; returns a bound on the speed of their "
+          "surfaces, of which `reach` says how far they are from the origins of the frames.")
       .def(
           "set_belt",
           [](M& self, std::size_t i, const In<double, nb::shape<3>>& velocity) {
@@ -144,26 +170,9 @@ void bind_motion(nb::class_<Model<T>>& c) {
           [](M& self, std::size_t i) {
             self.solids.at(i).body = int(self.bodies.solids.size());
             self.bodies.solids.push_back(int(i));
-            self.bodies.start.emplace_back();
-            self.bodies.free.emplace_back();
-            const std::size_t n = 6 * self.bodies.solids.size();
-            self.bodies.mobility.assign(n * n, 0.0);
+            self.bodies.resize(self.bodies.solids.size());
           },
-          nb::arg("index"), "Make a solid a body, moved by forces: the next of the bodies.")
-      .def(
-          "set_body_dynamics",
-          [](M& self, const In<double, nb::shape<-1, -1>>& mobility,
-             const In<double, nb::shape<-1, 6>>& free) {
-            const std::size_t n = self.bodies.solids.size();
-            if (mobility.shape(0) != 6 * n || mobility.shape(1) != 6 * n || free.shape(0) != n)
-              throw nb::value_error("mobility is (6 n, 6 n) and free (n, 6), for n bodies");
-            std::copy_n(mobility.data(), 36 * n * n, self.bodies.mobility.begin());
-            for (std::size_t i = 0; i < 6 * n; ++i) self.bodies.free[i / 6][i % 6] = free.data()[i];
-          },
-          nb::arg("mobility"), nb::arg("free"),
-          "Set how the bodies move in the next step: change of their velocities by impulses and "
-          "moments about "
-          "their centres, and acceleration without the snow.");
+          nb::arg("index"), "Make a solid a body, moved by forces: the next of the bodies.");
 }
 
 template <class T>

@@ -103,7 +103,7 @@ struct CamClay : HenckyFlow {
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
     const auto given = snow.constants<Constants>();
-    const Lame c = lame(given);
+    const Lame& c = snow.lame;
     const double slope2 = given.M * given.M / (1 + 2 * given.beta);
     return {stiffness * T(c.mu),
             stiffness * T(c.lam),

@@ -74,7 +74,7 @@ struct DruckerPrager : HenckyFlow {
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
     const auto given = snow.constants<Constants>();
-    const Lame c = lame(given);
+    const Lame& c = snow.lame;
     const double sine = given.sine, tangent = sine / std::sqrt(1 - sine * sine);
     const double M_phi = 6 * sine / (3 - sine);
     return {stiffness * T(c.mu), stiffness * T(c.lam),
@@ -109,6 +109,17 @@ struct DruckerPrager : HenckyFlow {
     }
     out.stress = at.stress(HenckyElasticity::respond_to_log(eps, q.mu, q.lam));
     return out;
+  }
+
+  // Snow that is torn apart bears p_t, however far: nothing resists until its grains touch again. 1 or 0.
+  template <class R>
+  static R resistance(const R& J_P) {
+    const R one = splat<R>(1);
+    return select(J_P > one, splat<R>(0), one);
+  }
+  template <class R>
+  static Tangent<R> tangent(const Vec3<R>& e, R J_P, const Parameters<R>& q) {
+    return times(HenckyFlow::tangent(e, J_P, q), resistance(J_P));
   }
 
   // Psi of F_E, and what tearing has stored: p_t ln J_P.

@@ -43,6 +43,28 @@ struct HenckyElasticity {
   NEVE_INLINE static R energy(const Vec3<R>& e, R mu, R lam) {
     return energy_of_log(log_strain(e), mu, lam);
   }
+
+  // Psi_ij = ((2 mu - tau_i) delta_ij + lam) / (s_i s_j); with l = ln(s_i / s_j) / (s_i - s_j),
+  //   m = (mu l (s_i + s_j) - (tau_i + tau_j) / 2) / (s_i s_j),   p = (tau_i s_j + tau_j s_i) / (s_i s_j (s_i + s_j))
+  template <class R>
+  static Tangent<R> tangent(const Vec3<R>& strain, R mu, R lam) {
+    using T = scalar_t<R>;
+    const R least = splat<R>(T(least_stretch - 1)), one = splat<R>(1), zero = splat<R>(0), two_mu = T(2) * mu;
+    const Vec3<R> e{max(strain.x, least), max(strain.y, least), max(strain.z, least)}, eps = log_strain(e);
+    const R pressure = lam * (eps.x + eps.y + eps.z);
+    const Vec3<R> s{one + e.x, one + e.y, one + e.z}, r{one / s.x, one / s.y, one / s.z};
+    const Vec3<R> tau{two_mu * eps.x + pressure, two_mu * eps.y + pressure, two_mu * eps.z + pressure};
+    const auto own = [&](int i) { return (two_mu + lam - tau[i]) * r[i] * r[i]; };
+    Tangent<R> t{{own(0), own(1), own(2), lam * r.x * r.y, lam * r.x * r.z, lam * r.y * r.z}, {}, {}};
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      const R pair = r[i] * r[j], x = (e[i] - e[j]) * r[j];
+      const R slope = r[j] * select(x != zero, R(log1p(x) / select(x != zero, x, one)), one);
+      t.m[k] = (mu * slope * (s[i] + s[j]) - T(0.5) * (tau[i] + tau[j])) * pair;
+      t.p[k] = (tau[i] * s[j] + tau[j] * s[i]) * pair / (s[i] + s[j]);
+    }
+    return t;
+  }
 };
 
 struct Hencky : SnowPlasticity<HenckyElasticity> {
@@ -94,6 +116,12 @@ struct HenckyFlow {
     return with_stretches(F_E, [&](const auto& at) NEVE_INLINE_LAMBDA {
       return HenckyElasticity::energy(at.strain, q.mu, q.lam);
     });
+  }
+
+  // Of the elasticity, as long as the snow does not flow.
+  template <class R, class P>
+  static Tangent<R> tangent(const Vec3<R>& e, R, const P& q) {
+    return HenckyElasticity::tangent(e, q.mu, q.lam);
   }
 
  protected:

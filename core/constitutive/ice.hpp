@@ -15,11 +15,11 @@
 // z_s is our choice.
 #pragma once
 
+#include "constitutive/densities.hpp"
 #include "constitutive/law.hpp"
 
 namespace neve {
 
-inline constexpr double ice_density = 917;         // [kg/m3]
 inline constexpr double ice_bulk_modulus = 8.9e9;  // [Pa]
 inline constexpr double ice_full_strain = 0.1;     // z_s
 inline constexpr double most_without_ice = 0.9;    // J that no snow is ice at
@@ -47,6 +47,11 @@ struct Ice {
   R pressure(R z) const {
     const R u = min(R(z / z_s), splat<R>(1)), u2 = u * u;
     return J_ice * K * (T(0.25) * z_s * u2 * u2 + max(R(z - z_s), splat<R>(0)));
+  }
+  // dp/dz
+  R slope(R z) const {
+    const R u = min(R(z / z_s), splat<R>(1));
+    return J_ice * K * (u * u * u);
   }
   R energy(R z) const {
     const R u = min(R(z / z_s), splat<R>(1)), u2 = u * u, past = max(R(z - z_s), splat<R>(0));

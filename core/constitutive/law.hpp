@@ -7,6 +7,7 @@
 //   return_map(F_trial, J_P, parameters)    the plastic update: F_E, J_P, and the stress in the new state
 //   stress(F_E, J_P, parameters)            the stress alone, of a state that is not to change
 //   energy(F_E, J_P, parameters)            Psi, elastic energy per rest volume [J/m3]
+//   tangent(strain, J_P, parameters)        its second derivatives, of the principal strains of F_E (tangent.hpp)
 //
 // and it publishes, for scenes, documents and random trials,
 //
@@ -29,10 +30,25 @@
 
 namespace neve {
 
+// What every snow has.
+struct ElasticConstants {
+  double rho0, E0, nu;
+};
+// Lame's constants and the bulk modulus that follow [Pa].
+struct Lame {
+  double mu, lam, K;
+};
+inline Lame lame(const ElasticConstants& snow) {
+  const double mu = snow.E0 / (2 * (1 + snow.nu));
+  const double lam = snow.E0 * snow.nu / ((1 + snow.nu) * (1 - 2 * snow.nu));
+  return {mu, lam, lam + 2 * mu / 3};
+}
+
 // One snow, as the scene gives it: its law's Constants. The material table is an array of these.
 struct Snow {
   int law = 0;          // place in Laws
   bool plastic = true;  // for laws with an elastic option: whether they flow
+  Lame lame{};          // divided out once, not for each pack
 
   template <class C>
   NEVE_INLINE C constants() const {
@@ -45,6 +61,7 @@ struct Snow {
   void set(const C& c) {
     static_assert(sizeof(C) <= sizeof(numbers_));
     std::memcpy(numbers_, &c, sizeof(C));
+    lame = neve::lame(c);
   }
 
  private:
@@ -74,10 +91,6 @@ struct Constant {
   const char* meaning;  // one sentence
 };
 
-// What every snow has.
-struct ElasticConstants {
-  double rho0, E0, nu;
-};
 template <class C>
 constexpr Constant<C> rho0_of(double usual, const char* source) {
   return {"rho0",        &C::rho0,  usual,

@@ -40,6 +40,27 @@ struct NeoHookeanElasticity {
     const R ln_J = log_volume(e);
     return mu * (e.x + e.y + e.z + T(0.5) * dot(e, e) - ln_J) + T(0.5) * lam * ln_J * ln_J;
   }
+
+  // With a = mu - lam ln J:  Psi_ij = (mu + a / s_i^2) delta_ij + lam / (s_i s_j),   m, p = mu +- a / (s_i s_j).
+  template <class R>
+  static Tangent<R> tangent(const Vec3<R>& e, R mu, R lam) {
+    using T = scalar_t<R>;
+    const R ln_J = log_volume(e), a = mu - lam * ln_J, least = splat<R>(T(least_stretch)), one = splat<R>(1);
+    const auto inverse = [&](const R& strain) { return one / max(R(one + strain), least); };
+    const Vec3<R> r{inverse(e.x), inverse(e.y), inverse(e.z)};
+    const R b = lam + a;
+    Tangent<R> t{{mu + b * r.x * r.x, mu + b * r.y * r.y, mu + b * r.z * r.z, lam * r.x * r.y,
+                  lam * r.x * r.z, lam * r.y * r.z},
+                 {},
+                 {}};
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      const R pair = r[i] * r[j];
+      t.m[k] = mu + a * pair;
+      t.p[k] = (mu * (e[i] + e[j] + e[i] * e[j]) + lam * ln_J) * pair;
+    }
+    return t;
+  }
 };
 
 struct NeoHookean : SnowPlasticity<NeoHookeanElasticity> {

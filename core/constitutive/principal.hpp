@@ -1,10 +1,11 @@
 // What all laws share: an isotropic response lives on the principal stretches sigma of F_E = U diag(sigma) V^T.
 //
-// An elasticity is a struct with two functions of the principal strains sigma - 1 (precise near zero) and of the
+// An elasticity is a struct with three functions of the principal strains sigma - 1 (precise near zero) and of the
 // Lame constants mu and lam:
 //
 //   respond(strain, mu, lam)   tau_k = sigma_k dPsi/dsigma_k, and the largest acoustic modulus
 //   energy(strain, mu, lam)    Psi [J/m3]
+//   tangent(strain, mu, lam)   its second derivatives (tangent.hpp)
 //
 // The acoustic modulus of direction n and polarisation a is a_i n_j C_ijkl a_k n_l, C the spatial tangent of tau per
 // rest volume: rho0 c^2 of that wave [Pa]. Along the principal axis k it is sigma_k^2 Psi_kk for a P wave and
@@ -13,6 +14,7 @@
 
 #include "constitutive/law.hpp"
 #include "constitutive/small_strain.hpp"
+#include "constitutive/tangent.hpp"
 #include "math/svd3.hpp"
 
 namespace neve {
@@ -29,15 +31,6 @@ struct Response {
   Vec3<R> axial;
   R modulus;
 };
-
-struct Lame {
-  double mu, lam, K;
-};
-inline Lame lame(const ElasticConstants& snow) {
-  const double mu = snow.E0 / (2 * (1 + snow.nu));
-  const double lam = snow.E0 * snow.nu / ((1 + snow.nu) * (1 - 2 * snow.nu));
-  return {mu, lam, lam + 2 * mu / 3};
-}
 
 // The principal stretches of F near the identity, and what a law makes of its response to them, as functions of
 // B = F F^T - I:

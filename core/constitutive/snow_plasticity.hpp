@@ -113,7 +113,7 @@ struct SnowPlasticity {
   static Parameters<R> parameters(const Snow& snow, R stiffness, R strength) {
     using T = scalar_t<R>;
     const auto given = snow.constants<Constants>();
-    const Lame c = lame(given);
+    const Lame& c = snow.lame;
     const R one = splat<R>(1), mu0 = stiffness * T(c.mu), lam0 = stiffness * T(c.lam);
     if (!snow.plastic) {
       return {mu0, lam0, splat<R>(0), splat<R>(T(most_crushing)), splat<R>(std::numeric_limits<T>::max()),
@@ -263,6 +263,13 @@ struct SnowPlasticity {
     out.J_P = min(q.J_P_max, out.J_P);  // in this order a NaN stays one
     out.stress = trial.stress(hardened(response, hardening(out.J_P, q)));
     return out;
+  }
+
+  // Of the elasticity, hardened as it is.
+  template <class R>
+  static Tangent<R> tangent(const Vec3<R>& e, R J_P, const Parameters<R>& q) {
+    const R h = hardening(J_P, q);
+    return Elasticity::tangent(e, R(q.mu0 * h), R(q.lam0 * h));
   }
 
   template <class R>

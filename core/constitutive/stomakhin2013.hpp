@@ -35,6 +35,22 @@ struct FixedCorotated {
     const R dJ = volume_change(e);
     return mu * dot(e, e) + scalar_t<R>(0.5) * lam * dJ * dJ;
   }
+
+  // m = 2 mu - lam (J - 1) s_k,   p = 2 mu (e_i + e_j) / (s_i + s_j) + lam (J - 1) s_k; of a reflection, s_i + s_j = 0, the
+  // energy has a kink, and p no bound.
+  template <class R>
+  static Tangent<R> tangent(const Vec3<R>& e, R mu, R lam) {
+    using T = scalar_t<R>;
+    const R two_mu = T(2) * mu, zero = splat<R>(0), least = splat<R>(T(least_stretch)),
+            sum = T(2) + e.x + e.y + e.z;
+    Tangent<R> t{{two_mu, two_mu, two_mu, zero, zero, zero}, {two_mu, two_mu, two_mu}, {}};
+    for (int k = 0; k < 3; ++k) {
+      const R pair = max(sum - e[k], least);
+      t.p[k] = two_mu * (pair - T(2)) / pair;
+    }
+    add_volume(t, Vec3<R>{T(1) + e.x, T(1) + e.y, T(1) + e.z}, R(lam * volume_change(e)), lam);
+    return t;
+  }
 };
 
 struct Stomakhin2013 : SnowPlasticity<FixedCorotated> {

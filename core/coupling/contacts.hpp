@@ -27,12 +27,16 @@ inline bool stays_away(const Solid<scalar_t<R>>&, const Vec3<R>&, const Vec3<R>&
   return false;
 }
 
-// Which points some solid holds: no more than `skin` [m] outside.
+// Which points with mass m some solid holds: no more than `skin` [m] outside.
 template <class Solids, class R>
-inline auto held_by_any(const Solids& solids, const Vec3<R>& x, scalar_t<R> skin) {
-  R least = splat<R>(std::numeric_limits<scalar_t<R>>::max());
-  for (const auto& solid : solids) least = min(least, surface(solid, x).phi);
-  return least <= splat<R>(skin);
+inline auto held_by_any(const Solids& solids, const Vec3<R>& x, R m, scalar_t<R> skin) {
+  const auto here = m > R{};
+  auto held = here & negated(here);
+  for (const auto& solid : solids) {
+    const auto near = may_reach(solid, x, splat<R>(skin), here);
+    if (any(near)) held = held | (near & (surface(solid, x, near).phi <= splat<R>(skin)));
+  }
+  return held;
 }
 
 // Call visit(solid, normal, which nodes) for every solid, in the order of the scene, that holds some of the nodes at

@@ -30,8 +30,13 @@ class ExchangeSum {
     }
     return entries_.emplace_back(solid, Exchange{}).second;
   }
+  // Call f(solid, exchange) for each solid.
+  template <class F>
+  void each(F&& f) const {
+    for (const auto& [index, exchange] : entries_) f(index, exchange);
+  }
   void add_to(std::vector<Exchange>& by_solid) const {
-    for (const auto& [index, exchange] : entries_) by_solid[std::size_t(index)].add(exchange);
+    each([&](int solid, const Exchange& exchange) { by_solid[std::size_t(solid)].add(exchange); });
   }
 
  private:
@@ -53,6 +58,17 @@ NEVE_INLINE auto at_lane(const M& a, int l) {
 
 }  // namespace detail
 
+// Record an impulse dp on the snow [N s], `arm` from the solid's centre, where its surface moves with v_co; in double.
+inline void record_impulse(Exchange& sum, const double (&dp)[3], const double (&arm)[3],
+                           const double (&v_co)[3]) {
+  for (int k = 0; k < 3; ++k) {
+    sum.impulse[k] -= dp[k];
+    sum.work += dp[k] * v_co[k];
+  }
+  for (int k = 0; k < 3; ++k)
+    sum.moment[k] -= arm[(k + 1) % 3] * dp[(k + 2) % 3] - arm[(k + 2) % 3] * dp[(k + 1) % 3];
+}
+
 // Record the change of velocity of masses m, `arm` from the solid's centre, on a surface that moves with v_co; in double,
 // lane after lane, so that sums do not depend on the threads.
 //
@@ -64,16 +80,12 @@ inline void record(Exchange& sum, const M& mask, R m, const Vec3<R>& arm, const 
   using detail::at_lane;
   for (int l = 0; l < width<R>; ++l) {
     if (!at_lane(mask, l)) continue;
-    double dp[3];
+    double dp[3], from[3], with[3];
     for (int k = 0; k < 3; ++k) {
       dp[k] = double(at_lane(m, l)) * (double(at_lane(after[k], l)) - double(at_lane(before[k], l)));
-      sum.impulse[k] -= dp[k];
-      sum.work += dp[k] * double(at_lane(v_co[k], l));
+      from[k] = double(at_lane(arm[k], l)), with[k] = double(at_lane(v_co[k], l));
     }
-    for (int k = 0; k < 3; ++k) {
-      const double b = at_lane(arm[(k + 1) % 3], l), c = at_lane(arm[(k + 2) % 3], l);
-      sum.moment[k] -= b * dp[(k + 2) % 3] - c * dp[(k + 1) % 3];
-    }
+    record_impulse(sum, dp, from, with);
   }
 }
 

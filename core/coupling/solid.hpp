@@ -17,7 +17,8 @@ struct Solid : PlacedShape<T> {
   Vec3<T>
       belt{};  // velocity of the surface past the solid, as of a conveyor belt; zero unless its faces are flat [m/s]
   T margin{};  // how far outside nodes count as held: a solid thinner than a cell would slip between them [m]
-  int body = -1;  // row among the bodies; below zero: a collider
+  int body = -1;            // row among the bodies; below zero: a collider
+  Vec3<T> centre_beyond{};  // what is to be added to the centre, less than its rounding [m]
 
   template <class R>
   Vec3<R> velocity_at(const Vec3<R>& x) const {

@@ -15,11 +15,13 @@ namespace neve::detail {
 template <class T>
 struct BlockUpdate {
   const Model<T>& model;
+  SolidBalls<T> balls;
   T dt;
   bool has_change;
   Row<T> gravity_step;  // dt g, 0
 
-  BlockUpdate(const Model<T>& m, double step, bool change) : model(m), dt(T(step)), has_change(change) {
+  BlockUpdate(const Model<T>& m, double step, bool change)
+      : model(m), balls(m), dt(T(step)), has_change(change) {
     const T quad[4] = {m.gravity.x * dt, m.gravity.y * dt, m.gravity.z * dt, T(0)};
     gravity_step = row_of_quad(quad);
   }
@@ -47,13 +49,13 @@ struct BlockUpdate {
 
   // Let the near solids act on a batch of nodes from the block's `first`; the change keeps what they did. `water`: (m f) of
   // the nodes, if there may be some.
-  void collide_nodes(const Near& near, BlockCoord at, int first, T* node, T* change, T* lift, const T* water,
+  void collide_nodes(const Near& near, int first, T* node, T* change, T* lift, const T* water,
                      ExchangeSum& exchange) const {
     using R = Lanes<T>;
     Vec3<R> v;
     R mass;
     load_quads(node, v.x, v.y, v.z, mass);
-    const Vec3<R> x = positions(at, first);
+    const Vec3<R> x = ways(first);
     const R wet = water ? wet_mass(water, mass) : R{};
     const auto act = [&](const std::vector<NearSolid<T>>& solids, const Vec3<R>& before, auto& left,
                          const R& m) {
@@ -98,11 +100,11 @@ struct BlockUpdate {
     if (lift) store_quads(lift, change.x, change.y, change.z, Lanes<T>{});
   }
 
-  Vec3<Lanes<T>> positions(BlockCoord at, int first) const {
+  // From a block's first node to a batch of its nodes [m].
+  Vec3<Lanes<T>> ways(int first) const {
     Vec3<Lanes<T>> x;
     for (int l = 0; l < width<Lanes<T>>; ++l) {
-      const int n = first + l;
-      const Vec3<T> p = node_position(model, at, n / 16, n / 4 % 4, n % 4);
+      const Vec3<T> p = way_to_node(model, first + l);
       x.x[l] = p.x, x.y[l] = p.y, x.z[l] = p.z;
     }
     return x;
@@ -121,37 +123,36 @@ struct BlockUpdate {
     store_quads(change, dv.x, dv.y, dv.z, unused);
   }
 
-  // All of a block but its contacts with bodies; whether it may have some.
-  bool block(Grid<T>& grid, std::int32_t b) const {
+  // All of a block but its contacts with bodies; the solids near it, if there are bodies among them.
+  std::vector<NearSolid<T>> block(Grid<T>& grid, std::int32_t b) const {
     T* node = grid.node(b);
     T* change = change_of(grid, b);
     for (int r = 0; r < 16; ++r) row(node + 16 * r, change + 16 * r);
     if (!model.solids.empty()) {
       ExchangeSum& exchange = grid.node_exchange[static_cast<std::size_t>(b)];
       exchange.clear();
-      const auto near = solids_near_block(grid, b);
+      auto near = solids_near_block(model, balls, coord(grid, b));
       for (const Solid<T>& solid : near) {
-        if (solid.body >= 0) return true;
+        if (solid.body >= 0) return near;
       }
       const auto to_water = grid.has_water ? smooth(near) : std::vector<NearSolid<T>>{};
       for (int n = 0; n < 64 && !near.empty(); n += lane_count<T>)
-        collide_nodes({near, to_water}, coord(grid, b), n, node + 4 * n, change + 4 * n, lift_at(grid, b, n),
+        collide_nodes({near, to_water}, n, node + 4 * n, change + 4 * n, lift_at(grid, b, n),
                       grid.has_water ? grid.node_lift(b) + 4 * n : nullptr, exchange);
       if (near.empty()) no_lift(grid, b);
     }
     bound_velocities(grid, b);
-    return false;
+    return {};
   }
 
-  // Collect the contacts of a block's nodes with solids.
-  void find_contacts(Grid<T>& grid, BlockContacts<T>& out) const {
-    const auto near = solids_near_block(grid, out.block);
+  // Collect the contacts of a block's nodes with the solids near it.
+  void find_contacts(Grid<T>& grid, const std::vector<NearSolid<T>>& near, BlockContacts<T>& out) const {
     for (int n = 0; n < 64; n += lane_count<T>) {
       Vec3<Lanes<T>> v;
       Lanes<T> mass;
       load_quads(grid.node(out.block) + 4 * n, v.x, v.y, v.z, mass);
       const Lift<Lanes<T>> lift = load_lift(lift_at(grid, out.block, n), mass);
-      out.add(near, model.solids, positions(coord(grid, out.block), n), v, lift, mass, n, skin());
+      out.add(near, model.solids, ways(n), v, lift, mass, n, skin());
     }
     no_lift(grid, out.block);
   }
@@ -175,6 +176,12 @@ struct BlockUpdate {
     bound_velocities(grid, all.block);
   }
 
+  // What the particles around a block will see of its velocities.
+  void bound_velocities(Grid<T>& grid, std::int32_t b) const {
+    grid.bounds[static_cast<std::size_t>(b)] =
+        bounds_of(grid.node(b), change_of(grid, b), grid.lightest * T(1e-3));
+  }
+
  private:
   static BlockCoord coord(const Grid<T>& grid, std::int32_t b) {
     return grid.blocks[static_cast<std::size_t>(b)];
@@ -189,16 +196,6 @@ struct BlockUpdate {
     if (grid.has_lift) std::memset(grid.node_lift(b), 0, block_values * sizeof(T));
   }
   T skin() const { return T(skin_cells * model.dx); }
-
-  std::vector<NearSolid<T>> solids_near_block(const Grid<T>& grid, std::int32_t b) const {
-    constexpr double middle = 1.5, reach = 3.2;  // [cells]: half a block's diagonal, and the widest margin
-    return near_solids(model, coord(grid, b), middle, reach);
-  }
-
-  void bound_velocities(Grid<T>& grid, std::int32_t b) const {
-    grid.bounds[static_cast<std::size_t>(b)] =
-        bounds_of(grid.node(b), change_of(grid, b), grid.lightest * T(1e-3));
-  }
 
   // Bounds over the nodes of at least mass `least`, and over all of them whether they are finite.
   BlockBounds<T> bounds_of(const T* node, const T* change, T least) const {

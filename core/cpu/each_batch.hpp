@@ -1,8 +1,8 @@
 // The particles of a home, a batch at a time, with their stencils.
 #pragma once
 
-#include "cpu/fields.hpp"
 #include "cpu/grid/stencil.hpp"
+#include "cpu/way.hpp"
 #include "mpm/model.hpp"
 #include "transfer/weights.hpp"
 
@@ -19,7 +19,7 @@ void each_batch(const Model<T>& model, const State<T>& state, const Home& home, 
   for (std::uint32_t done = 0; done < home.count; done += width<R>) {
     const std::size_t p = home.begin + done;
     const int count = std::min<int>(width<R>, static_cast<int>(home.count - done));
-    st.template fill<GradientWeights>(frame, load_vector<R>(state.x, p, count));
+    st.template fill<GradientWeights>(frame, load_way<R>(state, frame, p, count));
     f(p, count, st);
   }
 }

@@ -6,9 +6,12 @@
 
 namespace neve {
 
-// How many packs before their use columns are asked for. A step walks along some forty columns at once, more than the
-// processor follows by itself; two packs ahead are too late for particles to grid, which takes less than half as long a pack.
-inline constexpr std::uint32_t packs_ahead = 5;
+// How many cache lines before their use columns are asked for, and how many particles share one. A step walks along some forty
+// columns at once, more than the processor follows by itself; two lines ahead are too late for particles to grid, which takes
+// less than half as long for one.
+inline constexpr std::uint32_t lines_ahead = 5;
+template <class T>
+inline constexpr std::uint32_t line_particles = 64 / sizeof(T);
 
 // Ask for the cache lines of columns that belong to the particle p and its pack, to be read or also written.
 enum class Access { read, write };

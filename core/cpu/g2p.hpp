@@ -22,13 +22,15 @@ class HomeGather {
   static constexpr int L = width<R>;
 
  public:
-  HomeGather(const Model<T>& model, State<T>& state, Grid<T>& grid, std::size_t h, double dt, bool commit)
+  HomeGather(const Model<T>& model, const SolidBalls<T>& balls, State<T>& state, Grid<T>& grid, std::size_t h,
+             double dt, bool commit)
       : model_(model),
         state_(state),
         home_(grid.homes[h]),
         exchange_(commit ? &grid.particle_exchange[h] : nullptr),
         drift_(commit && model.sleeps() ? &grid.drift[h] : nullptr),
         sinters_(model.heat && model.heat->sinters),
+        snow_(only_snow(model, state, home_.begin, home_.count)),
         step_(StepConstants<T>::template of<Spline>(model.dx, dt, model.alpha(dt))),
         frame_(TileFrame<T>::template of<Spline>(model.dx, grid.homes[h].at)),
         from_(tile_),
@@ -36,15 +38,14 @@ class HomeGather {
     if (exchange_) exchange_->clear();
     tile_.load_from(grid, home_, &Grid<T>::node);
     if constexpr (Transfer::has_change) change_.load_from(grid, home_, &Grid<T>::node_change);
-    solids_ = solids_near_home<T, Spline>(model, home_.at, dt);
+    solids_ = solids_near_home<T, Spline>(model, balls, home_.at, dt);
     if (state.has_heat()) to_water_ = smooth(solids_);
   }
 
   Report run() {
-    for (std::uint32_t done = 0; done < home_.count; done += L) {
-      const int count = std::min<int>(L, static_cast<int>(home_.count - done));
-      advance_pack(home_.begin + done, count);
-    }
+    std::uint32_t done = 0;
+    for (; done + L <= home_.count; done += L) advance_pack(home_.begin + done, Whole{});
+    if (done < home_.count) advance_pack(home_.begin + done, static_cast<int>(home_.count - done));
     Report r = extremes_.report();
     r.drifted = drifted_;
     if (drift_) *drift_ = std::sqrt(max_lane(drift2_));
@@ -53,14 +54,18 @@ class HomeGather {
   }
 
  private:
+  // How many particles a pack has: all of its lanes, known to the compiler, or an int.
+  using Whole = std::integral_constant<int, L>;
+
   // The particles of a pack, as values.
+  template <class Count>
   struct Pack {
     const State<T>& state;
     std::size_t p;
-    int count;
-    Vec3<R> at;
+    Count count;
+    Vec3<R> way;  // from the tile's first node, as the near solids know it [m]
 
-    const Vec3<R>& x() const { return at; }
+    const Vec3<R>& x() const { return way; }
     Vec3<R> v() const { return load_vector<R>(state.v, p, count); }
     Mat3<R> C() const { return load_matrix<R>(state.C, p, count); }
     Mat3<R> F_E() const { return load_matrix<R>(state.F_E, p, count); }
@@ -69,15 +74,16 @@ class HomeGather {
     R V0() const { return load<R>(state.V0.column(0) + p, count); }
   };
 
-  void advance_pack(std::size_t p, int count) {
-    const Pack pack{state_, p, count, load_vector<R>(state_.x, p, count)};
-    stencils_.template fill<Weights>(frame_, pack.at);
-    fetch_ahead(p + packs_ahead * L);
+  template <class Count>
+  NEVE_INLINE void advance_pack(std::size_t p, Count count) {
+    const Pack<Count> pack{state_, p, count, load_way<R>(state_, frame_, p, count)};
+    stencils_.template fill<Weights>(frame_, pack.way);
+    if ((p - home_.begin) % line_particles<T> == 0) fetch_ahead(p + lines_ahead * line_particles<T>);
     gather(count);
     Advanced<R> now = advance<Transfer>(
         pack, gathered(), step_, is_water(p, count) ? to_water_ : solids_,
         [&](const Mat3<R>& F_trial, const R& J_P) NEVE_INLINE_LAMBDA {
-          const Mapped<R> now = return_map(model_, state_, p, count, F_trial, J_P);
+          const Mapped<R> now = return_map(model_, state_, p, count, snow_, F_trial, J_P);
           if (sinters_) flowed_ = distance(F_trial, now.F_E);
           return now;
         },
@@ -87,11 +93,19 @@ class HomeGather {
     const R J = determinant(now.material.F_E) * now.material.J_P;
     const R room = ice_room(model_, state_, p, count, J);
     extremes_.ice_room = min(room, extremes_.ice_room);
-    if (any(near_ice(room)))
-      add_ice(model_, state_, p, count, J, step_.cells.dx / step_.dt, now.material.stress);
-    if (state_.has_heat()) add_water(model_, state_, p, count, J, now.material.stress);
+    press(p, count, J, any(near_ice(room)), now);
     check(pack, now);
     if (exchange_) keep(p, count, now);
+  }
+
+  // Add the stress of ice and of water, which few packs have. (What is handed to a function by reference lies in memory: that is
+  // a copy here, so that the rest stays in registers.)
+  NEVE_INLINE void press(std::size_t p, int count, const R& J, bool near_ice, Advanced<R>& now) const {
+    if (!near_ice && !state_.has_heat()) return;
+    Stress<R> stress = now.material.stress;
+    if (near_ice) add_ice(model_, state_, p, count, J, step_.cells.dx / step_.dt, stress);
+    if (state_.has_heat()) add_water(model_, state_, p, count, J, stress);
+    now.material.stress = stress;
   }
 
   // Whether all particles of a pack are water.
@@ -114,6 +128,7 @@ class HomeGather {
     prefetch<Access::read>(state_.strength, p);
     if constexpr (Transfer::keeps_C) prefetch<Access::write>(state_.C, p);
     prefetch<Access::write>(state_.modes, p), prefetch<Access::write>(state_.rest, p);
+    prefetch<Access::write>(state_.beyond, p);
   }
 
   void gather(int count) {
@@ -154,8 +169,9 @@ class HomeGather {
   }
 
   // Store what a step has made of a pack.
-  void keep(std::size_t p, int count, const Advanced<R>& now) {
-    store_vector(state_.x, p, now.x, count);
+  template <class Count>
+  NEVE_INLINE void keep(std::size_t p, Count count, const Advanced<R>& now) {
+    store_way(state_, frame_, p, now.x, count);
     store_vector(state_.v, p, now.v, count);
     store_matrix(state_.F_E, p, now.material.F_E, count);
     store(state_.J_P.column(0) + p, now.material.J_P, count);
@@ -191,29 +207,31 @@ class HomeGather {
     Vec3<R> kept;
     if constexpr (Transfer::squares) {
       for (int a = 0; a < 3; ++a)
-        kept[a] = Transfer::template kept<Spline>(fraction(from[a], a), fraction(to[a], a));
+        kept[a] = Transfer::template kept<Spline>(fraction(from[a]), fraction(to[a]));
     }
     for (int n = 4; n < Transfer::modes; ++n) {
       const Vec3<R> c = Transfer::template coefficient<Spline>(n, vector_sum(n), kept);
       store_vector(state_.modes, p, c, count, 3 * (n - 4));
     }
   }
-  R fraction(R x, int axis) const {
-    const R u = frame_.local(x, axis);
+  R fraction(R way) const {
+    const R u = frame_.local(way);
     return u - floor(u);
   }
 
-  void check(const Pack& pack, const Advanced<R>& now) {
+  template <class Count>
+  NEVE_INLINE void check(const Pack<Count>& pack, const Advanced<R>& now) {
     const auto here = first_lanes<R>(pack.count);
     const R bad = extremes_.add_step(here, now, pack.m(), pack.V0(), step_);
     if (any(bad > R{})) find_offender(pack, bad);
     for (int a = 0; a < 3; ++a) {
-      const R u = frame_.local(now.x[a], a);
+      const R u = frame_.local(now.x[a]);
       drifted_ = drifted_ || any(here & ((u < T(0)) | (u >= T(Spline::reach))));
     }
   }
 
-  void find_offender(const Pack& pack, R bad) {
+  template <class P>
+  NEVE_RARE void find_offender(const P& pack, R bad) {
     for (int l = 0; l < pack.count; ++l) {
       if (bad[l] > T(0))
         offending_id_ = std::min(offending_id_, state_.id[pack.p + static_cast<std::size_t>(l)]);
@@ -226,6 +244,7 @@ class HomeGather {
   ExchangeSum* exchange_;  // none: a trial, which moves nothing
   T* drift_;               // the largest mean velocity of the home's particles, where snow may sleep
   bool sinters_;
+  const Snow* snow_;  // of all particles of the home, if they are of one
   StepConstants<T> step_;
   TileFrame<T> frame_;
   Tile<T> tile_, change_;
@@ -240,14 +259,32 @@ class HomeGather {
                      [4 * L];  // of each mode; then of the change
 };
 
+// Add what snow and solids exchanged in a step to the sums since they were last taken, or to the ledger of a rank.
+template <class T>
+void add_up_exchange(const Model<T>& model, Grid<T>& grid) {
+  if (grid.halo.shares) {
+    for (std::size_t b = 0; b < grid.blocks.size(); ++b) {
+      if (grid.halo.counted[b]) enter(grid.halo, key_of(grid.blocks[b]), 0, grid.node_exchange[b]);
+    }
+    for (std::size_t h = 0; h < grid.moving; ++h)
+      enter(grid.halo, key_of(grid.homes[h].at), 1, grid.particle_exchange[h]);
+    ++grid.halo.step;
+    return;
+  }
+  grid.exchanged.resize(model.solids.size());
+  for (const ExchangeSum& sum : grid.node_exchange) sum.add_to(grid.exchanged);
+  for (const ExchangeSum& sum : grid.particle_exchange) sum.add_to(grid.exchanged);
+}
+
 }  // namespace detail
 
 // Move the particles by one step; with `commit` false, only report what the step would do to them.
 template <class T, class Spline, class Transfer>
 Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, bool commit) {
   if (commit && grid.has_lift) gather_lift<T, Spline>(model, state, grid);
+  const SolidBalls<T> balls(model);
   Report r = merge_each<Report>(grid.moving, [&](std::size_t h) {
-    return detail::HomeGather<T, Spline, Transfer>(model, state, grid, h, dt, commit).run();
+    return detail::HomeGather<T, Spline, Transfer>(model, balls, state, grid, h, dt, commit).run();
   });
   // Snow that sleeps may be the stiffest; within an advance the limits only grow tighter.
   if (model.sleeps()) {
@@ -258,11 +295,7 @@ Report g2p(const Model<T>& model, State<T>& state, Grid<T>& grid, double dt, boo
   if (model.sleeps()) grid.rest_wave = r.wave, grid.rest_room = r.ice_room;
   stir(model, state, grid);
   if (r.drifted) grid.current = false;
-  if (!model.solids.empty()) {
-    grid.exchanged.resize(model.solids.size());
-    for (const ExchangeSum& sum : grid.node_exchange) sum.add_to(grid.exchanged);
-    for (const ExchangeSum& sum : grid.particle_exchange) sum.add_to(grid.exchanged);
-  }
+  if (!model.solids.empty()) detail::add_up_exchange(model, grid);
   return r;
 }
 

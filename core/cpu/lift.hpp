@@ -10,12 +10,12 @@
 
 namespace neve {
 
-// (m s)_i = sum_p w_ip m_p s_p of a home, and (m f)_i of the shares of water; s is in `modes`, from column `first`.
+// (m s)_i = sum_p w_ip m_p s_p of a home in its tile, and (m f)_i of the shares of water; s is in `modes`, from column `first`.
 template <class T, class Spline>
-void scatter_lift(const Model<T>& model, const State<T>& state, Grid<T>& grid, const Home& home) {
+void scatter_lift(const Model<T>& model, const State<T>& state, const Grid<T>& grid, const Home& home,
+                  Tile<T>& tile) {
   using R = Lanes<T>;
   const int first = 3 * more_modes(model);
-  Tile<T> tile;
   tile.clear();
   Scatter<T, Spline> to(tile);
   detail::each_batch<T, Spline>(model, state, home, [&](std::size_t p, int count, const auto& st) {
@@ -29,7 +29,6 @@ void scatter_lift(const Model<T>& model, const State<T>& state, Grid<T>& grid, c
     }
   });
   to.flush();
-  tile.add_to(grid, home, &Grid<T>::node_lift);
 }
 
 // s_p += sum_i w_ip (change of s_i). Call before the particles move.

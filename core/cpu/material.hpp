@@ -16,75 +16,76 @@ Mat3<R> quiet(const Mat3<R>& F, M mask) {
   return select(mask, F, identity<R>());
 }
 
-// Whether a pack is of one snow, the usual case: seen from the rows alone, without a look into the table.
-inline bool one_snow(const std::uint16_t* material, int count) {
-  unsigned differ = 0;
-  for (int l = 1; l < count; ++l) differ |= static_cast<unsigned>(material[l] ^ material[0]);
-  return differ == 0;
-}
-
 // The lanes of a pack that follow `law`, and one of their rows of the material table.
 template <class T>
 struct Followers {
   Lanes<T> mark{};  // 1 in the lanes that follow the law
+  int count = 0;    // of them
   const Snow* any = nullptr;
 
   Followers(const Model<T>& model, const std::uint16_t* material, int count, int law) {
     for (int l = 0; l < count; ++l) {
       const Snow& snow = model.snows[material[l]];
       if (snow.law != law) continue;
-      mark[l] = T(1);
+      mark[l] = T(1), ++this->count;
       if (!any) any = &snow;
     }
   }
 };
 
-// A law's parameters of a pack. A pack of one snow, the usual case, is one row of the table; lanes that follow another
-// law get those of `one`.
+// The snow of the particles [p, p + count) if they are all of one, the usual case; else none.
+template <class T>
+const Snow* only_snow(const Model<T>& model, const State<T>& state, std::size_t p, std::size_t count) {
+  const auto* material = state.material.data() + p;
+  unsigned differ = 0;
+  for (std::size_t l = 1; l < count; ++l) differ |= static_cast<unsigned>(material[l] ^ material[0]);
+  return differ == 0 ? &model.snows[material[0]] : nullptr;
+}
+
+// The factors on stiffness and strength of a pack.
+template <class R>
+struct Factors {
+  R stiffness, strength;
+
+  template <class T>
+  NEVE_INLINE static Factors of(const State<T>& state, std::size_t p, int count) {
+    Factors f{load<R>(state.stiffness.column(0) + p, count), load<R>(state.strength.column(0) + p, count)};
+    if (state.has_heat()) weaken(state, p, count, f.stiffness, f.strength);
+    return f;
+  }
+};
+
+// A law's parameters of a pack of several snows; lanes that follow another law get those of `one`.
 template <class Law, class T>
-auto parameters_of(const Model<T>& model, const State<T>& state, std::size_t p, int count, const Snow& one) {
+auto parameters_of_each(const Model<T>& model, const State<T>& state, std::size_t p, int count,
+                        const Snow& one) {
   using R = Lanes<T>;
   const auto* material = state.material.data() + p;
-  R stiffness = load<R>(state.stiffness.column(0) + p, count);
-  R strength = load<R>(state.strength.column(0) + p, count);
-  if (state.has_heat()) weaken(state, p, count, stiffness, strength);
-  auto q = Law::parameters(one, stiffness, strength);
-  if (!one_snow(material, count)) {
-    using P = decltype(q);
-    constexpr int entries = sizeof(P) / sizeof(R);
-    R table[entries];
-    std::memcpy(table, &q, sizeof(q));
-    for (int l = 0; l < count; ++l) {
-      const Snow& own = model.snows[material[l]];
-      if (own.law != one.law) continue;
-      const P mine = Law::parameters(own, stiffness, strength);
-      R row[entries];
-      std::memcpy(row, &mine, sizeof(mine));
-      for (int e = 0; e < entries; ++e) table[e][l] = row[e][l];
-    }
-    std::memcpy(&q, table, sizeof(q));
+  const auto given = Factors<R>::of(state, p, count);
+  auto q = Law::parameters(one, given.stiffness, given.strength);
+  using P = decltype(q);
+  constexpr int entries = sizeof(P) / sizeof(R);
+  R table[entries];
+  std::memcpy(table, &q, sizeof(q));
+  for (int l = 0; l < count; ++l) {
+    const Snow& own = model.snows[material[l]];
+    if (own.law != one.law) continue;
+    const P mine = Law::parameters(own, given.stiffness, given.strength);
+    R row[entries];
+    std::memcpy(row, &mine, sizeof(mine));
+    for (int e = 0; e < entries; ++e) table[e][l] = row[e][l];
   }
+  std::memcpy(&q, table, sizeof(q));
   return q;
 }
 
-// f(Law{}, parameters, F) for the pack's particles, each by its own law; F holds the identity in the lanes that are not
-// the law's.
+// Of a pack of several snows, see by_law().
 template <class Out, class T, class F>
-Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int count, const Mat3<Lanes<T>>& F_E,
-           F&& f) {
+[[gnu::noinline]] Out by_each_law(const Model<T>& model, const State<T>& state, std::size_t p, int count,
+                                  const Mat3<Lanes<T>>& F_E, F&& f) {
   using R = Lanes<T>;
   const auto* material = state.material.data() + p;
-  const int first = model.snows[material[0]].law;
-  bool one_law = true;
-  if (!one_snow(material, count)) {
-    for (int l = 1; l < count; ++l) one_law = one_law && model.snows[material[l]].law == first;
-  }
-  if (one_law) {
-    return with_law(first, [&](auto law) -> Out {
-      const Mat3<R> quieted = count < width<R> ? quiet(F_E, first_lanes<R>(count)) : F_E;
-      return f(law, parameters_of<decltype(law)>(model, state, p, count, model.snows[material[0]]), quieted);
-    });
-  }
+  const auto here = first_lanes<R>(count);
   Out out{};
   for (int l = 0; l < count; ++l) {
     const int name = model.snows[material[l]].law;
@@ -92,16 +93,38 @@ Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int coun
     for (int k = 0; k < l; ++k) seen = seen || model.snows[material[k]].law == name;
     if (seen) continue;
     const Followers<T> who(model, material, count, name);
-    const auto mask = who.mark > R{};
+    const auto mask = who.count == count ? here : who.mark > R{};
     out = select(mask,
                  with_law(name,
                           [&](auto law) -> Out {
-                            return f(law, parameters_of<decltype(law)>(model, state, p, count, *who.any),
+                            return f(law, parameters_of_each<decltype(law)>(model, state, p, count, *who.any),
                                      quiet(F_E, mask));
                           }),
                  out);
   }
   return out;
+}
+
+// f(Law{}, parameters, F) for the pack's particles, each by its own law; F holds the identity in the lanes that are not
+// the law's. `only`: their snow, if they are all of one.
+template <class Out, class T, class F>
+NEVE_INLINE Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int count,
+                       const Snow* only, const Mat3<Lanes<T>>& F_E, F&& f) {
+  using R = Lanes<T>;
+  if (!only) return by_each_law<Out>(model, state, p, count, F_E, f);
+  return with_law(only->law, [&](auto law) -> Out {
+    const auto given = Factors<R>::of(state, p, count);
+    const auto q = decltype(law)::parameters(*only, given.stiffness, given.strength);
+    if (count < width<R>) return f(law, q, quiet(F_E, first_lanes<R>(count)));
+    return f(law, q, F_E);
+  });
+}
+
+template <class Out, class T, class F>
+Out by_law(const Model<T>& model, const State<T>& state, std::size_t p, int count, const Mat3<Lanes<T>>& F_E,
+           F&& f) {
+  return by_law<Out>(model, state, p, count, only_snow(model, state, p, static_cast<std::size_t>(count)), F_E,
+                     f);
 }
 
 // Whether a particle may be pressed to ice: its snow flows, or it is water.
@@ -161,15 +184,16 @@ template <class T>
 
 }  // namespace detail
 
-// The laws on the particles [p, p + count) of the state. The return map is inlined into g2p, where a call costs a tenth
+// The laws on the particles [p, p + count) of the state. `only`: their snow, if they are all of one. The return map is inlined into g2p, where a call costs a tenth
 // of the stage; the others are called once a frame.
 
 template <class T>
 NEVE_INLINE Mapped<Lanes<T>> return_map(const Model<T>& model, const State<T>& state, std::size_t p,
-                                        int count, const Mat3<Lanes<T>>& F_trial, Lanes<T> J_P) {
+                                        int count, const Snow* only, const Mat3<Lanes<T>>& F_trial,
+                                        Lanes<T> J_P) {
   using Out = Mapped<Lanes<T>>;
   Out out = detail::by_law<Out>(
-      model, state, p, count, F_trial,
+      model, state, p, count, only, F_trial,
       [&](auto law, const auto& q, const auto& F) -> Out { return decltype(law)::return_map(F, J_P, q); });
   if (state.has_heat()) detail::flow_as_water(state, p, count, F_trial, J_P, out);
   return out;

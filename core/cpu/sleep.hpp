@@ -28,8 +28,7 @@ bool moves(const Solid<T>& solid) {
 template <class T>
 bool solid_moves_near(const Model<T>& model, BlockCoord at, double play) {
   const T reach = T((home_reach + play) * model.dx);
-  const T half = T(home_middle * model.dx);
-  const Vec3<T> middle = node_position(model, at, 0, 0, 0) + Vec3<T>{half, half, half};
+  const Vec3<T> middle = middle_of(model, at, home_middle);
   for (const Solid<T>& solid : model.solids) {
     if (moves(solid) && is_near(solid, middle, reach)) return true;
   }
@@ -171,6 +170,7 @@ void sort(const Model<T>& model, State<T>& state, Grid<T>& grid) {
   detail::add_border(grid);
   detail::lay_out_blocks(grid);
   detail::make_room(model, state, grid);
+  grid.earlier = {};
   grid.whole = false;
   grid.current = true;
 }

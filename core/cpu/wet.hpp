@@ -3,12 +3,14 @@
 // With the share f of water, a particle's energy per volume at rest is (1 - f) Psi_snow + f U_w(J), and what resists as ice
 // does comes later:
 //
-//   U_w(J) = J_i K z^2 / 2,   z = max(ln(J_i / J), 0),   J_i = m / (917 kg/m3 V0)
+//   U_w(J) = J_i K ((r^7 - 1) / 7 - ln r) / 7,   dU_w / d ln r = J_i K (r^7 - 1) / 7,
+//   r = max(J_i / J, 1),   J_i = m / (917 kg/m3 V0)
 //
-// so that water resists what would press it, as stiffly as its snow did, K = E0 / (3 (1 - 2 nu)), and nothing else: it has no
-// shear stress and no tension. It has the density of ice, so that freezing needs no room and makes no pressure. As ice
-// resists what has been water only from (1 - g / 10) J_ice on, g the largest f that there was. At a given J neither melting nor
-// freezing gives energy.
+// so that water resists what would press it, at first as stiffly as its snow did, K = E0 / (3 (1 - 2 nu)), and nothing else: it
+// has no shear stress and no tension. That it stiffens is the equation of state of Cole 1948 (exponent 7), usual for water
+// whose K is too small (Monaghan 1994): what lies under a load is not pressed to ice. Water has the density of ice,
+// so that freezing needs no room and makes no pressure. As ice resists what has been water only from (1 - g / 5) J_ice on, g the
+// largest f that there was. At a given J neither melting nor freezing gives energy.
 #pragma once
 
 #include "constitutive/ice.hpp"
@@ -18,7 +20,7 @@
 namespace neve::detail {
 
 inline constexpr double least_skeleton = 1e-3;  // 1 - f, where it divides
-inline constexpr double pressed_water = 0.9;    // J over J_ice from which on it resists as ice does
+inline constexpr double pressed_water = 0.8;    // J over J_ice from which on it resists as ice does
 // J over that of water beyond which water forgets how far it has come apart: spray that falls back fills its pool.
 inline constexpr double loose_water = 1.1;
 
@@ -58,7 +60,7 @@ NEVE_INLINE Lanes<T> pressed_ratio(const State<T>& state, std::size_t p, int cou
 template <class T>
 struct PackWater {
   using R = Lanes<T>;
-  R strength, z;  // f J_i K [Pa]; ln(J_i / J) >= 0
+  R strength, pressed;  // f J_i K [Pa]; r - 1 >= 0
 
   PackWater(const Model<T>& model, const State<T>& state, std::size_t p, int count, const R& J) {
     R K{};
@@ -67,11 +69,20 @@ struct PackWater {
       const auto given = snow.template constants<ElasticConstants>();
       K[l] = T(given.E0 / (3 * (1 - 2 * given.nu)));
     }
-    const R full = dense_volume(state, p, count), one = splat<R>(1);
+    const R full = dense_volume(state, p, count), least = full * T(least_ice_volume);
     strength = liquid_share(state, p, count) * full * K * load<R>(state.stiffness.column(0) + p, count);
-    z = max(-log1p(R(max(R(J / full), splat<R>(T(least_ice_volume))) - one)), splat<R>(0));
+    pressed = max(R((full - J) / max(J, least)), splat<R>(0));
   }
-  R energy() const { return strength * z * z * T(0.5); }
+  R pressure() const { return strength * rise(); }
+  R modulus() const { return strength * (splat<R>(1) + T(7) * rise()); }
+  R energy() const { return strength * (rise() - log1p(pressed)) * T(1.0 / 7); }
+
+ private:
+  // (r^7 - 1) / 7, exact for small r - 1.
+  R rise() const {
+    const R one = splat<R>(1), r = pressed + one;
+    return pressed * (one + r * (one + r * (one + r * (one + r * (one + r * (one + r)))))) * T(1.0 / 7);
+  }
 };
 
 // Add the stress of water to particles with heat. Its modulus counts before it is pressed: a step may press it.
@@ -81,11 +92,11 @@ template <class T>
   using R = Lanes<T>;
   if (!any(liquid_share(state, p, count) > splat<R>(0))) return;
   const PackWater<T> water(model, state, p, count, J);
-  const R pressure = water.strength * water.z;
+  const R pressure = water.pressure();
   stress.tau.xx = stress.tau.xx - pressure;
   stress.tau.yy = stress.tau.yy - pressure;
   stress.tau.zz = stress.tau.zz - pressure;
-  stress.modulus = stress.modulus + water.strength * (splat<R>(1) + water.z);
+  stress.modulus = stress.modulus + water.modulus();
 }
 
 // Water has no shape to return to: F_E = 1, and J_P is its volume. `now`: what the law of its snow makes of it, stress

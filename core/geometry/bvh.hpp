@@ -1,4 +1,6 @@
-// A tree of boxes over triangles: split where the surface area heuristic says, the same tree for the same triangles.
+// A tree of boxes over triangles: split where the surface area heuristic says, the same tree for the same triangles. Few
+// triangles as wide as all together, a rim of slivers round a terrain or a floor below it, are split off first: they would
+// widen the box of each part that a split by place leaves them in.
 #pragma once
 
 #include <algorithm>
@@ -24,6 +26,7 @@ struct Bounds {
     return d.x >= 0 ? d.x * d.y + d.y * d.z + d.z * d.x : 0.0;
   }
   Point middle() const { return (low + high) * 0.5; }
+  double length(int axis) const { return high[axis] - low[axis]; }
   // How far p is from the box; zero inside.
   double distance(const Point& p) const {
     double d2 = 0;
@@ -57,7 +60,7 @@ class BvhBuilder {
  public:
   static constexpr std::uint32_t leaf_most = 4;
   static constexpr int deepest =
-      96;  // 40 levels by area, then halves of at most 2^32 triangles; and some room
+      96;  // `by_area` levels, then halves of at most 2^32 triangles; and some room
 
   // most: boxes of a leaf.
   explicit BvhBuilder(const std::vector<Bounds>& boxes, std::uint32_t most = leaf_most)
@@ -69,8 +72,13 @@ class BvhBuilder {
 
  private:
   static constexpr int bins = 16;
+  static constexpr int by_area = 40;       // levels that are split by area; below, in halves
+  static constexpr double wide = 0.25;     // share of a box's side from which a triangle is wide
+  static constexpr std::uint32_t few = 8;  // wide ones are split off if they are at most one of so many
+  // What goes left: triangles of the bins up to `bin`; or, if `longer` is not negative, those longer than that.
   struct Split {
     int axis = -1, bin = 0;
+    double longer = -1;
     double cost = Bounds::inf;
   };
   // Into which bin of the centres' range a triangle falls.
@@ -96,11 +104,18 @@ class BvhBuilder {
       return;
     }
     const auto begin = order.begin() + first, end = begin + count;
-    const Split split = depth < 40 ? best_split(first, count, bin) : Split{};
+    Split split;
+    if (depth < by_area) {
+      split = best_split(first, count, bin);
+      const Split off = wide_off(first, count, box);
+      if (off.cost < split.cost) split = off;
+    }
     auto middle = begin + count / 2;
     if (split.axis >= 0) {
-      middle = std::stable_partition(
-          begin, end, [&](std::uint32_t i) { return bin(boxes_[i].middle(), split.axis) <= split.bin; });
+      middle = std::stable_partition(begin, end, [&](std::uint32_t i) {
+        return split.longer < 0 ? bin(boxes_[i].middle(), split.axis) <= split.bin
+                                : boxes_[i].length(split.axis) > split.longer;
+      });
     }
     const auto left = std::uint32_t(middle - begin);
     build(first, left, depth + 1);
@@ -131,8 +146,27 @@ class BvhBuilder {
       for (std::size_t k = 0; k + 1 < bins; ++k) {
         sum.add(box[k]), n += held[k];
         const double cost = n > 0 ? sum.half_area() * n + right[k + 1] : Bounds::inf;
-        if (cost < best.cost) best = {axis, int(k), cost};
+        if (cost < best.cost) best = {axis, int(k), -1, cost};
       }
+    }
+    return best;
+  }
+
+  // The best split of triangles that are wide along an axis from all others; none if there are none, or too many.
+  Split wide_off(std::uint32_t first, std::uint32_t count, const Bounds& box) const {
+    Split best;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double longer = wide * box.length(axis);
+      Bounds off, rest;
+      std::uint32_t n = 0;
+      for (std::uint32_t i = first; i < first + count; ++i) {
+        const Bounds& b = boxes_[order[i]];
+        const bool is_wide = b.length(axis) > longer;
+        n += is_wide, (is_wide ? off : rest).add(b);
+      }
+      if (n == 0 || n > count / few) continue;
+      const double cost = off.half_area() * n + rest.half_area() * (count - n);
+      if (cost < best.cost) best = {axis, 0, longer, cost};
     }
     return best;
   }

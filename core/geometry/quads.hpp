@@ -17,6 +17,15 @@ inline scalar_t<R> lane(const R& a, int l) {
   }
 }
 
+template <class R>
+inline void set_lane(R& a, int l, scalar_t<R> value) {
+  if constexpr (is_pack<R>) {
+    a[l] = value;
+  } else {
+    a = value;
+  }
+}
+
 // Two neighbouring quads of floats, in the precision of the question.
 #if defined(__CUDACC_RTC__)  // no vector types there
 template <class T>

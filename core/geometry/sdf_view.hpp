@@ -66,31 +66,56 @@ struct SdfView : SdfLattice {
   // that is, and less what blends of samples may be off by. Without a brick all is inside, or farther than the band. Beyond
   // the grid: the distance from the solid's bounds.
   double least(const Vec3<double>& x) const {
-    constexpr double infinite = std::numeric_limits<float>::max();
     Vec3<double> cell, beyond, apart;
     locate(x, cell, beyond);
     for (int k = 0; k < 3; ++k) apart[k] = max(max(low[k] - x[k], x[k] - high[k]), 0.0);
     const double outside = sqrt(dot(apart, apart));
     if (dot(beyond, beyond) > 0) return outside;
-    const Cell c = cell_of(cell.x, cell.y, cell.z);
-    const std::int32_t brick = table[c.brick];
-    const bool rough = brick == coarse_only;
-    std::size_t up[3];
-    double away2 = 0;
+    const Nearest<double> near = nearest(cell.x, cell.y, cell.z);
+    // a blend is off by no more than half a diagonal: it is a mean over the corners of a cell
+    const double off = spacing * (near.cells * sqrt(near.away2) + 0.8661);
+    if (near.cells == 1) return max(outside, near.phi - off);
+    return near.phi <= 0 ? -double(std::numeric_limits<float>::max())
+                         : max(outside, max(band, near.phi - off));
+  }
+
+  // A number that what `at` says of points in the body's frame does not fall below [m]. `at` blends the corners of a cell by
+  // weights w; a corner is |c - c_n| from the nearest one, so that it has phi_n less this at least, and the mean of a root is
+  // at most the root of the mean: sum w |c - c_n| <= sqrt(sum_k f_k), with f_k the way to c_n along axis k, in cells.
+  // Lanes that are not of the mask `wanted` mean nothing.
+  template <class R, class M>
+  R least_at(const Vec3<R>& x, const M& wanted) const {
+    using T = scalar_t<R>;
+    Vec3<R> cell, beyond;
+    locate(x, cell, beyond);
+    Vec3<R> brick, up;
+    R along{}, sample{}, size = splat<R>(1);
     for (int k = 0; k < 3; ++k) {
-      const double f = rough ? (cell[k] - cells * c.b[k]) / cells : cell[k] - c.i[k];
-      up[k] = f > 0.5 ? 1 : 0;
-      away2 += (f - double(up[k])) * (f - double(up[k]));
+      const R first = floor(min(cell[k], splat<R>(T(cells * bricks[k] - 1)))), f = cell[k] - first;
+      brick[k] = floor(first * T(1.0 / cells));
+      up[k] = select(f > splat<R>(T(0.5)), splat<R>(1), R{});
+      along = along + abs(f - up[k]);
+      sample = sample * T(side) + (first - brick[k] * T(cells) + up[k]);
     }
-    if (!rough) {
-      const float* at = fine + std::size_t(brick) * brick_floats + sample_of(c);
-      const double phi = at[4 * ((up[0] * side + up[1]) * side + up[2])];
-      // a blend is off by no more than half a diagonal: it is a mean over the corners of a cell
-      return max(outside, phi - spacing * (sqrt(away2) + 0.8661));
-    }
-    const auto ny = std::size_t(bricks[1] + 1), nz = std::size_t(bricks[2] + 1);
-    const double phi = coarse[4 * (c.corner + (up[0] * ny + up[1]) * nz + up[2])];
-    return phi <= 0 ? -infinite : max(outside, max(band, phi - spacing * (cells * sqrt(away2) + 0.8661)));
+    R phi{};
+    for_lanes(wanted, [&](int l) {
+      const auto b = [&](int k) { return std::size_t(int(detail::lane(brick[k], l))); };
+      const std::int32_t found =
+          table[(b(0) * std::size_t(bricks[1]) + b(1)) * std::size_t(bricks[2]) + b(2)];
+      if (found != coarse_only) {
+        const auto at = std::size_t(4 * int(detail::lane(sample, l)));
+        return detail::set_lane(phi, l, T(fine[std::size_t(found) * brick_floats + at]));
+      }
+      const Nearest<T> near =
+          nearest(detail::lane(cell.x, l), detail::lane(cell.y, l), detail::lane(cell.z, l));
+      // where all is inside
+      detail::set_lane(phi, l, near.phi <= 0 ? -std::numeric_limits<T>::max() : T(near.phi));
+      detail::set_lane(along, l, near.along), detail::set_lane(size, l, T(cells));
+    });
+    // a little more, for the rounding of places
+    const R inside = phi - size * (sqrt(along) + T(0.01)) * T(spacing);
+    const R out2 = dot(beyond, beyond);
+    return select(out2 > R{}, sqrt(out2) * T(0.999), inside);
   }
 
   // Whether the surface or the inside may be within `reach` [m] of x; false only if it is not.
@@ -150,6 +175,37 @@ struct SdfView : SdfLattice {
   }
   static std::size_t sample_of(const Cell& c) {
     return std::size_t(4 * (((c.i[0] % cells) * side + c.i[1] % cells) * side + c.i[2] % cells));
+  }
+
+  // The corner that is nearest to a point of its cell, or of its brick where that has no samples.
+  template <class T>
+  struct Nearest {
+    float phi;
+    int cells;       // how many a corner is from the next
+    T along, away2;  // the ways to it along the axes, in these: their sum, and the sum of their squares
+  };
+  template <class T>
+  Nearest<T> nearest(T x, T y, T z) const {
+    const Cell c = cell_of(x, y, z);
+    const std::int32_t brick = table[c.brick];
+    const bool rough = brick == coarse_only;
+    const T u[3] = {x, y, z};
+    std::size_t up[3];
+    Nearest<T> out{0, rough ? cells : 1, 0, 0};
+    for (int k = 0; k < 3; ++k) {
+      const T f = rough ? (u[k] - T(cells * c.b[k])) / T(cells) : u[k] - T(c.i[k]);
+      up[k] = f > T(0.5) ? 1 : 0;
+      const T way = up[k] ? T(1) - f : f;
+      out.along += way, out.away2 += way * way;
+    }
+    if (rough) {
+      const auto ny = std::size_t(bricks[1] + 1), nz = std::size_t(bricks[2] + 1);
+      out.phi = coarse[4 * (c.corner + (up[0] * ny + up[1]) * nz + up[2])];
+    } else {
+      out.phi = fine[std::size_t(brick) * brick_floats + sample_of(c) +
+                     4 * ((up[0] * side + up[1]) * side + up[2])];
+    }
+    return out;
   }
 
   // The quad at one point, in cells from the grid's first corner.

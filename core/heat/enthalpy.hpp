@@ -6,16 +6,17 @@
 #include <cmath>
 #include <cstdint>
 
+#include "constitutive/densities.hpp"
+
 namespace neve {
 
 namespace heat {
 
-inline constexpr double latent = 3.34e5;          // heat of fusion [J/kg]
-inline constexpr double c_ice = 2100;             // specific heat of ice and snow [J/(kg K)]
-inline constexpr double c_water = 4182;           // and of water
-inline constexpr double k_water = 0.6;            // conductivity of water [W/(m K)]
-inline constexpr double water = 1000, ice = 917;  // densities [kg/m3]
-inline constexpr double melting = 273.15;         // [K]
+inline constexpr double latent = 3.34e5;   // heat of fusion [J/kg]
+inline constexpr double c_ice = 2100;      // specific heat of ice and snow [J/(kg K)]
+inline constexpr double c_water = 4182;    // and of water
+inline constexpr double k_water = 0.6;     // conductivity of water [W/(m K)]
+inline constexpr double melting = 273.15;  // [K]
 
 // Change of the liquid share from which on size and strength of a particle follow it [1].
 inline constexpr double phase_step = 2e-3;
@@ -38,8 +39,8 @@ inline double liquid(double e, double m) { return std::clamp(e / (m * latent), 0
 inline double k_snow(double rho) { return std::max(2.5e-6 * rho * rho - 1.23e-4 * rho + 0.024, 0.01); }
 
 // Volume over that at birth of what is all ice, and of what is all water, for snow of density `born` [kg/m3].
-inline double ratio_of_ice(double born) { return std::min(born / ice, 1.0); }
-inline double ratio_of_water(double born) { return std::min(born / water, ratio_of_ice(born)); }
+inline double ratio_of_ice(double born) { return std::min(born / ice_density, 1.0); }
+inline double ratio_of_water(double born) { return std::min(born / water_density, ratio_of_ice(born)); }
 
 // Volume ratio J after the liquid share went from f to `now`. What melts loses its pores; what freezes is ice.
 inline double ratio_after(double J, double f, double now, double born) {
@@ -63,7 +64,7 @@ struct HeatModel {
 
   double conductivity_of(double rho, double liquid) const {
     if (conductivity > 0) return conductivity;
-    return (1 - liquid) * heat::k_snow(std::min(rho, heat::ice)) + liquid * heat::k_water;
+    return (1 - liquid) * heat::k_snow(std::min(rho, ice_density)) + liquid * heat::k_water;
   }
 };
 
@@ -82,5 +83,22 @@ struct HeatReport {
     return report;
   }
 };
+
+// Let heat flow for dt [s] between `count` particles, in as many rounds as that asks for. rate(p): the sum of its conductances
+// [W/K]; mass(p) [kg]; exchange(h): a round of h [s], which adds to `enthalpy`, and to `taken` what came from air and sun [J].
+template <class Rate, class Mass, class Exchange>
+HeatReport flow_in_rounds(double dt, std::size_t count, Rate&& rate, Mass&& mass, Exchange&& exchange,
+                          const double* enthalpy, const double* taken) {
+  double fastest = 0;
+  for (std::size_t p = 0; p < count; ++p) fastest = std::max(fastest, rate(p) / (mass(p) * heat::c_ice));
+  HeatReport report = HeatReport::of(dt * fastest);
+  if (report.endless) return report;
+  for (int round = 0; round < report.rounds; ++round) exchange(dt / report.rounds);
+  for (std::size_t p = 0; p < count; ++p) {
+    report.taken += taken[p];
+    report.finite = report.finite && std::isfinite(enthalpy[p]);
+  }
+  return report;
+}
 
 }  // namespace neve

@@ -24,6 +24,6 @@ inline double grown(double hold, double young, double most, double celsius, doub
 }
 
 // The strength of ice over that of snow of density rho [kg/m3].
-inline double strength_of_ice(double rho) { return std::max(std::pow(heat::ice / rho, of_density), 1.0); }
+inline double strength_of_ice(double rho) { return std::max(std::pow(ice_density / rho, of_density), 1.0); }
 
 }  // namespace neve::sintering

@@ -15,4 +15,6 @@
 #define NEVE_INLINE_LAMBDA __attribute__((always_inline))  // between the parameters and the body
 #define NEVE_UNROLL
 #define NEVE_RARE [[gnu::noinline, gnu::cold]] inline  // what is seldom called stays out of the way
+// What must give the same bits to all who call it: part of a caller, a product might be fused with another sum.
+#define NEVE_APART [[gnu::noinline]]
 #endif

@@ -68,10 +68,10 @@ using Wide =
     std::conditional_t<(N > register_lanes<T>),
                        Registers<Register<T>, (N + register_lanes<T> - 1) / register_lanes<T>>, Pack<T, N>>;
 
-// Particles per batch: a register of AVX-512, two of AVX2, four of SSE or NEON. The SVD is one long chain, in which fewer
-// registers would wait for their own results.
+// Particles per batch: a register of AVX2 and AVX-512, four of SSE or NEON. AVX2 has 16 registers, too few for what two packs
+// hold.
 template <class T>
-inline constexpr int lane_count = 64 / static_cast<int>(sizeof(T));
+inline constexpr int lane_count = (register_bytes == 32 ? 32 : 64) / static_cast<int>(sizeof(T));
 template <class T>
 using Lanes = Wide<T, lane_count<T>>;
 
@@ -253,10 +253,11 @@ NEVE_INLINE auto first_lanes(int count) {
 
 namespace detail {
 
-// A register anywhere in memory. (A memcpy would do, but GCC copies some by halves, which the next load waits for.)
+// A register anywhere in memory, which holds numbers of its kind and nothing else: addresses stay known beyond a store. (A
+// memcpy would do, but GCC copies some by halves, which the next load waits for.)
 template <class P>
 struct Unaligned {
-  typedef scalar_t<P> type __attribute__((vector_size(sizeof(P)), aligned(alignof(scalar_t<P>)), may_alias));
+  typedef scalar_t<P> type __attribute__((vector_size(sizeof(P)), aligned(alignof(scalar_t<P>))));
 };
 template <class R>
 NEVE_INLINE R load_registers(const scalar_t<R>* from) {

@@ -6,6 +6,21 @@
 
 namespace neve {
 
+// A product that sums which follow do not fuse with: needed more than once it is multiplied once, and processors add on other
+// units than those that multiply.
+template <IsPack P>
+NEVE_INLINE P rounded(P a) {
+  static_assert(register_count<P> == 1);
+#if defined(__AVX512F__)
+  asm("" : "+v"(a));
+#elif defined(__SSE2__)
+  asm("" : "+x"(a));
+#elif defined(__aarch64__)
+  asm("" : "+w"(a));
+#endif
+  return a;
+}
+
 namespace detail {
 template <class R, int Start, std::size_t... I>
 NEVE_INLINE R interleave_from(R a, R b, std::index_sequence<I...>) {
@@ -22,9 +37,53 @@ NEVE_INLINE R every_other(R a, R b, std::index_sequence<I...>) {
   return __builtin_shufflevector(a, b, (Start + 2 * static_cast<int>(I))...);
 }
 
+// Registers of AVX2 are two halves, which few instructions cross: each half is transposed by itself.
+
+// The transpose of four quads of double, one a register.
+template <class P>
+NEVE_INLINE void transpose(P (&q)[4]) {
+  const P xz = __builtin_shufflevector(q[0], q[1], 0, 4, 2, 6),
+          yw = __builtin_shufflevector(q[0], q[1], 1, 5, 3, 7);
+  const P xz2 = __builtin_shufflevector(q[2], q[3], 0, 4, 2, 6),
+          yw2 = __builtin_shufflevector(q[2], q[3], 1, 5, 3, 7);
+  q[0] = __builtin_shufflevector(xz, xz2, 0, 1, 4, 5), q[2] = __builtin_shufflevector(xz, xz2, 2, 3, 6, 7);
+  q[1] = __builtin_shufflevector(yw, yw2, 0, 1, 4, 5), q[3] = __builtin_shufflevector(yw, yw2, 2, 3, 6, 7);
+}
+// In each half of four registers of float the transpose of its four quads: columns become rows, or rows columns.
+template <class P>
+NEVE_INLINE void transpose_halves(P (&q)[4]) {
+  const auto low = [](P a, P b) { return __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13); };
+  const auto high = [](P a, P b) { return __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15); };
+  const auto first = [](P a, P b) { return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13); };
+  const auto last = [](P a, P b) { return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15); };
+  const P ab = low(q[0], q[1]), cd = low(q[2], q[3]), ab2 = high(q[0], q[1]), cd2 = high(q[2], q[3]);
+  q[0] = first(ab, cd), q[1] = last(ab, cd), q[2] = first(ab2, cd2), q[3] = last(ab2, cd2);
+}
+// The lower halves of two registers, and the upper ones.
+template <class P>
+NEVE_INLINE P lower_halves(P a, P b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11);
+}
+template <class P>
+NEVE_INLINE P upper_halves(P a, P b) {
+  return __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+
 template <class P>
 NEVE_INLINE void store_quads_of_register(scalar_t<P>* out, P a, P b, P c, P d) {
   constexpr int n = width<P>;
+  if constexpr (n == 4 && sizeof(P) == 32) {
+    P q[4] = {a, b, c, d};
+    transpose(q);
+    for_parts<4>([&](int k) NEVE_INLINE_LAMBDA { store(out + 4 * k, q[k]); });
+    return;
+  } else if constexpr (n == 8 && sizeof(P) == 32) {
+    P q[4] = {a, b, c, d};  // then quads 0 and 4, 1 and 5, ...
+    transpose_halves(q);
+    store(out, lower_halves(q[0], q[1])), store(out + 8, lower_halves(q[2], q[3]));
+    store(out + 16, upper_halves(q[0], q[1])), store(out + 24, upper_halves(q[2], q[3]));
+    return;
+  }
   constexpr auto seq = std::make_index_sequence<n>{};
   const P ab0 = interleave_from<P, 0>(a, b, seq), ab1 = interleave_from<P, n / 2>(a, b, seq);
   const P cd0 = interleave_from<P, 0>(c, d, seq), cd1 = interleave_from<P, n / 2>(c, d, seq);
@@ -43,7 +102,15 @@ NEVE_INLINE void load_quads_of_register(const scalar_t<P>* in, P& a, P& b, P& c,
   constexpr int n = width<P>;
   constexpr auto seq = std::make_index_sequence<n>{};
   const P p0 = load<P>(in), p1 = load<P>(in + n), p2 = load<P>(in + 2 * n), p3 = load<P>(in + 3 * n);
-  if constexpr (n == 2) {
+  if constexpr (n == 4 && sizeof(P) == 32) {
+    P q[4] = {p0, p1, p2, p3};
+    transpose(q);
+    a = q[0], b = q[1], c = q[2], d = q[3];
+  } else if constexpr (n == 8 && sizeof(P) == 32) {
+    P q[4] = {lower_halves(p0, p2), upper_halves(p0, p2), lower_halves(p1, p3), upper_halves(p1, p3)};
+    transpose_halves(q);
+    a = q[0], b = q[1], c = q[2], d = q[3];
+  } else if constexpr (n == 2) {
     a = every_other<P, 0>(p0, p2, seq), b = every_other<P, 1>(p0, p2, seq);
     c = every_other<P, 0>(p1, p3, seq), d = every_other<P, 1>(p1, p3, seq);
   } else {
@@ -135,38 +202,60 @@ NEVE_INLINE R one_for_each_quad(R a, std::index_sequence<I...>) {
   return __builtin_shufflevector(a, a, (First + I / 4)...);
 }
 
+// Two of four weights, the first two or the last, each for a quad of a register of two.
+template <class T>
+NEVE_INLINE Register<T> two_weights(const T* w, int part) {
+#if defined(__AVX2__) && !defined(__AVX512F__)
+  if constexpr (std::is_same_v<T, float>) {  // within halves of the register, where GCC crosses them
+    const __m256i from =
+        part == 0 ? _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1) : _mm256_setr_epi32(2, 2, 2, 2, 3, 3, 3, 3);
+    return reinterpret_cast<Register<T>>(
+        _mm256_permutevar_ps(reinterpret_cast<__m256>(repeated_quad(w)), from));
+  }
+#endif
+  constexpr auto seq = std::make_index_sequence<RowShape<T>::lanes>{};
+  const Register<T> all = repeated_quad(w);
+  return part == 0 ? one_for_each_quad<0>(all, seq) : one_for_each_quad<2>(all, seq);
+}
+
 }  // namespace detail
+
+// Of a row the register `part`: a quad at each of its nodes.
+template <class T>
+NEVE_INLINE Register<T> part_of_quads(const T* q, int part) {
+  if constexpr (detail::RowShape<T>::quads == 0) {
+    return load<Register<T>>(q + part % 2 * 2);
+  } else {
+    return detail::repeated_quad(q);
+  }
+}
+
+// Of a row the register `part`: four weights, each in all four numbers of its node.
+template <class T>
+NEVE_INLINE Register<T> part_of_weights(const T* w, int part) {
+  using S = detail::RowShape<T>;
+  constexpr auto seq = std::make_index_sequence<S::lanes>{};
+  if constexpr (S::quads == 0) {
+    return splat<Register<T>>(w[part / 2]);
+  } else if constexpr (S::quads == 1) {
+    return splat<Register<T>>(w[part]);
+  } else if constexpr (S::quads == 4) {
+    return detail::one_for_each_quad<0>(detail::repeated_quad(w), seq);
+  } else {
+    return detail::two_weights(w, part);
+  }
+}
 
 // A quad at each of the four nodes.
 template <class T>
 NEVE_INLINE Row<T> row_of_quad(const T* q) {
-  using S = detail::RowShape<T>;
-  if constexpr (S::quads == 0) {
-    return detail::row_of_parts<T>([&](int k)
-                                       NEVE_INLINE_LAMBDA { return load<Register<T>>(q + k % 2 * 2); });
-  } else {
-    const Register<T> each = detail::repeated_quad(q);
-    return detail::row_of_parts<T>([&](int) NEVE_INLINE_LAMBDA { return each; });
-  }
+  return detail::row_of_parts<T>([&](int k) NEVE_INLINE_LAMBDA { return part_of_quads(q, k); });
 }
 
 // Four weights, each in all four numbers of its node.
 template <class T>
 NEVE_INLINE Row<T> row_of_weights(const T* w) {
-  using S = detail::RowShape<T>;
-  constexpr auto seq = std::make_index_sequence<S::lanes>{};
-  if constexpr (S::quads == 0) {
-    return detail::row_of_parts<T>([&](int k) NEVE_INLINE_LAMBDA { return splat<Register<T>>(w[k / 2]); });
-  } else if constexpr (S::quads == 1) {
-    return detail::row_of_parts<T>([&](int k) NEVE_INLINE_LAMBDA { return splat<Register<T>>(w[k]); });
-  } else {
-    const Register<T> all = detail::repeated_quad(w);
-    if constexpr (S::quads == 4) {
-      return detail::one_for_each_quad<0>(all, seq);
-    } else {
-      return {detail::one_for_each_quad<0>(all, seq), detail::one_for_each_quad<2>(all, seq)};
-    }
-  }
+  return detail::row_of_parts<T>([&](int k) NEVE_INLINE_LAMBDA { return part_of_weights(w, k); });
 }
 
 // The last number of each node, in all four of its numbers.

@@ -25,7 +25,7 @@ struct Extremes {
 
   // `sum` gathers all numbers of a particle: it is finite only if they all are.
   template <class M>
-  void add(const M& here, const Vec3<R>& v, R modulus, R m, R V0, const Mat3<R>& grad_v, R sum) {
+  NEVE_INLINE void add(const M& here, const Vec3<R>& v, R modulus, R m, R V0, const Mat3<R>& grad_v, R sum) {
     const R c = select(here, sqrt(modulus * V0 / select(m > T(0), m, splat<R>(1))), R{});
     const R s = select(here, sqrt(dot(v, v)), R{});
     const R rate = dot(grad_v.c0, grad_v.c0) + dot(grad_v.c1, grad_v.c1) + dot(grad_v.c2, grad_v.c2);
@@ -40,7 +40,7 @@ struct Extremes {
 
   // Add particles that have been moved; returns 1 in the lanes that make the step unacceptable.
   template <class M>
-  R add_step(const M& here, const Advanced<R>& now, R m, R V0, const StepConstants<T>& step) {
+  NEVE_INLINE R add_step(const M& here, const Advanced<R>& now, R m, R V0, const StepConstants<T>& step) {
     const R sum = sum_of(now.x) + sum_of(now.v) + sum_of(now.material.F_E) + now.material.J_P +
                   now.material.stress.modulus;
     add(here, now.v, now.material.stress.modulus, m, V0, now.grad_v, sum);

@@ -67,7 +67,7 @@ NEVE_INLINE void deform(Advanced<R>& out, const Particle& particle, const StepCo
 template <class Transfer, class R, class Particle, class Solids, class F>
 NEVE_INLINE void move(Advanced<R>& out, const Particle& particle, const Gathered<R>& grid,
                       const StepConstants<scalar_t<R>>& step, const Solids& solids, F&& exchanged) {
-  out.v = Transfer::velocity(particle.v(), grid.v, grid.change, step.blend);
+  Vec3<R> v = Transfer::velocity(particle.v(), grid.v, grid.change, step.blend);
   if constexpr (Transfer::has_affine_change) {
     const Mat3<R> change = Transfer::velocity_gradient(grid.G_change, step.cells);
     out.C = Transfer::affine_velocity(particle.C(), out.grad_v, change, step.blend);
@@ -77,13 +77,13 @@ NEVE_INLINE void move(Advanced<R>& out, const Particle& particle, const Gathered
 
   const Vec3<R> x = particle.x();
   const R m = particle.m();
-  Vec3<R> path = out.v;
+  Vec3<R> path = v;
   if constexpr (Transfer::separate_position_velocity) {
-    path =
-        Transfer::position_velocity(out.v, grid.v, determinant(trial_deformation(particle, out.grad_v, step)),
-                                    held_by_any(solids, x, step.skin));
+    path = Transfer::position_velocity(v, grid.v, determinant(trial_deformation(particle, out.grad_v, step)),
+                                       held_by_any(solids, x, m, step.skin));
   }
-  move_past(solids, x, out.v, path, step.dt, step.cells.dx, m, exchanged);
+  move_past(solids, x, v, path, step.dt, step.cells.dx, m, exchanged);
+  out.v = v;
   out.displacement = path * step.dt;
   out.x = x + out.displacement;
 }

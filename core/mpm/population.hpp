@@ -17,7 +17,7 @@ std::vector<std::uint32_t> rows_in_box(const State<T>& state, const double* low,
     for (std::size_t p = begin; p < end; ++p) {
       bool inside = true;
       for (int k = 0; k < 3; ++k) {
-        const double x = state.x.column(k)[p];
+        const double x = state.place(k, p);
         inside = inside && low[k] <= x && x <= high[k];
       }
       if (inside) mine.push_back(static_cast<std::uint32_t>(p));
@@ -28,31 +28,42 @@ std::vector<std::uint32_t> rows_in_box(const State<T>& state, const double* low,
   return rows;
 }
 
-// Drop the particles at `rows`, which rise strictly. The last particles take their places, in the order of their rows,
-// so that the work follows the number of rows alone.
-template <class T>
-void drop(State<T>& state, const std::uint32_t* rows, std::size_t n) {
-  const std::size_t left = state.count - n;
-  std::vector<std::uint32_t> from;
-  std::size_t gone = std::size_t(std::lower_bound(rows, rows + n, left) - rows);
-  const std::size_t holes = gone;
-  for (std::size_t p = left; p < state.count; ++p) {
-    if (gone < n && rows[gone] == p) {
-      ++gone;
-    } else {
-      from.push_back(static_cast<std::uint32_t>(p));
+// How rows are dropped: the last particles take the places of those that go, in the order of their rows, so that the work
+// follows the number of rows alone.
+struct Refill {
+  std::size_t left;                     // particles that stay
+  std::vector<std::uint32_t> to, from;  // rows
+
+  // `rows` rise strictly; `count`: particles before.
+  Refill(std::size_t count, const std::uint32_t* rows, std::size_t n) : left(count - n) {
+    std::size_t gone = std::size_t(std::lower_bound(rows, rows + n, left) - rows);
+    to.assign(rows, rows + gone);
+    for (std::size_t p = left; p < count; ++p) {
+      if (gone < n && rows[gone] == p) {
+        ++gone;
+      } else {
+        from.push_back(static_cast<std::uint32_t>(p));
+      }
     }
   }
-  state.each_column([&](auto* column) {
-    for (std::size_t k = 0; k < holes; ++k) column[rows[k]] = column[from[k]];
-  });
-  state.count = left;
+  template <class E>
+  void operator()(E* column) const {
+    for (std::size_t k = 0; k < to.size(); ++k) column[to[k]] = column[from[k]];
+  }
+};
+
+// Drop the particles at `rows`, which rise strictly.
+template <class T>
+void drop(State<T>& state, const std::uint32_t* rows, std::size_t n) {
+  const Refill refill(state.count, rows, n);
+  state.each_column([&](auto* column) { refill(column); });
+  state.count = refill.left;
 }
 
 // A copy of the state with room for `capacity` particles, at least as many as it has.
 template <class T>
 State<T> with_room(const State<T>& state, std::size_t capacity) {
-  State<T> out(state.modes.components() / 3, state.rest.components() > 0, state.has_heat());
+  State<T> out(state.modes.components() / 3, state.rest.components() > 0, state.has_heat(), state.is_fine());
   out.reserve(std::max(capacity, state.count));
   out.resize(state.count);
   std::vector<const void*> source;

@@ -75,16 +75,25 @@ class Field : public Columns<T> {
 template <class T>
 struct State {
   // `more_modes`: how many modes a particle has beyond v and C. `sleeps`: whether it may sleep. `heat`: whether it has heat.
-  explicit State(int more_modes = 0, bool sleeps = false, bool heat = false)
-      : modes(3 * more_modes),
+  // `fine`: whether its position is kept to more than T.
+  explicit State(int more_modes = 0, bool sleeps = false, bool heat = false, bool fine = false)
+      : beyond(fine ? 3 : 0),
+        modes(3 * more_modes),
         rest(sleeps ? rest_numbers : 0),
         enthalpy(heat ? 1 : 0),
         thermal(heat ? thermal_numbers : 0) {}
 
   bool has_heat() const { return thermal.components() > 0; }
+  bool is_fine() const { return beyond.components() > 0; }
+
+  // A coordinate of a particle [m].
+  double place(int axis, std::size_t p) const {
+    return double(x.column(axis)[p]) + (is_fine() ? double(beyond.column(axis)[p]) : 0.0);
+  }
 
   std::size_t count = 0;
-  Field<T, 3> x, v;  // position [m], velocity [m/s]
+  Field<T, 3> x, v;   // position [m], velocity [m/s]
+  Columns<T> beyond;  // if positions are fine: what is to be added to x, less than its rounding [m]
   Field<T, 9> C,
       F_E;  // affine velocity [1/s], elastic deformation gradient [1]; component 3 j + i is row i, column j
   Columns<T>
@@ -147,8 +156,8 @@ struct State {
  private:
   template <class F>
   void each_field(F&& f) {
-    f(x), f(v), f(C), f(modes), f(rest), f(enthalpy), f(thermal), f(F_E), f(tau), f(J_P), f(m), f(V0),
-        f(stiffness), f(strength);
+    f(x), f(v), f(beyond), f(C), f(modes), f(rest), f(enthalpy), f(thermal), f(F_E), f(tau), f(J_P), f(m),
+        f(V0), f(stiffness), f(strength);
   }
 };
 

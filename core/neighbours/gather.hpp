@@ -73,6 +73,33 @@ NEVE_INLINE Quartets<R> gather_quartets(const Quartet<scalar_t<R>>* from, const 
         reinterpret_cast<R>(_mm512_unpacklo_pd(ab0, ab2)), reinterpret_cast<R>(_mm512_unpackhi_pd(ab0, ab2)),
         reinterpret_cast<R>(_mm512_unpacklo_pd(cd0, cd2)), reinterpret_cast<R>(_mm512_unpackhi_pd(cd0, cd2))};
   }
+#elif defined(__AVX2__)
+  if constexpr (std::is_same_v<part_t<R>, Pack<float, 8>>) {
+    Quartets<R> out;
+    for_parts<register_count<R>>([&](int part) NEVE_INLINE_LAMBDA {
+      const std::int32_t* eight = rows + 8 * part;
+      const auto two = [&](int k) NEVE_INLINE_LAMBDA {  // rows k, k + 4
+        return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&from[eight[k]].a)),
+                                    _mm_load_ps(&from[eight[k + 4]].a), 1);
+      };
+      const __m256 r0 = two(0), r1 = two(1), r2 = two(2), r3 = two(3);
+      const __m256d ab0 = _mm256_castps_pd(_mm256_unpacklo_ps(r0, r1)),
+                    ab2 = _mm256_castps_pd(_mm256_unpacklo_ps(r2, r3)),
+                    cd0 = _mm256_castps_pd(_mm256_unpackhi_ps(r0, r1)),
+                    cd2 = _mm256_castps_pd(_mm256_unpackhi_ps(r2, r3));
+      const auto set = [&](R& to, __m256d its) NEVE_INLINE_LAMBDA {
+        const auto whole = reinterpret_cast<part_t<R>>(its);
+        if constexpr (register_count<R> == 1) {
+          to = whole;
+        } else {
+          to.part[part] = whole;
+        }
+      };
+      set(out.a, _mm256_unpacklo_pd(ab0, ab2)), set(out.b, _mm256_unpackhi_pd(ab0, ab2));
+      set(out.c, _mm256_unpacklo_pd(cd0, cd2)), set(out.d, _mm256_unpackhi_pd(cd0, cd2));
+    });
+    return out;
+  }
 #endif
   alignas(64) scalar_t<R> v[4][width<R>];
   for (int l = 0; l < width<R>; ++l) {

@@ -21,6 +21,13 @@ struct PairMemory {
   std::vector<std::array<T, 4>> values;  // hold, and the three numbers of its vector
 };
 
+// A pair that the list of `row` gains or loses.
+struct PairChange {
+  std::int32_t row, other;
+  bool joins;
+  bool operator<(const PairChange& o) const { return row != o.row ? row < o.row : other < o.other; }
+};
+
 // The entries of a group of rows lie slot by slot, the lanes of a slot together: so a group is stepped without sums over lanes.
 // Each pair has two entries, one seen from each side. Those of a row are sorted by the other's row, and what does not
 // touch adds nothing: so forces depend on rows and memory, not on when a pair was listed. Lanes without an entry name a
@@ -29,6 +36,8 @@ template <class T>
 struct Neighbours {
   static constexpr std::uint32_t none = ~std::uint32_t(0);
   static constexpr std::uint32_t lanes = std::uint32_t(group_rows<T>);
+  static constexpr std::uint32_t spare = 2;    // slots of a group beyond those that it needs
+  static constexpr std::uint32_t most = 4096;  // entries of a row: snow has some thirty
   std::vector<std::int32_t> row;
   std::vector<T> hold, a, b, c;
   std::vector<std::uint32_t> base;         // of each group: its first entry
@@ -109,14 +118,38 @@ struct Neighbours {
     for (std::size_t n = count; n < filled[p]; ++n, e += lanes) row[e] = std::int32_t(rows), hold[e] = T(0);
     filled[p] = std::uint16_t(count);
   }
+  // Let pairs join and leave the list of row p, by `changes`, sorted; those of which something is remembered stay. There must be room.
+  void edit(std::size_t p, const PairChange* changes, const PairChange* end, PairMemory<T>& spare_memory) {
+    auto& now = spare_memory;
+    now.row.clear(), now.values.clear();
+    const auto join = [&](std::int32_t q) { now.row.push_back(q), now.values.push_back({}); };
+    each(p, [&](std::uint32_t e) {
+      while (changes != end && changes->other < row[e]) {
+        if (changes->joins) join(changes->other);
+        ++changes;
+      }
+      const bool named = changes != end && changes->other == row[e];
+      if (!named || changes->joins || hold[e] != T(0))
+        now.row.push_back(row[e]), now.values.push_back({hold[e], a[e], b[e], c[e]});
+      changes += named;
+    });
+    for (; changes != end; ++changes) {
+      if (changes->joins) join(changes->other);
+    }
+    std::uint32_t e = first(p);
+    for (std::size_t n = 0; n < now.row.size(); ++n, e += lanes) {
+      row[e] = now.row[n];
+      hold[e] = now.values[n][0], a[e] = now.values[n][1], b[e] = now.values[n][2], c[e] = now.values[n][3];
+    }
+    for (std::size_t n = now.row.size(); n < filled[p]; ++n, e += lanes)
+      row[e] = std::int32_t(rows), hold[e] = T(0);
+    filled[p] = std::uint16_t(now.row.size());
+  }
   // See how many slots group g has in use.
   void count_slots(std::size_t g) {
     slots[g] = *std::max_element(filled.begin() + std::ptrdiff_t(g * lanes),
                                  filled.begin() + std::ptrdiff_t((g + 1) * lanes));
   }
-
- private:
-  static constexpr std::uint32_t spare = 2;
 };
 
 // All that is remembered of pairs.

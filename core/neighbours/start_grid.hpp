@@ -50,8 +50,10 @@ class StartGrid {
     std::int32_t& place = place_[std::size_t(p)];
     if (place != none) {
       const Bucket& now_in = buckets_[std::size_t(place / in_bucket)];
-      const BlockCoord there = bricks_[std::size_t(now_in.brick)].at;
-      if (now_in.cell == cell && there.x == brick.x && there.y == brick.y && there.z == brick.z) {
+      const std::int32_t own = now_in.brick;
+      const BlockCoord there = bricks_[std::size_t(own)].at;
+      if (there.x == brick.x && there.y == brick.y && there.z == brick.z) {
+        if (now_in.cell != cell) take_out(place), place = free_place(own, cell);
         set(place, now, p);
         return;
       }
@@ -130,7 +132,7 @@ class StartGrid {
   }
   std::int32_t brick_of(const BlockCoord& at) {
     const auto b = static_cast<std::int32_t>(bricks_.size());
-    if (const auto [known, fresh] = names_.emplace(key_of(at), b); !fresh) return known->second;
+    if (const auto [known, fresh] = names_.try_emplace(key_of(at), b); !fresh) return known->second;
     Brick fresh{at, {}, {}};
     fresh.first.fill(none);
     bricks_.push_back(fresh);
@@ -160,6 +162,25 @@ class StartGrid {
                                   _mm512_mul_ps(reach, reach), _CMP_LE_OQ));
       _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(all, rows));
       return std::size_t(std::popcount(std::uint32_t(all)));
+    }
+#elif defined(__AVX2__)
+    if constexpr (std::is_same_v<T, float>) {
+      std::uint32_t all = 0;
+      for (int k = 0; k < b.count; k += 8) {
+        const __m256 dx = _mm256_sub_ps(_mm256_load_ps(b.x + k), _mm256_set1_ps(own.a));
+        const __m256 dy = _mm256_sub_ps(_mm256_load_ps(b.y + k), _mm256_set1_ps(own.b));
+        const __m256 dz = _mm256_sub_ps(_mm256_load_ps(b.z + k), _mm256_set1_ps(own.c));
+        const __m256 d2 = _mm256_fmadd_ps(dz, dz, _mm256_fmadd_ps(dy, dy, _mm256_mul_ps(dx, dx)));
+        const __m256 ways = _mm256_add_ps(_mm256_load_ps(b.way + k), _mm256_set1_ps(own.d));
+        const __m256 reach = _mm256_add_ps(ways, _mm256_set1_ps(near));
+        const __m256 hits = _mm256_cmp_ps(d2, _mm256_mul_ps(reach, reach), _CMP_LE_OQ);
+        all |= std::uint32_t(_mm256_movemask_ps(hits)) << k;
+      }
+      for (; all != 0; all &= all - 1) {
+        out[n] = b.row[std::countr_zero(all)];
+        n += std::size_t(out[n]) != p;
+      }
+      return n;
     }
 #endif
     for (int i = 0; i < b.count; ++i) {

@@ -3,6 +3,7 @@
 
 #include "mpm/model.hpp"
 #include "particles/body_contacts.hpp"
+#include "particles/step.hpp"
 
 namespace neve {
 
@@ -22,13 +23,25 @@ struct StepEvents {
 
 namespace detail {
 
+// Particles that may touch bodies, with the sums over their pairs.
+template <class T>
+struct ParticlePack : ContactPack<T> {
+  std::array<Lanes<T>, PairSums<T>::count> sums;
+};
+
 // What one chunk of groups found in a step.
 template <class T>
 struct ChunkResult {
   ParticleReport report;
   StepEvents events;
   ExchangeSum exchange;
-  BodyContacts<T> waiting;
+  BodyContacts<T, ParticlePack<T>> waiting;
+  SolidContacts<Lanes<T>> colliders;  // memory that is used again
+
+  void clear() {
+    report = {};
+    events.clear(), exchange.clear(), waiting.packs.clear(), waiting.contacts.clear();
+  }
 };
 
 template <class T>
@@ -49,30 +62,32 @@ class Advance {
 
   // Advance particles [p, p + count), or keep them in `waiting` if they may touch bodies.
   void batch(ParticleState<T>& s, std::size_t p, int count, ChunkResult<T>& out) const {
-    BodyContacts<T>& waiting = out.waiting;
+    auto& waiting = out.waiting;
     const auto here = first_lanes<R>(count);
     const R one = splat<R>(1), zero = splat<R>(0);
-    Pack pack{p,
-              count,
-              load_vector<R>(s.x, p, count),
-              load_vector<R>(s.v, p, count),
-              {zero, zero, zero},
-              select(here, load<R>(s.radius.column(0) + p, count), one),
-              select(here, load<R>(s.m.column(0) + p, count), one),
-              {},
-              waiting.contacts.size(),
-              0};
+    Pack pack{{p,
+               count,
+               load_vector<R>(s.x, p, count),
+               load_vector<R>(s.v, p, count),
+               {zero, zero, zero},
+               select(here, load<R>(s.radius.column(0) + p, count), one),
+               select(here, load<R>(s.m.column(0) + p, count), one),
+               waiting.contacts.size(),
+               0},
+              {}};
     for (int k = 0; k < Sums::count; ++k)
       pack.sums[std::size_t(k)] = load<R>(sums_.values.column(k) + p, count);
     const R rate = dt_ / pack.m;
     for (int k = 0; k < 3; ++k)
       pack.v[k] += pack.sums[std::size_t(Sums::force + k)] * rate + world_.gravity[k] * dt_;
     const auto runs = here & (load<R>(s.liquid.column(0) + p, count) >= one);
-    const Around<T> ball = ball_around(pack.x, pack.r, here);
-    SolidContacts<R> colliders;
+    Around<T> ball = ball_around(pack.x, here);  // within which they may meet a solid
+    ball.radius += T(4) * largest_lane(select(here, pack.r, zero));
+    SolidContacts<R>& colliders = out.colliders;
+    colliders.contacts.clear();
     for (const Solid<T>& solid : world_.solids) {
       if (!is_near(solid, ball.middle, ball.radius)) continue;
-      const auto contact = SolidContact<R>::at(solid, pack.x, pack.r, here, runs, dt_);
+      const auto contact = SolidContact<R>::at(solid, pack.x, pack.r, pack.r, here, runs, dt_);
       if (solid.body < 0) {
         colliders.contacts.push_back(contact);
       } else if (any(here & (contact.room * dt_ < pack.r * T(2)))) {
@@ -100,18 +115,7 @@ class Advance {
   }
 
  private:
-  using Pack = typename BodyContacts<T>::Pack;
-
-  // A ball around the lanes of `here`, within which they may meet a solid.
-  static Around<T> ball_around(const Vec3<R>& x, const R& r, const auto& here) {
-    Vec3<T> low{}, high{};
-    for (int k = 0; k < 3; ++k) {
-      const R u = select(here, x[k], splat<R>(x[k][0]));
-      low[k] = least_lane(u), high[k] = largest_lane(u);
-    }
-    const Vec3<T> half = (high - low) * T(0.5);
-    return {low + half, std::sqrt(dot(half, half)) + T(4) * largest_lane(select(here, r, splat<R>(0)))};
-  }
+  using Pack = ParticlePack<T>;
 
   // Let the colliders act.
   void meet(SolidContacts<R>& colliders, Pack& pack, ExchangeSum& exchange) const {
@@ -128,18 +132,14 @@ class Advance {
     const R zero = splat<R>(0);
     const auto met = contact.met(before, v_co);
     if (!any(met)) return;
-    record(exchange.of(contact.solid->index), met, pack.m, contact.arm, v_co, before, after);
+    Vec3<R> of_others;
     for (int k = 0; k < 3; ++k) {
+      of_others[k] = pack.sums[std::size_t(Sums::force + k)] + pack.m * world_.gravity[k];
       const R force = (after[k] - before[k]) * pack.m * (T(1) / dt_);
       pack.sums[std::size_t(Sums::along + k)] += max(force, zero);
       pack.sums[std::size_t(Sums::against + k)] += max(R(-force), zero);
     }
-    const Vec3<R> way = contact.way_out();
-    R against = zero;  // work of setting particles out, against the forces of the others and gravity [J]
-    for (int k = 0; k < 3; ++k)
-      against += (pack.sums[std::size_t(Sums::force + k)] + pack.m * world_.gravity[k]) * way[k];
-    exchange.of(contact.solid->index).work -= double(sum_lanes(select(met, against, zero)));
-    pack.out = pack.out + way;
+    pack.out = pack.out + record_contact(contact, met, pack.m, v_co, before, after, of_others, exchange);
   }
 
   // Compact the particles, move them, and see what becomes of them.
@@ -162,13 +162,9 @@ class Advance {
     for (int l = 0; l < width<R>; ++l) rows[l] = std::int32_t(pack.p) + std::min(l, pack.count - 1);
     const Quartets<R> start = gather_quartets<R>(listing_.grid.starts(), rows);
     const Vec3<R> way = x - spread<R>(shift_) - Vec3<R>{start.a, start.b, start.c};
-    const R way2 = dot(way, way), v2 = dot(pack.v, pack.v);
-    const R stiffest = pack.sums[std::size_t(Sums::stiffness)] / pack.m;
-    const R all = select(here, R(way2 + v2 + stiffest), zero);
-    ParticleReport mine;
-    mine.finite = !any(negated(all - all == T(0)));
-    mine.speed = std::sqrt(double(largest_lane(select(here, v2, zero))));
-    mine.stiffest = double(largest_lane(select(here, stiffest, zero)));
+    const R way2 = select(here, dot(way, way), zero);
+    ParticleReport mine = report_of(pack.sums.data(), pack.m, pack.v, model_.law, here);
+    mine.finite = mine.finite && !any(negated(way2 - way2 == T(0)));
     out.report.merge(mine);
     const auto leaves = here & negated(way2 <= start.d * start.d);
     if (!any(leaves)) return;
@@ -195,10 +191,9 @@ class Advance {
       }
     }
     if (!rule.may_sleep) return;
-    int calm = 0;
     const auto rests = here & (rested >= T(rule.after));
-    for (int l = 0; l < pack.count; ++l) calm += rests[l] != 0;
-    if (calm >= rule.share * pack.count) out.events.calm.push_back(std::uint32_t(pack.p / group_rows<T>));
+    const T calm = sum_lanes(select(rests, splat<R>(1), splat<R>(0)));
+    if (calm >= T(rule.share * pack.count)) out.events.calm.push_back(std::uint32_t(pack.p / group_rows<T>));
   }
   void push(std::size_t p, std::vector<std::uint32_t>& wakes) const {
     const Neighbours<T>& lists = listing_.lists;
@@ -224,7 +219,7 @@ class Advance {
     const R yield = load<R>(s.yield.column(0) + p, count);
     const R risen = (born / J - born) * T(1 / model_.hardening);
     const R bearable = yield * exp(min(risen, splat<R>(80))) * r * r * T(3.14159265358979);
-    const R force = sqrt(opposed), across = sum[Sums::across], stiffness = sum[Sums::stiffness];
+    const R force = sqrt(opposed), across = sum[Sums::across], stiffness = stiffness_of(sum);
     const auto yields = here & (force > bearable) & (across > T(0)) & (stiffness > T(0));
     if (!any(yields)) return;
     const R pressed =
@@ -256,24 +251,26 @@ class Advance {
 }  // namespace detail
 
 // Move the particles that do not sleep by dt [s] with the forces in `sums`, and the gravity and the solids of `world`;
-// `exchanged` gets, by solid, what snow and solids gave each other, and `events` what there is to do.
+// `exchanged` gets, by solid, what snow and solids gave each other, and `events` what there is to do. `parts`: memory that is used
+// again.
 template <class T>
 ParticleReport advance(const ParticleModel<T>& model, const Model<T>& world, ParticleState<T>& s,
                        Listing<T>& listing, PairQuads<T>& quads, const Groups<T>& groups,
                        const PairSums<T>& sums, double dt, std::vector<Exchange>& exchanged,
-                       StepEvents& events) {
+                       StepEvents& events, std::vector<detail::ChunkResult<T>>& parts) {
   constexpr std::size_t chunk = 8;
   listing.elapsed += dt;
   const detail::Advance<T> move(model, world, listing, quads, groups.sleepers > 0, sums, dt);
   const std::vector<std::uint32_t>& awake = groups.awake;
-  std::vector<detail::ChunkResult<T>> parts((awake.size() + chunk - 1) / chunk);
+  parts.resize((awake.size() + chunk - 1) / chunk);
   each_index(parts.size(), [&](std::size_t c) {
+    parts[c].clear();
     for (std::size_t i = c * chunk; i < std::min(awake.size(), (c + 1) * chunk); ++i) {
       const std::size_t p = awake[i] * groups.lanes;
       move.batch(s, p, int(std::min(groups.lanes, s.count - p)), parts[c]);
     }
   });
-  std::vector<const BodyContacts<T>*> waiting;
+  std::vector<const BodyContacts<T, detail::ParticlePack<T>>*> waiting;
   for (const auto& part : parts) waiting.push_back(&part.waiting);
   const std::vector<Twist> U = body_velocities(world.bodies, waiting, dt);
   if (!U.empty()) each_index(parts.size(), [&](std::size_t c) { move.finish_waiting(s, U, parts[c]); });

@@ -3,32 +3,33 @@
 
 #include "coupling/body_solver.hpp"
 #include "particles/solid_contacts.hpp"
-#include "particles/step.hpp"
 
 namespace neve {
 
-// Particles of one chunk that may touch bodies in this step.
+// Particles that may touch bodies in this step.
 template <class T>
-struct BodyContacts {
+struct ContactPack {
   using R = Lanes<T>;
-  struct Pack {
-    std::size_t p;  // first particle
-    int count;
-    Vec3<R> x, v, out;  // v: after all but the bodies; out: what solids set them out [m]
-    R r, m;
-    std::array<R, PairSums<T>::count> sums;
-    std::size_t begin, end;  // of its contacts
-  };
-  std::vector<Pack> packs;
-  std::vector<SolidContact<R>> contacts;
+  std::size_t p;  // first particle
+  int count;
+  Vec3<R> x, v, out;  // v: after all but the bodies; out: what solids set them out [m]
+  R r, m;
+  std::size_t begin, end;  // of its contacts
+};
+
+// Those of one chunk. P: a ContactPack, or what holds more.
+template <class T, class P = ContactPack<T>>
+struct BodyContacts {
+  std::vector<P> packs;
+  std::vector<SolidContact<Lanes<T>>> contacts;
 };
 
 namespace detail {
 
 // Let the bodies, which move with U, act on a pack one after another; call visit(contact, v_co, v before, v after) for each.
 // Returns the velocities after.
-template <class T, class F>
-Vec3<Lanes<T>> touch_bodies(const BodyContacts<T>& all, const typename BodyContacts<T>::Pack& pack,
+template <class T, class P, class F>
+Vec3<Lanes<T>> touch_bodies(const BodyContacts<T, P>& all, const ContactPack<T>& pack,
                             const std::vector<Twist>& U, F&& visit) {
   Vec3<Lanes<T>> v = pack.v;
   for (std::size_t e = pack.begin; e < pack.end; ++e) {
@@ -41,52 +42,78 @@ Vec3<Lanes<T>> touch_bodies(const BodyContacts<T>& all, const typename BodyConta
   return v;
 }
 
+// What the snow does to one body, from some packs.
 template <class T>
-void add_to_response(ResponseOf<Doubles<Lanes<T>>>& sum, const SolidContact<Lanes<T>>& contact,
-                     const Lanes<T>& m, const Vec3<Lanes<T>>& v_co, const Vec3<Lanes<T>>& before,
-                     const Vec3<Lanes<T>>& after) {
+struct BodyPart {
+  ImpulseOf<Doubles<Lanes<T>>> impulse;
+  SlopeOf<Lanes<T>> slope;
+};
+
+template <class T>
+void add_impulse(BodyPart<T>& sum, const SolidContact<Lanes<T>>& contact, const Lanes<T>& m,
+                 const Vec3<Lanes<T>>& v_co, const Vec3<Lanes<T>>& before, const Vec3<Lanes<T>>& after) {
+  const auto met = contact.met(before, v_co);
+  if (any(met))
+    neve::add_impulse(sum.impulse, met, m, contact.arm, contact.sped(before), contact.sped(after));
+}
+
+template <class T>
+void add_slope(BodyPart<T>& sum, const SolidContact<Lanes<T>>& contact, const Lanes<T>& m,
+               const Vec3<Lanes<T>>& v_co, const Vec3<Lanes<T>>& before) {
   const auto met = contact.met(before, v_co), dry = met & negated(contact.runs);
-  const Vec3<Lanes<T>> from = contact.sped(before), to = contact.sped(after);
-  Solid<T> solid = *contact.solid;
-  solid.mode = contact.mode();
-  add_response(sum, solid, dry & contact.held, m, contact.n, contact.arm, {}, v_co, from, to);
-  solid.mode = ContactMode::separate;
-  add_response(sum, solid, dry & negated(contact.held), m, contact.n, contact.arm, {}, v_co, from, to);
-  solid.mu_c = 0;
-  add_response(sum, solid, met & contact.runs, m, contact.n, contact.arm, {}, v_co, from, to);
+  if (!any(met)) return;
+  const Vec3<Lanes<T>> from = contact.sped(before);
+  Solid<T> surface = *contact.solid;
+  const auto add = [&](const auto& lanes, ContactMode mode, T mu_c) {
+    if (!any(lanes)) return;
+    surface.mode = mode, surface.mu_c = mu_c;
+    neve::add_slope(sum.slope, surface, lanes, m, contact.n, contact.arm, {}, v_co, from);
+  };
+  const T mu_c = contact.solid->mu_c;
+  add(dry & contact.held, contact.mode(), mu_c);
+  add(dry & negated(contact.held), ContactMode::separate, mu_c);
+  add(met & contact.runs, ContactMode::separate, T(0));
 }
 
 }  // namespace detail
 
 // The velocities of the bodies after a step of dt [s], found together with those of the particles that touch them; none
 // if nothing does. Sums are made chunk by chunk, then in the order of the chunks, whatever the threads do.
-template <class T>
+template <class T, class P>
 std::vector<Twist> body_velocities(const CoupledBodies& bodies,
-                                   const std::vector<const BodyContacts<T>*>& chunks, double dt) {
-  std::vector<const BodyContacts<T>*> busy;
+                                   const std::vector<const BodyContacts<T, P>*>& chunks, double dt) {
+  std::vector<const BodyContacts<T, P>*> busy;
   for (const auto* chunk : chunks) {
     if (!chunk->packs.empty()) busy.push_back(chunk);
   }
   if (busy.empty()) return {};
   const std::size_t count = bodies.solids.size();
-  using Part = ResponseOf<Doubles<Lanes<T>>>;
-  std::vector<std::vector<Part>> parts(busy.size());
-  return BodyVelocitySolver(bodies, dt).solve([&](const std::vector<Twist>& U) {
+  std::vector<std::vector<detail::BodyPart<T>>> parts(busy.size());
+  const auto respond = [&](const std::vector<Twist>& U, bool slopes) {
     each_index(busy.size(), [&](std::size_t c) {
-      parts[c].assign(count, Part{});
+      parts[c].assign(count, {});
       for (const auto& pack : busy[c]->packs) {
-        detail::touch_bodies(*busy[c], pack, U, [&](const auto& contact, const auto&... velocities) {
-          detail::add_to_response<T>(parts[c][std::size_t(contact.solid->body)], contact, pack.m,
-                                     velocities...);
-        });
+        detail::touch_bodies(
+            *busy[c], pack, U,
+            [&](const auto& contact, const auto& v_co, const auto& before, const auto& after) {
+              detail::BodyPart<T>& sum = parts[c][std::size_t(contact.solid->body)];
+              if (slopes)
+                detail::add_slope(sum, contact, pack.m, v_co, before);
+              else
+                detail::add_impulse(sum, contact, pack.m, v_co, before, after);
+            });
       }
     });
     std::vector<BodyResponse> total(count);
     for (const auto& part : parts) {
-      for (std::size_t b = 0; b < count; ++b) total[b].add(detail::summed(part[b]));
+      for (std::size_t b = 0; b < count; ++b) {
+        for (int k = 0; k < 6; ++k) total[b].impulse[k] += sum_lanes(part[b].impulse.impulse[k]);
+        for (int k = 0; slopes && k < 36; ++k) total[b].slope[k] += double(sum_lanes(part[b].slope.slope[k]));
+      }
     }
     return total;
-  });
+  };
+  return BodyVelocitySolver(bodies, dt).solve(respond);
 }
 
 }  // namespace neve

@@ -1,7 +1,10 @@
 // When pairs are listed, and for how long lists hold.
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "neighbours/order.hpp"
 #include "neighbours/pair_lists.hpp"
@@ -55,11 +58,12 @@ struct Listing {
       return by_thread[std::size_t(thread[i])].rows.data() + from[i];
     }
   };
-  Found found, touched;  // memory that is used again
+  Found found;  // memory that is used again
+  std::vector<PairChange> changes;
   std::vector<char> moves;
 
   // Find the neighbours of the rows in f, and those of which something is remembered: each_kept(p, g) calls g(row) for
-  // these, in rising order.
+  // these, in rising order. Throws std::overflow_error with the most that can be listed if a row has more.
   template <class F>
   void find(Found& f, F&& each_kept) const {
     const std::size_t n = f.rows.size();
@@ -88,6 +92,8 @@ struct Listing {
         f.count[i] = std::uint32_t(count);
       }
     });
+    if (std::any_of(f.count.begin(), f.count.end(), [](std::uint32_t c) { return c > Neighbours<T>::most; }))
+      throw std::overflow_error(std::to_string(Neighbours<T>::most));
   }
   // find(f) with what the lists remember.
   void find(Found& f) const {
@@ -104,8 +110,6 @@ struct Listing {
     for (std::size_t i = 0; i < f.rows.size(); ++i) {
       const std::size_t g = std::size_t(f.rows[i]) / lanes;
       if (i == 0 || std::size_t(f.rows[i - 1]) / lanes != g) first.push_back(i);
-      if (f.count[i] > std::numeric_limits<std::uint16_t>::max())
-        throw std::length_error("a particle has more neighbours than can be listed");
       lists.make_room(g, f.count[i]);
     }
     first.push_back(f.rows.size());
@@ -118,21 +122,50 @@ struct Listing {
       }
     });
   }
+  // Let pairs join and leave lists; `all` are sorted. Throws as find().
+  void edit(const std::vector<PairChange>& all) {
+    const auto group = [&](std::size_t i) { return std::size_t(all[i].row) / group_rows<T>; };
+    std::vector<std::size_t> first;  // of each group
+    std::size_t joins = 0;           // those of the row so far
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i == 0 || group(i) != group(i - 1)) first.push_back(i);
+      joins = (i > 0 && all[i].row == all[i - 1].row ? joins : 0) + all[i].joins;
+      const std::size_t wanted = lists.filled[std::size_t(all[i].row)] + joins;
+      if (wanted > Neighbours<T>::most) throw std::overflow_error(std::to_string(Neighbours<T>::most));
+      lists.make_room(group(i), wanted);
+    }
+    first.push_back(all.size());
+    each_chunk(first.size() - 1, [&](int, std::size_t begin, std::size_t end) {
+      PairMemory<T> spare;
+      for (std::size_t k = begin; k < end; ++k) {
+        for (std::size_t i = first[k], j = i; i < first[k + 1]; i = j) {
+          while (j < first[k + 1] && all[j].row == all[i].row) ++j;
+          lists.edit(std::size_t(all[i].row), all.data() + i, all.data() + j, spare);
+        }
+        lists.count_slots(group(first[k]));
+      }
+    });
+  }
 };
+
+// The mean velocity of all particles [m/s]; none if there is no finite one.
+template <class T>
+Vec3<double> mean_velocity(const ParticleState<T>& s) {
+  Vec3<double> out{};
+  for (int k = 0; s.count > 0 && k < 3; ++k) {
+    double sum = 0;
+    for (std::size_t p = 0; p < s.count; ++p) sum += double(s.v.column(k)[p]);
+    out[k] = std::isfinite(sum) ? sum / double(s.count) : 0.0;
+  }
+  return out;
+}
 
 // List all pairs anew; `memory` is what is remembered of them, by the rows that are, each row's sorted. `shares_drift`: particles may be
 // expected to go on as fast as they go in the mean. Throws std::domain_error with the birth number of a lost particle.
 template <class T>
 void list_all(const ParticleState<T>& s, Listing<T>& l, const PairMemory<T>& memory, bool shares_drift) {
   constexpr std::size_t lanes = group_rows<T>;
-  l.drift = {}, l.elapsed = 0;
-  if (shares_drift && s.count > 0) {
-    for (int k = 0; k < 3; ++k) {
-      double sum = 0;
-      for (std::size_t p = 0; p < s.count; ++p) sum += double(s.v.column(k)[p]);
-      l.drift[k] = std::isfinite(sum) ? sum / double(s.count) : 0.0;
-    }
-  }
+  l.drift = shares_drift ? mean_velocity(s) : Vec3<double>{}, l.elapsed = 0;
   l.grid.clear(l.near * (1 + 2 * l.most_way), s.count);
   auto& all = l.found;
   all.rows.resize(s.count);
@@ -177,38 +210,31 @@ void list_moved(const ParticleState<T>& s, Listing<T>& l, const std::vector<std:
   l.found.rows = moved;
   l.find(l.found);
   // those that pairs join or leave
-  std::vector<std::vector<std::int32_t>> parts(static_cast<std::size_t>(thread_count()));
+  std::vector<std::vector<PairChange>> parts(static_cast<std::size_t>(thread_count()));
   each_chunk(moved.size(), [&](int chunk, std::size_t begin, std::size_t end) {
     auto& mine = parts[std::size_t(chunk)];
-    const auto note = [&](std::int32_t q) {
-      if (!l.moves[std::size_t(q)]) mine.push_back(q);
-    };
     for (std::size_t i = begin; i < end; ++i) {
+      const auto note = [&](std::int32_t q, bool joins) {
+        if (!l.moves[std::size_t(q)]) mine.push_back({q, moved[i], joins});
+      };
       const std::int32_t* now = l.found.of(i);
       const std::int32_t* last = now + l.found.count[i];
       l.lists.each(std::size_t(moved[i]), [&](std::uint32_t e) {
-        while (now != last && *now < l.lists.row[e]) note(*now++);
+        while (now != last && *now < l.lists.row[e]) note(*now++, true);
         if (now != last && *now == l.lists.row[e])
           ++now;
         else
-          note(l.lists.row[e]);
+          note(l.lists.row[e], false);
       });
-      while (now != last) note(*now++);
+      while (now != last) note(*now++, true);
     }
   });
-  auto& others = l.touched.rows;
-  others.clear();
-  for (const auto& part : parts) {
-    for (const std::int32_t q : part) {
-      if (!l.moves[std::size_t(q)]) l.moves[std::size_t(q)] = 1, others.push_back(q);
-    }
-  }
   for (const std::int32_t p : moved) l.moves[std::size_t(p)] = 0;
-  for (const std::int32_t q : others) l.moves[std::size_t(q)] = 0;
-  std::sort(others.begin(), others.end());
-  l.find(l.touched);
+  l.changes.clear();
+  for (const auto& part : parts) l.changes.insert(l.changes.end(), part.begin(), part.end());
+  std::sort(l.changes.begin(), l.changes.end());
   l.write(l.found);
-  l.write(l.touched);
+  l.edit(l.changes);
 }
 
 // Bond all pairs of particles of one source whose birth numbers are `first` or more and whose gap is at most `gap` of their

@@ -26,12 +26,7 @@ template <class T>
 double stored(const ParticleState<T>& s, const Neighbours<T>& lists, const ContactLaw<T>& law, std::size_t p,
               std::uint32_t e) {
   const auto q = std::size_t(lists.row[e]);
-  double d2 = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double d = double(s.x.column(k)[p]) - double(s.x.column(k)[q]);
-    d2 += d * d;
-  }
-  const double overlap = double(s.radius.column(0)[p]) + double(s.radius.column(0)[q]) - std::sqrt(d2);
+  const double overlap = double(s.radius.column(0)[p]) + double(s.radius.column(0)[q]) - distance(s, p, q);
   const double k = 0.5 * (double(s.k.column(0)[p]) + double(s.k.column(0)[q]));
   const double a = lists.a[e], b = lists.b[e], c = lists.c[e];
   const double hold = lists.hold[e];
@@ -39,6 +34,19 @@ double stored(const ParticleState<T>& s, const Neighbours<T>& lists, const Conta
   if (overlap <= hold) return 0.0;  // the gap that a contact bridges is -hold
   const double rubbed = hold < 0 ? double(law.tangential) * (a * a + b * b + c * c) : 0.0;
   return 0.25 * k * (overlap * overlap + rubbed);
+}
+
+// Add what particle p has by itself to `sum`.
+template <class T>
+void add_particle(const ParticleState<T>& s, const Vec3<T>& gravity, std::size_t p, ParticleTotals& sum) {
+  const double m = s.m.column(0)[p];
+  sum.mass += m, sum.heat += s.enthalpy[p], sum.water += m * heat::liquid(s.enthalpy[p], m);
+  for (int k = 0; k < 3; ++k) {
+    const double v = s.v.column(k)[p];
+    sum.momentum[k] += m * v;
+    sum.kinetic += 0.5 * m * v * v;
+    sum.potential -= m * double(gravity[k]) * double(s.x.column(k)[p]);
+  }
 }
 
 }  // namespace detail
@@ -52,14 +60,7 @@ ParticleTotals totals(const ContactLaw<T>& law, const Vec3<T>& gravity, const Pa
   each_index(parts.size(), [&](std::size_t part) {
     ParticleTotals& sum = parts[part];
     for (std::size_t p = part * chunk; p < std::min(s.count, (part + 1) * chunk); ++p) {
-      const double m = s.m.column(0)[p];
-      sum.mass += m, sum.heat += s.enthalpy[p], sum.water += m * heat::liquid(s.enthalpy[p], m);
-      for (int k = 0; k < 3; ++k) {
-        const double v = s.v.column(k)[p];
-        sum.momentum[k] += m * v;
-        sum.kinetic += 0.5 * m * v * v;
-        sum.potential -= m * double(gravity[k]) * double(s.x.column(k)[p]);
-      }
+      detail::add_particle(s, gravity, p, sum);
       lists.each(p, [&](std::uint32_t e) {
         sum.elastic += detail::stored(s, lists, law, p, e);
         sum.bonds += 0.5 * (lists.hold[e] > T(0));
@@ -70,6 +71,27 @@ ParticleTotals totals(const ContactLaw<T>& law, const Vec3<T>& gravity, const Pa
   ParticleTotals total;
   for (const ParticleTotals& part : parts) total.add(part);
   return total;
+}
+
+// What is lost with the particles at `rows`, in this order: what they have, and what their pairs store with each other and with the
+// others. Pairs that are not listed store nothing.
+template <class T>
+ParticleTotals totals_of(const ContactLaw<T>& law, const Vec3<T>& gravity, const ParticleState<T>& s,
+                         const Neighbours<T>& lists, const std::vector<std::uint32_t>& rows) {
+  std::vector<char> among(s.count, 0);
+  for (const std::uint32_t p : rows) among[p] = 1;
+  ParticleTotals sum;
+  for (const std::uint32_t p : rows) {
+    detail::add_particle(s, gravity, p, sum);
+    if (lists.rows != s.count) continue;
+    lists.each(p, [&](std::uint32_t e) {
+      const double share = among[std::size_t(lists.row[e])] ? 1 : 2;  // of the half seen from p
+      sum.elastic += share * detail::stored(s, lists, law, p, e);
+      sum.bonds += 0.5 * share * (lists.hold[e] > T(0));
+      sum.contacts += 0.5 * share * (lists.hold[e] < T(0));
+    });
+  }
+  return sum;
 }
 
 }  // namespace neve

@@ -8,6 +8,7 @@
 #include "cpu/fields.hpp"
 #include "mpm/model.hpp"
 #include "particles/listing.hpp"
+#include "particles/solid_contact.hpp"
 
 namespace neve {
 
@@ -18,12 +19,6 @@ struct SleepRule {
   double slow = 0;   // what does not rest, but hangs on what does, may sleep with it if it is slower [m/s]
   static constexpr double share = 0.75;  // of a group that must rest
   bool may_sleep = true;                 // now
-};
-
-template <class T>
-struct Around {
-  Vec3<T> middle{};
-  T radius{};
 };
 
 // Which groups sleep. `awake` are the others, in rising order.
@@ -235,15 +230,6 @@ void put_to_sleep(ParticleState<T>& s, Neighbours<T>& lists, PairQuads<T>& quads
   }
 }
 
-// Whether a solid that moves may be within `play` [m] of a ball.
-template <class T>
-bool solid_moves_near(const Model<T>& world, const Around<T>& ball, double play) {
-  for (const Solid<T>& solid : world.solids) {
-    if (detail::moves(solid) && is_near(solid, ball.middle, T(ball.radius + T(play)))) return true;
-  }
-  return false;
-}
-
 // Whether a solid that moves is within `play` [m] of a particle of group g, which `ball` is around.
 template <class T>
 bool solid_moves_near(const Model<T>& world, const ParticleState<T>& s, std::size_t g, const Around<T>& ball,
@@ -258,23 +244,6 @@ bool solid_moves_near(const Model<T>& world, const ParticleState<T>& s, std::siz
     if (any(first_lanes<R>(count) & (gap <= T(play)))) return true;
   }
   return false;
-}
-
-// The sleeping groups that a moving solid has come to, within `play` [m].
-template <class T>
-std::vector<std::uint32_t> met_by_solids(const Model<T>& world, const ParticleState<T>& s,
-                                         const Groups<T>& groups, double play) {
-  std::vector<std::uint32_t> out;
-  for (std::size_t k = 0; k < groups.crowd_ball.size(); ++k) {
-    const Around<T>& crowd = groups.crowd_ball[k];
-    if (crowd.radius < T(0) || !solid_moves_near(world, crowd, play)) continue;
-    for (std::size_t g = k * groups.in_crowd; g < std::min(groups.asleep.size(), (k + 1) * groups.in_crowd);
-         ++g) {
-      if (groups.asleep[g] && solid_moves_near(world, s, g, groups.ball[g], play))
-        out.push_back(std::uint32_t(g));
-    }
-  }
-  return out;
 }
 
 }  // namespace neve

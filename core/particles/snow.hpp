@@ -3,6 +3,7 @@
 
 #include "heat/enthalpy.hpp"
 #include "particles/advance.hpp"
+#include "particles/clearance.hpp"
 
 namespace neve {
 
@@ -17,12 +18,17 @@ struct ParticleSnow {
   PairQuads<T> quads;
   PairSums<T> sums;
   Groups<T> groups;
+  Clearance<T> clearance;
   StepEvents events;
+  std::vector<detail::ChunkResult<T>> parts;  // of a step: memory that is used again
   std::vector<Exchange> exchanged;
+  PairMemory<T> carried;   // of pairs that are not listed yet
   std::int64_t wide = -1;  // groups that were wide when rows were last sorted; below zero: they never were
 
   // Whether something has to be done before the next step.
   bool is_due() const { return events.any() || groups.sleepers > 0; }
+  // What is remembered of all pairs, listed or not.
+  PairMemory<T> memory() const { return listing.made_for(state.count) ? memory_of(listing.lists) : carried; }
   // Every row knows what is remembered of its pairs, sleepers as well.
   void remind() {
     if (listing.made_for(state.count)) remind_sleepers(listing.lists, groups);
@@ -37,7 +43,7 @@ inline constexpr double wide_group = 4;
 // How near a moving solid wakes snow, in radii; a radius farther snow falls asleep again.
 inline constexpr double solid_play = 1.5;
 
-// How many steps apart the forces on sleepers are looked at, and by how many weights they may change.
+// How many steps apart it is seen what falls asleep, and whether the forces on sleepers have changed by so many weights.
 inline constexpr std::int64_t steps_unseen = 8;
 inline constexpr double most_weight = 8;
 
@@ -105,6 +111,15 @@ std::vector<std::int32_t> moved_rows(const ParticleSnow<T>& snow) {
   return out;
 }
 
+// Whether particles no longer go on as fast as they were expected to: what has landed would be listed again and again.
+template <class T>
+bool drift_is_over(const ParticleSnow<T>& snow) {
+  const Vec3<double>& drift = snow.listing.drift;
+  if (!(dot(drift, drift) > 0)) return false;
+  const Vec3<double> off = mean_velocity(snow.state) - drift;
+  return dot(off, off) > 0.25 * dot(drift, drift);
+}
+
 // List the pairs of rows that have moved.
 template <class T>
 void relist(ParticleSnow<T>& snow, const std::vector<std::int32_t>& moved) {
@@ -139,8 +154,9 @@ void prepare(ParticleSnow<T>& snow, double near, double dt) {
   const std::int64_t allowed = 2 * snow.wide + std::int64_t(snow.groups.asleep.size() / 16);
   const bool sorts = snow.wide < 0 || detail::wide_groups(s, near) > allowed;
   listing.dt = dt;
-  if (!made || wasteful || sorts) {
-    PairMemory<T> memory = memory_of(listing.lists);
+  if (!made || wasteful || sorts || detail::drift_is_over(snow)) {
+    PairMemory<T> memory = snow.memory();
+    snow.carried = {};
     listing.near = near;
     if (sorts) {
       detail::sort_rows(snow, memory);
@@ -156,23 +172,45 @@ void prepare(ParticleSnow<T>& snow, double near, double dt) {
     for (std::size_t p = begin; p < end; ++p) snow.quads.set(s, p, snow.groups.asleep[p / snow.groups.lanes]);
   });
   detail::set_all_balls(s, snow.groups);
+  snow.clearance.clear();
   snow.events.clear();
 }
 
-// After step number `steps`: list the pairs of what has moved, wake what was pushed or what a solid comes to, put to sleep what has
-// rested. Now and then see whether forces on sleepers have changed.
+// The groups of `calm`, sorted, that may fall asleep: what does not rest of them swings, and no moving solid is near.
+template <class T>
+std::vector<std::uint32_t> drowsy(const ParticleSnow<T>& snow, const Model<T>& world,
+                                  std::vector<std::uint32_t> calm, double play) {
+  std::sort(calm.begin(), calm.end());
+  std::vector<char> may(calm.size(), 0);
+  each_index(calm.size(), [&](std::size_t i) {
+    const std::size_t g = calm[i];
+    if (!only_swings(snow.state, snow.listing.lists, g, snow.model.sleep)) return;
+    const Around<T> ball =
+        detail::ball_of(snow.state, g * snow.groups.lanes, detail::end_of_group(snow.state, g));
+    may[i] = !solid_moves_near(world, snow.state, g, ball, play);
+  });
+  std::vector<std::uint32_t> out;
+  for (std::size_t i = 0; i < calm.size(); ++i) {
+    if (may[i]) out.push_back(calm[i]);
+  }
+  return out;
+}
+
+// After step number `steps`: list the pairs of what has moved, wake what was pushed or what a solid comes to. Now and then put to
+// sleep what has rested, and see whether forces on sleepers have changed.
 template <class T>
 void renew(ParticleSnow<T>& snow, const Model<T>& world, std::int64_t steps) {
   ParticleState<T>& s = snow.state;
   StepEvents& events = snow.events;
+  const bool sees = steps % detail::steps_unseen == 0;
   const double play = detail::solid_play * snow.bounds.radius;
   if (!std::is_sorted(events.moved.begin(), events.moved.end()))
     std::sort(events.moved.begin(), events.moved.end());
   detail::relist(snow, events.moved);
   if (snow.groups.sleepers > 0) {
-    const auto met = met_by_solids(world, s, snow.groups, play);
+    const auto met = snow.clearance.met(world, s, snow.groups, play);
     events.wakes.insert(events.wakes.end(), met.begin(), met.end());
-    if (steps % detail::steps_unseen == 0) {
+    if (sees) {
       const double most = detail::most_weight * std::sqrt(double(dot(world.gravity, world.gravity))) +
                           snow.model.sleep.way / (snow.model.sleep.after * snow.model.sleep.after);
       const auto pushed =
@@ -183,16 +221,12 @@ void renew(ParticleSnow<T>& snow, const Model<T>& world, std::int64_t steps) {
   std::sort(events.wakes.begin(), events.wakes.end());
   events.wakes.erase(std::unique(events.wakes.begin(), events.wakes.end()), events.wakes.end());
   if (!events.wakes.empty()) wake(s, snow.listing.lists, snow.quads, snow.groups, events.wakes);
-  std::vector<std::uint32_t> calm;
-  for (const std::uint32_t g : events.calm) {
-    if (!only_swings(s, snow.listing.lists, g, snow.model.sleep)) continue;
-    const Around<T> ball = detail::ball_of(s, g * snow.groups.lanes, detail::end_of_group(s, g));
-    if (!solid_moves_near(world, s, g, ball, play + snow.bounds.radius)) calm.push_back(g);
-  }
-  std::sort(calm.begin(), calm.end());
+  const auto calm = sees ? drowsy(snow, world, std::move(events.calm), play + snow.bounds.radius)
+                         : std::vector<std::uint32_t>();
   if (!calm.empty()) {
     const bool drifts = snow.groups.sleepers == 0 && dot(snow.listing.drift, snow.listing.drift) > 0;
     put_to_sleep(s, snow.listing.lists, snow.quads, snow.groups, snow.sums.values, calm);
+    for (const std::uint32_t g : calm) snow.clearance.clear(g / snow.groups.in_crowd);
     if (drifts) detail::list_anew(snow, memory_of(snow.listing.lists));
   }
   events.clear();
@@ -203,7 +237,7 @@ template <class T>
 ParticleReport take_step(ParticleSnow<T>& snow, const Model<T>& world, double dt) {
   pair_forces(snow.listing.lists, snow.model.law, snow.quads, snow.groups, snow.sums, snow.events.wakes);
   const ParticleReport report = advance(snow.model, world, snow.state, snow.listing, snow.quads, snow.groups,
-                                        snow.sums, dt, snow.exchanged, snow.events);
+                                        snow.sums, dt, snow.exchanged, snow.events, snow.parts);
   snow.model.law.dt = T(dt);
   return report;
 }

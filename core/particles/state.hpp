@@ -74,6 +74,21 @@ struct ParticleState {
   }
 };
 
+namespace detail {
+
+// Distance of particles p and q [m].
+template <class T>
+double distance(const ParticleState<T>& s, std::size_t p, std::size_t q) {
+  double d2 = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double d = double(s.x.column(k)[p]) - double(s.x.column(k)[q]);
+    d2 += d * d;
+  }
+  return std::sqrt(d2);
+}
+
+}  // namespace detail
+
 // Stiffness of water's contacts over that of the snow it was [1].
 inline constexpr double soft = 0.1;
 
@@ -81,15 +96,10 @@ inline constexpr double soft = 0.1;
 struct ConstantBounds {
   double stiffest = 0;  // largest k / m of a particle [1/s2]
   double radius = 0;    // largest at birth [m]
-  double stretch = 0;   // largest bond strain that is one [1]
   void merge(const ConstantBounds& o) {
-    stiffest = std::max(stiffest, o.stiffest), radius = std::max(radius, o.radius),
-    stretch = std::max(stretch, o.stretch);
+    stiffest = std::max(stiffest, o.stiffest), radius = std::max(radius, o.radius);
   }
 };
-
-// Strains from here on are those of bonds that never break [1].
-inline constexpr double never = 1e20;
 
 // Fill the columns of particle p that follow from others. The stiffness of contacts stays while a particle is compacted: its
 // modulus rises as its radius falls. With the liquid share it falls, and strength and friction go.
@@ -116,8 +126,7 @@ ConstantBounds derive(ParticleState<T>& s, const std::vector<ContactMaterial>& t
         s.born.column(0)[p] = T(std::cbrt(packing * double(V0) * 0.75 / 3.14159265358979));
       }
       derive(s, table, p);
-      const double k = s.k.column(0)[p], bond = s.bond.column(0)[p];
-      mine.merge({k / double(s.m.column(0)[p]), double(s.born.column(0)[p]), bond < never ? bond : 0.0});
+      mine.merge({double(s.k.column(0)[p]) / double(s.m.column(0)[p]), double(s.born.column(0)[p])});
     }
     parts[std::size_t(chunk)] = mine;
   });

@@ -9,7 +9,7 @@ namespace neve {
 template <class T>
 struct ParticleModel {
   ContactLaw<T> law;
-  double ice = 917;  // density at which snow is compacted no more [kg/m3]
+  double ice = ice_density;  // density at which snow is compacted no more [kg/m3]
   SleepRule sleep;
   double hardening = 100;  // rise of density by which the yield pressure grows e-fold [kg/m3]
 };
@@ -18,8 +18,8 @@ struct ParticleModel {
 template <class T>
 struct PairSums {
   // First columns of: the force (3), the parts of forces across along +x +y +z (3) and along -x -y -z (3), forces across
-  // [N], stiffness [N/m].
-  static constexpr int force = 0, along = 3, against = 6, across = 9, stiffness = 10, count = 11;
+  // [N]; stiffness [N/m]: `springs`, the sum of w n n^T (xx yy zz xy xz yz), and `shear`, that of what acts in every direction.
+  static constexpr int force = 0, along = 3, against = 6, across = 9, springs = 10, shear = 16, count = 17;
   Columns<T> values{count};
 };
 
@@ -27,12 +27,49 @@ struct PairSums {
 struct ParticleReport {
   double speed = 0;     // largest [m/s]
   double stiffest = 0;  // largest sum of the stiffness of a particle's contacts over its mass [1/s2]
+  double rate = 0;      // largest of `stable_rate` [1/s]
   bool finite = true;
   void merge(const ParticleReport& o) {
-    speed = std::max(speed, o.speed), stiffest = std::max(stiffest, o.stiffest);
+    speed = std::max(speed, o.speed), stiffest = std::max(stiffest, o.stiffest),
+    rate = std::max(rate, o.rate);
     finite = finite && o.finite;
   }
 };
+
+// The inverse of the longest step that is stable for particles whose springs answer a displacement u with at most stiffness u,
+// and dampers a velocity with at most damper v, both over the mass [1/s2, 1/s], while all other particles stay.
+//
+// The energy of a pair's spring is k (n.u_i - n.u_j)^2 / 2 <= k (n.u_i)^2 + k (n.u_j)^2: so all springs together are at most
+// twice as stiff as those of each particle alone, dampers likewise. Symplectic Euler is stable while dt^2 K + 2 dt C < 4 M, which
+// holds where dt^2 stiffness / 2 + dt damper < 1 for each particle.
+template <class R>
+inline R stable_rate(const R& stiffness, const R& damper) {
+  using T = scalar_t<R>;
+  return (damper + sqrt(R(damper * damper + stiffness * T(2)))) * T(0.5);
+}
+
+// At most the largest eigenvalue of a symmetric matrix xx yy zz xy xz yz (Wolkowicz and Styan 1980): from the mean of all three
+// and their standard deviation.
+template <class R>
+inline R largest_eigenvalue(const R* a) {
+  using T = scalar_t<R>;
+  const R mean = (a[0] + a[1] + a[2]) * T(1.0 / 3);
+  const R x = a[0] - mean, y = a[1] - mean, z = a[2] - mean;
+  const R squares = x * x + y * y + z * z + (a[3] * a[3] + a[4] * a[4] + a[5] * a[5]) * T(2);
+  return mean + sqrt(R(squares * T(2.0 / 3)));
+}
+
+// `stable_rate` of particles of mass m with these PairSums. A contact's spring is k across and t k along it: t k in every direction,
+// and (1 - t) k across. Its dampers are at most `damping` k in every direction, those of a bond `damping` k across.
+template <class R>
+inline R rate_of(const R* sums, const R& m, const ContactLaw<scalar_t<R>>& law) {
+  using T = scalar_t<R>;
+  using Sums = PairSums<T>;
+  const R across = largest_eigenvalue(sums + Sums::springs), shear = sums[Sums::shear];
+  const R inv = T(1) / m;
+  return stable_rate(R((across + shear) * inv),
+                     R((across + shear * (T(1) / law.tangential)) * inv * law.damping));
+}
 
 namespace detail {
 
@@ -107,7 +144,17 @@ class GroupForces {
       sums[Sums::against + i] += max(R(-normal), zero);
     }
     sums[Sums::across] += across;
-    sums[Sums::stiffness] += select(active, k, zero);
+    add_stiffness(pair, select(active, k, zero), select(bonded, zero, splat<R>(law_.tangential)), sums);
+  }
+
+  // Springs of the stiffness k [N/m], of which the share `along` acts in every direction.
+  void add_stiffness(const Pair<R>& pair, const R& k, const R& along, R* sums) const {
+    const R shear = k * along, w = k - shear;
+    const Vec3<R> wn = pair.n * w;
+    R* springs = sums + Sums::springs;
+    springs[0] += wn.x * pair.n.x, springs[1] += wn.y * pair.n.y, springs[2] += wn.z * pair.n.z;
+    springs[3] += wn.x * pair.n.y, springs[4] += wn.x * pair.n.z, springs[5] += wn.y * pair.n.z;
+    sums[Sums::shear] += shear;
   }
 
   // The contacts among the lanes `touching`: their forces join `across` and `force`. Returns which of them hold on.
@@ -201,26 +248,45 @@ std::vector<std::uint32_t> unsettled(const ParticleState<T>& s, Neighbours<T>& l
   return out;
 }
 
-// How stiff the contacts and bonds of the particles that do not sleep are, and how fast these are.
+// The sum of the stiffness of each particle's springs across [N/m].
+template <class R>
+inline R stiffness_of(const R* sums) {
+  using Sums = PairSums<scalar_t<R>>;
+  return sums[Sums::springs] + sums[Sums::springs + 1] + sums[Sums::springs + 2] + sums[Sums::shear];
+}
+
+// What the particles of a pack of mass m that move with v tell: those of the lanes `here`.
+template <class R>
+ParticleReport report_of(const R* sums, const R& m, const Vec3<R>& v, const ContactLaw<scalar_t<R>>& law,
+                         const auto& here) {
+  const R zero = splat<R>(0);
+  const R v2 = select(here, dot(v, v), zero), stiffness = select(here, R(stiffness_of(sums) / m), zero);
+  const R rate = select(here, rate_of(sums, m, law), zero);
+  ParticleReport out;
+  out.finite = !any(negated(v2 - v2 + (rate - rate) == zero));
+  out.speed = std::sqrt(double(max_lane(v2)));
+  out.stiffest = double(max_lane(stiffness)), out.rate = double(max_lane(rate));
+  return out;
+}
+
+// How stiff the contacts and bonds of the particles that do not sleep are, and how fast these are. `sums` is overwritten.
 template <class T>
-ParticleReport stiffness_of(const ParticleState<T>& s, const Neighbours<T>& lists, const Groups<T>& groups) {
-  const T *x = s.x.column(0), *y = s.x.column(1), *z = s.x.column(2), *r = s.radius.column(0);
+ParticleReport stiffness_now(const ParticleState<T>& s, Neighbours<T>& lists, const ContactLaw<T>& law,
+                             const PairQuads<T>& quads, const Groups<T>& groups, PairSums<T>& sums) {
+  using R = Lanes<T>;
+  if (sums.values.size() != lists.rows) sums.values.resize(lists.rows);
   return merge_each<ParticleReport>(groups.awake.size(), [&](std::size_t i) {
-    const std::size_t g = groups.awake[i];
-    ParticleReport out;
-    for (std::size_t p = g * groups.lanes; p < detail::end_of_group(s, g); ++p) {
-      double sum = 0, v2 = 0;
-      lists.each(p, [&](std::uint32_t e) {
-        const auto q = std::size_t(lists.row[e]);
-        const T dx = x[p] - x[q], dy = y[p] - y[q], dz = z[p] - z[q], radii = r[p] + r[q];
-        if (lists.hold[e] != T(0) || dx * dx + dy * dy + dz * dz < radii * radii)
-          sum += 0.5 * (double(s.k.column(0)[p]) + double(s.k.column(0)[q]));
-      });
-      for (int k = 0; k < 3; ++k) v2 += double(s.v.column(k)[p]) * double(s.v.column(k)[p]);
-      out.stiffest = std::max(out.stiffest, sum / double(s.m.column(0)[p]));
-      out.speed = std::max(out.speed, std::sqrt(v2));
-      out.finite = out.finite && std::isfinite(sum + v2) && std::isfinite(x[p] + y[p] + z[p]);
-    }
+    const std::size_t p = groups.awake[i] * groups.lanes;
+    const int count = int(detail::end_of_group(s, groups.awake[i]) - p);
+    std::vector<std::uint32_t> none;
+    detail::GroupForces<T>(quads, lists, law, none).template of<false>(groups.awake[i], sums.values);
+    R of[PairSums<T>::count];
+    for (int k = 0; k < PairSums<T>::count; ++k) of[k] = load<R>(sums.values.column(k) + p, count);
+    const auto here = first_lanes<R>(count);
+    const R m = select(here, load<R>(s.m.column(0) + p, count), splat<R>(1));
+    const Vec3<R> x = load_vector<R>(s.x, p, count);
+    ParticleReport out = report_of(of, m, load_vector<R>(s.v, p, count), law, here);
+    out.finite = out.finite && !any(here & negated(dot(x, x) - dot(x, x) == splat<R>(0)));
     return out;
   });
 }

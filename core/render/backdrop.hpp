@@ -3,8 +3,7 @@
 // them is found anew in each frame, on a coarse lattice where it varies slowly.
 #pragma once
 
-#include <array>
-
+#include "render/arrival.hpp"
 #include "render/puddle.hpp"
 #include "render/splat.hpp"
 
@@ -12,18 +11,21 @@ namespace neve::render {
 
 class Backdrop {
  public:
+  static constexpr int cell = Samples::cell / Samples::per_axis;  // pixels between the nodes of the lattice
+
   // leaf: as of SolidSet.
   Backdrop(const Camera& camera, const Light& light, std::uint32_t leaf)
       : camera_(camera),
         light_(light),
         sky_(light),
         size_(std::size_t(camera.width) * std::size_t(camera.height)),
-        solid_(size_, unknown),
+        solid_(size_, Node::unknown),
         point_(size_),
         past_(size_),
         rows_((camera.height - 1) / cell + 2),
         columns_((camera.width - 1) / cell + 2),
         node_(std::size_t(rows_) * std::size_t(columns_)),
+        replaced_(node_.size()),
         set_(camera.eye, leaf) {}
 
   const Sky& sky() const { return sky_; }
@@ -40,6 +42,7 @@ class Backdrop {
   // Take in the solids of this frame: describe the pixels that show something that was not there before.
   // still, moving: the meshes that rest and the others.
   void place(const std::vector<Solid>& solids, const Raster& still, const Raster& moving) {
+    std::fill(replaced_.begin(), replaced_.end(), 0);
     std::vector<std::uint8_t> moved(solids.size(), 1);
     any_ = !known_ || solids.size() != this->solids().size();
     bool plain = any_;  // whether a solid that is no mesh has moved
@@ -68,20 +71,28 @@ class Backdrop {
   // Find sun and sky on the lattice wherever one of the cells around a node shows the set.
   void illuminate(const Density& snow, const Samples& samples) {
     snow_ = &snow;
-    std::vector<std::uint8_t> shows(node_.size(), 0);
-#pragma omp parallel
-    {
-#pragma omp for schedule(dynamic, 4)
-      for (int i = 0; i < rows_ - 1; ++i) look_at_cells(i, samples, shows);
-#pragma omp for schedule(dynamic, 4)
-      for (int i = 0; i < rows_; ++i)
-        for (int j = 0; j < columns_; ++j) {
-          Node& node = node_[at(i, j)];
-          if (any_) node.placed = false;
-          node.shown = node_shows(shows, i, j);
-          if (node.shown) light_node(node, i, j);
-        }
-    }
+#pragma omp parallel for schedule(dynamic, 4)
+    for (int i = 0; i < rows_; ++i)
+      for (int j = 0; j < columns_; ++j) {
+        Node& node = node_[at(i, j)];
+        if (any_) node.placed = false;
+        node.shown = node_shows(samples, i, j);
+        node.changed = node.shown && light_node(node, i, j);
+      }
+  }
+
+  // Whether the light of a cell of the lattice that shows `solid` in all its samples, or the sky, is interpolated from
+  // its nodes, which alone it then depends on.
+  bool interpolates(int i, int j, int solid) const {
+    if (solid < 0) return true;
+    const Corners nodes = corners(i, j);
+    return puddles_.empty() && nodes.show(solid) &&
+           std::all_of(std::begin(shares_of_light), std::end(shares_of_light),
+                       [&](Share s) { return nodes.alike(s, snow_->cell_size()); });
+  }
+  // Whether such a cell looks as it did in the frame before.
+  bool unchanged(int i, int j) const {
+    return !replaced_[at(i, j)] && puddles_.empty() && !corners(i, j).changed();
   }
 
   // Light of the set in pixel (r, c).
@@ -115,31 +126,11 @@ class Backdrop {
 
  private:
   using Nearest = SolidSet::Nearest;
-  static constexpr int cell = 4;  // pixels between the nodes of the lattice
-  static constexpr int unknown = -2;
-  // Between nodes that differ by more than this the light is found pixel by pixel.
-  static constexpr float smooth = 0.06f;
 
   // Shares of sun and sky that solids leave to a point.
   struct Past {
     float sun = -1, sky = -1;  // below zero: not known
   };
-  // What arrives at a point of the set: shares of the sun past snow, solids at rest and other solids, and of the sky.
-  enum Share { snow_sun, snow_sky, static_sun, static_sky, moving_sun, moving_sky };
-  using Arrival = std::array<float, 6>;
-  struct Node {
-    Arrival arrival{1, 1, -1, -1, 1, 1};
-    Vec3f point{};
-    Hit hit;
-    int solid = unknown;
-    bool placed = false;  // whether solid and hit are those of this frame
-    bool shown = false;   // whether what arrives is that of this frame
-  };
-
-  static Vec3f compose(const SetPoint& set, const Arrival& a) {
-    return set.sun * (a[snow_sun] * a[static_sun] * a[moving_sun]) +
-           set.sky * (a[snow_sky] * a[static_sky] * a[moving_sky]) + set.unshadowed;
-  }
   // Light of a point of `solid`, seen along the ray, with the water that lies there.
   Vec3f wetted(const SetPoint& set, const Arrival& a, int solid, Vec3f ray) const {
     const Vec3f dry = compose(set, a);
@@ -166,7 +157,7 @@ class Backdrop {
     if (hit.t > 1e20f) return sky_point(sky_, light_, ray).unshadowed;
     const Vec3f point = camera_.eye + ray * hit.t;
     Arrival here;
-    for (int s = snow_sun; s <= moving_sky; ++s) here[std::size_t(s)] = arrival(Share(s), self, point, hit);
+    for (Share s : shares_of_light) here[s] = arrival(s, self, point, hit);
     return wetted(set_point(self, hit, camera_, light_, sky_, ray), here, solid, ray);
   }
   std::size_t at(int i, int j) const { return std::size_t(i) * std::size_t(columns_) + std::size_t(j); }
@@ -232,6 +223,7 @@ class Backdrop {
         continue;
       solid_[p] = found.solid;
       past_[p] = {};
+      replaced_[at(r / cell, c / cell)] = 1;
       const Vec3f ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
       if (found.solid < 0)
         point_[p] = sky_point(sky_, light_, ray);
@@ -286,53 +278,51 @@ class Backdrop {
     return {sum.sun * part, sum.sky * part, sum.unshadowed * part};
   }
 
-  void look_at_cells(int i, const Samples& samples, std::vector<std::uint8_t>& shows) const {
-    constexpr int n = cell * Samples::per_axis;
-    for (int r = i * n; r < std::min((i + 1) * n, samples.height); ++r) {
-      const Key* row = samples.row(r);
-      for (int c = 0; c < samples.width; ++c)
-        if (row[c] != nothing && index_of(row[c]) >= first_solid) shows[at(i, c / n)] = 1;
-    }
-  }
-  bool node_shows(const std::vector<std::uint8_t>& shows, int i, int j) const {
-    for (int a = std::max(i - 1, 0); a <= i; ++a)
-      for (int b = std::max(j - 1, 0); b <= j; ++b)
-        if (shows[at(a, b)]) return true;
+  bool node_shows(const Samples& samples, int i, int j) const {
+    for (int a = std::max(i - 1, 0); a <= std::min(i, samples.cell_rows() - 1); ++a)
+      for (int b = std::max(j - 1, 0); b <= std::min(j, samples.cell_columns() - 1); ++b)
+        if (samples.shows_solid[samples.cell_at(a, b)]) return true;
     return false;
   }
-  void light_node(Node& node, int i, int j) const {
+  // Find what arrives at a node and return whether anything is other than it was.
+  bool light_node(Node& node, int i, int j) const {
+    bool changed = false;
     if (!node.placed) {
       const Nearest found = nearest(i * cell, j * cell);
       const bool same = found.solid >= 0 && found.solid == node.solid &&
                         solids()[std::size_t(found.solid)].is_static && found.hit == node.hit;
-      if (!same) node.arrival[static_sun] = node.arrival[static_sky] = -1;
+      if (!same) node.arrival[static_sun] = node.arrival[static_sky] = -1, changed = true;
       const Vec3f ray = camera_.through(float(j * cell) + 0.5f, float(i * cell) + 0.5f);
       node.point = camera_.eye + ray * found.hit.t, node.hit = found.hit, node.solid = found.solid;
       node.placed = true;
     }
-    if (node.solid < 0) return;
+    if (node.solid < 0) return changed;
     const Solid& self = solids()[std::size_t(node.solid)];
-    for (Share s : {snow_sun, snow_sky, static_sun, static_sky, moving_sun, moving_sky}) {
+    for (Share s : shares_of_light) {
       const bool kept = (s == static_sun || s == static_sky) && node.arrival[s] >= 0;
-      if (!kept) node.arrival[s] = arrival(s, self, node.point, node.hit);
+      if (kept) continue;
+      const float before = node.arrival[s];
+      node.arrival[s] = arrival(s, self, node.point, node.hit);
+      changed = changed || node.arrival[s] != before;
     }
+    return changed;
   }
 
   // Interpolate what arrives at pixel (r, c) from the four nodes around it, or find it anew where they
   // differ.
   Arrival between_nodes(int r, int c, int solid) const {
-    const int i = r / cell, j = c / cell;
-    const Corners nodes{&node_[at(i, j)], &node_[at(i, j + 1)], &node_[at(i + 1, j)],
-                        &node_[at(i + 1, j + 1)]};
-    const bool same = std::all_of(nodes.begin(), nodes.end(),
-                                  [solid](const Node* n) { return n->shown && n->solid == solid; });
+    const Corners nodes = corners(r / cell, c / cell);
+    const bool same = nodes.show(solid);
     const float a = float(r % cell) / cell, b = float(c % cell) / cell;
     const Solid& self = solids()[std::size_t(solid)];
     const Vec3f ray = camera_.through(float(c) + 0.5f, float(r) + 0.5f);
     Hit hit;
     Arrival here;
-    for (Share s : {snow_sun, snow_sky, static_sun, static_sky, moving_sun, moving_sky}) {
-      if (same && between(nodes, s, s == snow_sun ? snow_tolerance(nodes) : smooth, a, b, here[s])) continue;
+    for (Share s : shares_of_light) {
+      if (same && nodes.alike(s, snow_->cell_size())) {
+        here[s] = nodes.between(s, a, b);
+        continue;
+      }
       float* known = !self.is_static   ? nullptr
                      : s == static_sun ? &past_[pixel(r, c)].sun
                      : s == static_sky ? &past_[pixel(r, c)].sky
@@ -350,21 +340,8 @@ class Backdrop {
     return share >= 0;
   }
 
-  using Corners = std::array<const Node*, 4>;
-
-  // The snow's shadow has no details finer than the density's cells: nodes closer than that may differ.
-  float snow_tolerance(const Corners& nodes) const {
-    const Vec3f one = nodes[3]->point - nodes[0]->point, other = nodes[2]->point - nodes[1]->point;
-    const float far = std::max(dot(one, one), dot(other, other)), near = 2.5f * snow_->cell_size();
-    return std::clamp(0.12f * near * near / std::max(far, 1e-20f), smooth, 1.0f);
-  }
-
-  // Interpolate one share between four nodes; say whether they are as alike as they need to be.
-  static bool between(const Corners& nodes, Share share, float tolerance, float a, float b, float& value) {
-    const float n00 = nodes[0]->arrival[share], n01 = nodes[1]->arrival[share];
-    const float n10 = nodes[2]->arrival[share], n11 = nodes[3]->arrival[share];
-    value = mix(mix(n00, n01, b), mix(n10, n11, b), a);
-    return std::max({n00, n01, n10, n11}) - std::min({n00, n01, n10, n11}) < tolerance;
+  Corners corners(int i, int j) const {
+    return {{&node_[at(i, j)], &node_[at(i, j + 1)], &node_[at(i + 1, j)], &node_[at(i + 1, j + 1)]}};
   }
 
   Camera camera_;
@@ -376,6 +353,8 @@ class Backdrop {
   mutable std::vector<Past> past_;  // what solids at rest leave to pixels that show one of them
   int rows_, columns_;              // of the lattice
   std::vector<Node> node_;
+  std::vector<std::uint8_t>
+      replaced_;        // cells of which a pixel shows something else than in the frame before
   bool known_ = false;  // whether still_front_ is that of the solids
   bool any_ = false;    // whether anything has moved since the frame before
   SolidSet set_;

@@ -18,13 +18,15 @@ class Density {
   Density(std::span<const Vec3f> x, float volume, float cell_size) {
     for (int l = 0; l < levels; ++l) level_.emplace_back(cell_size * float(1 << l));
     const float fraction = volume / (cell_size * cell_size * cell_size);
-    scatter(level_[0], x, [fraction](std::size_t) { return fraction; });
+    home_ = scatter(level_[0], x, [fraction](std::size_t) { return fraction; });
     for (int l = 1; l < levels; ++l) coarsen(level_[std::size_t(l - 1)], level_[std::size_t(l)]);
     for (Blocks& blocks : level_) blocks.close();
   }
 
   float cell_size() const { return level_[0].cell_size(); }
   const Blocks& level(int l) const { return level_[std::size_t(l)]; }
+  // The block of level 0 in which the stencil of particle p begins, or -1: p lies in it or in the next along any axis.
+  int home(std::size_t p) const { return home_[p]; }
   bool empty() const { return level_[0].count() == 0; }
 
   float sample(Vec3f p, int l = 0) const { return level_[std::size_t(l)].sample(p); }
@@ -73,6 +75,7 @@ class Density {
   }
 
   std::vector<Blocks> level_;
+  BlockOf home_;
 };
 
 }  // namespace neve::render

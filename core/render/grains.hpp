@@ -143,17 +143,17 @@ class Projection {
   }
 
   void add(std::size_t p, std::vector<Grain>& out) const {
+    const bool drop = !water_.empty() && water_[p] >= 1;
     const Vec3f x = x_[p];
+    if (!drop && burial_.deep(x, snow_.home(p))) return;
     const Vec3f middle = camera_.project(x);
     if (!on_film(middle)) return;
-    if (!water_.empty() && water_[p] >= 1) {  // a drop is one smooth ball
+    if (drop) {  // one smooth ball
       push(middle, cluster_.drop(std::uint32_t(p)), p, Cluster::seed(std::uint32_t(p), 0), out);
       return;
     }
-    if (burial_.deep(x)) return;
-    const float here = snow_.sample(x);
-    if (burial_.buried(x, here)) return;
-    const float loose = 1.0f - smoothstep(0.12f, 0.5f, here);
+    if (burial_.buried(x)) return;
+    const float loose = 1.0f - smoothstep(0.12f, 0.5f, snow_.sample(x));
     const float wider = J_P_.empty() ? 1.0f : std::clamp(std::cbrt(J_P_[p]), 0.9f, 1.35f);
     const float powder = Cluster::powder(std::uint32_t(p));
     const int count = cluster_.grains(loose);

@@ -22,7 +22,8 @@ struct Sky {
 
 // Share of the air's light over what is `far` away: none near the subject, all at the horizon.
 inline float haze(float far, float reach) {
-  return 1.0f - std::exp(-0.10f * std::max(far / reach - 1.25f, 0.0f));
+  const float beyond = far / reach - 1.25f;
+  return beyond > 0 ? 1.0f - std::exp(-0.10f * beyond) : 0.0f;
 }
 
 inline Finish ground_finish(const Solid& solid, Vec3f point, Vec3f normal, float reach, float pixel) {

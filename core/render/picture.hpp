@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "render/backdrop.hpp"
+#include "render/falling.hpp"
 #include "render/snow.hpp"
 #include "render/splat.hpp"
 #include "render/view/film_curve.hpp"
@@ -18,6 +20,7 @@ struct Particles {
   float volume;                     // of one particle [m3]
   float cell_size;                  // of the density grid [m]
   std::span<const Puddle> puddles;  // water that lies on planes
+  std::span<const Streak> falling;  // flakes in the air, the farthest first
 };
 
 // Draw one frame after the other with the same camera and light. A frame depends on its own input only;
@@ -31,7 +34,9 @@ class Painter {
         backdrop_(camera, light, leaf),
         meshes_(camera),
         still_(camera),
-        samples_(camera) {}
+        samples_(camera),
+        picture_(std::size_t(camera.width) * std::size_t(camera.height) * 3),
+        kept_(samples_.touched.size()) {}
 
   const Camera& camera() const { return camera_; }
 
@@ -48,6 +53,7 @@ class Painter {
       meshes_ = Raster(solids, camera_, true);
       draw_still(still_, solids, meshes_, camera_);
       backdrop_.forget();
+      std::fill(samples_.touched.begin(), samples_.touched.end(), 1);
       known_ = true;
     }
     const Raster moving(solids, camera_, false);
@@ -58,7 +64,12 @@ class Painter {
     backdrop_.illuminate(snow, samples_);
     light_visible(snow, particles.x);
     water_ = particles.water;
-    develop(rgb);
+    is_snowing_ = !particles.falling.empty();
+    if (is_snowing_)
+      veil_.draw(camera_.width, camera_.height, particles.falling,
+                 [&](int r, int c) { return distance(r, c); });
+    develop();
+    std::copy(picture_.begin(), picture_.end(), rgb);
   }
 
  private:
@@ -86,37 +97,84 @@ class Painter {
     for (int b = 0; b < over.bands(); ++b) {
       const int first = b * Samples::band, last = std::min(first + Samples::band, over.height);
       std::fill(over.row(first), over.row(last - 1) + over.pitch, nothing);
+      const std::size_t from = over.cell_at(first / Samples::cell, 0),
+                        to = over.cell_at((last - 1) / Samples::cell + 1, 0);
+      std::fill(over.touched.data() + from, over.touched.data() + to, 0);
       for (std::uint32_t g = 0; g < drops_.size(); ++g) {
         const float wide = std::max(drops_[g].wide, least_radius);
         if (drops_[g].row + wide >= float(first) && drops_[g].row - wide <= float(last))
           splat_grain(over, drops_[g], g, first, last);
       }
+      for (std::size_t c = from; c < to; ++c) samples_.touched[c] |= over.touched[c];
     }
   }
 
   void light_visible(const Density& snow, std::span<const Vec3f> x) {
     std::vector<std::uint8_t> seen(x.size(), 0);
-#pragma omp parallel for schedule(static)
-    for (int r = 0; r < samples_.height; ++r) {
-      const Key* row = samples_.row(r);
-      const Key* over = drops_.empty() ? nullptr : over_->row(r);
-      for (int c = 0; c < samples_.width; ++c) {
-        if (index_of(row[c]) < first_solid)  // several threads may say so of the same particle
-          __atomic_store_n(&seen[grains_[index_of(row[c])].particle], 1, __ATOMIC_RELAXED);
-        if (over && over[c] < row[c])
-          __atomic_store_n(&seen[drops_[index_of(over[c])].particle], 1, __ATOMIC_RELAXED);
+    // several threads may say so of the same particle
+    const auto see = [&](const Grain& grain) {
+      __atomic_store_n(&seen[grain.particle], 1, __ATOMIC_RELAXED);
+    };
+#pragma omp parallel for schedule(dynamic, 4)
+    for (int i = 0; i < samples_.cell_rows(); ++i)
+      for (int j = 0; j < samples_.cell_columns(); ++j) {
+        if (!samples_.touched[samples_.cell_at(i, j)]) continue;
+        samples_.each_of(i, j, [&](int r, int c, Key key) {
+          if (index_of(key) < first_solid) see(grains_[index_of(key)]);
+          if (drops_.empty()) return;
+          const Key over = over_->row(r)[c];
+          if (over < key) see(drops_[index_of(over)]);
+        });
       }
-    }
     lit_.resize(x.size());
 #pragma omp parallel for schedule(dynamic, 256)
     for (std::size_t p = 0; p < x.size(); ++p)
       if (seen[p]) lit_[p] = light_particle(snow, backdrop_.set(), light_, x[p]);
   }
 
-  void develop(std::uint8_t* rgb) const {
-#pragma omp parallel for schedule(dynamic, 8)
-    for (int r = 0; r < camera_.height; ++r)
-      for (int c = 0; c < camera_.width; ++c) expose(pixel(r, c), r, c, rgb);
+  // Find the colours of all pixels. Cells in which nothing but rests shows, and whose light is that of the frame before,
+  // are left as they are.
+  void develop() {
+#pragma omp parallel for schedule(dynamic, 2)
+    for (int i = 0; i < samples_.cell_rows(); ++i)
+      for (int j = 0; j < samples_.cell_columns(); ++j) {
+        const std::size_t cell = samples_.cell_at(i, j);
+        const bool rests = !samples_.touched[cell] && !is_veiled(i, j);
+        if (rests && kept_[cell] && backdrop_.unchanged(i, j)) continue;
+        Seen seen;
+        for (int r = i * Backdrop::cell; r < std::min((i + 1) * Backdrop::cell, camera_.height); ++r)
+          for (int c = j * Backdrop::cell; c < std::min((j + 1) * Backdrop::cell, camera_.width); ++c)
+            expose(over(pixel(r, c, seen), r, c), r, c, picture_.data());
+        kept_[cell] = rests && is_plain(i, j);
+      }
+  }
+
+  // Whether a cell shows one solid, or the sky, and its light depends on the nodes of the backdrop's lattice alone.
+  bool is_plain(int i, int j) const {
+    const int solid = backdrop_.solid(i * Backdrop::cell, j * Backdrop::cell);
+    bool same = true;
+    samples_.each_of(i, j, [&](int r, int c, Key key) {
+      const int found = key == nothing ? -1 : int(index_of(key) - first_solid);
+      same = same && found == solid && backdrop_.solid(r / Samples::per_axis, c / Samples::per_axis) == solid;
+    });
+    return same && backdrop_.interpolates(i, j, solid);
+  }
+
+  bool is_veiled(int i, int j) const {
+    constexpr int cell = Backdrop::cell;
+    return is_snowing_ && veil_.shows(i * cell, (i + 1) * cell, j * cell, (j + 1) * cell);
+  }
+  Vec3f over(Vec3f light, int r, int c) const { return is_snowing_ ? veil_.over(r, c, light) : light; }
+  // How far what is seen in a pixel is from the eye [m]: the nearest of its samples.
+  float distance(int r, int c) const {
+    constexpr int n = Samples::per_axis;
+    Key nearest = nothing;
+    for (int k = 0; k < n * n; ++k) {
+      nearest = std::min(nearest, samples_.row(r * n + k / n)[c * n + k % n]);
+    }
+    if (nearest == nothing) return std::numeric_limits<float>::infinity();
+    const float depth = std::bit_cast<float>(std::uint32_t(nearest >> 32));
+    return depth * length(camera_.through(float(c) + 0.5f, float(r) + 0.5f));
   }
 
   // The normal of a grain's own round surface at the sample (row r, column c of samples).
@@ -140,15 +198,22 @@ class Painter {
     return mix(behind, clear, small * small * (1.0f - haze(grain.depth, camera_.reach)));
   }
 
+  // A grain and its surface, which samples beside each other show.
+  struct Seen {
+    std::uint32_t grain = first_solid;  // none
+    GrainSurface surface;
+  };
+
   // Light of grain `g` at the sample (row r, column c of samples). behind: gives the light of what is
-  // behind it.
+  // behind it. seen: the grain before.
   template <class Behind>
-  Vec3f snow(std::uint32_t g, int r, int c, const Behind& behind) const {
+  Vec3f snow(std::uint32_t g, int r, int c, const Behind& behind, Seen& seen) const {
     const Grain& grain = grains_[g];
     const Lit& lit = lit_[grain.particle];
     const Vec3f round = this->round(grain, r, c), ray = this->ray(r, c);
     const float water = water_.empty() ? 0.0f : water_[grain.particle];
-    Vec3f color = grain_light(lit, light_, round, -normalize(ray), grain.seed, near_);
+    if (seen.grain != g) seen = {g, {lit, grain.seed, near_}};
+    Vec3f color = grain_light(seen.surface, lit, light_, round, -normalize(ray), near_);
     if (water > 0) color = slush_light(color, lit, light_, round, -normalize(ray), grain.seed, water);
     const float far = haze(grain.depth, camera_.reach);
     if (far > 0) color = mix(color, backdrop_.sky().horizon, far);
@@ -157,7 +222,7 @@ class Painter {
     return color;
   }
 
-  Vec3f pixel(int r, int c) const {
+  Vec3f pixel(int r, int c, Seen& near) const {
     constexpr int n = Samples::per_axis;
     const int middle = backdrop_.solid(r, c);
     Vec3f sum{}, set{};
@@ -174,7 +239,7 @@ class Painter {
         const int solid = key == nothing ? -1 : int(index - first_solid);
         Vec3f seen;
         if (key != nothing && index < first_solid)
-          seen = snow(index, r * n + i, c * n + j, set_light);
+          seen = snow(index, r * n + i, c * n + j, set_light, near);
         else if (solid == middle)
           seen = set_light();
         else
@@ -206,9 +271,13 @@ class Painter {
   Raster meshes_;  // of the solids that rest
   Samples still_;  // the solids that rest
   Samples samples_;
-  bool known_ = false;           // whether there is anything in the two
-  float near_ = 0;               // see Cluster
-  std::optional<Samples> over_;  // drops of water, where there are any
+  std::vector<std::uint8_t> picture_;  // of the frame before, height x width x 3
+  std::vector<std::uint8_t> kept_;  // by cell: whether a pixel of it stays as it is as long as its nodes do
+  bool known_ = false;              // whether there is anything in the two
+  float near_ = 0;                  // see Cluster
+  std::optional<Samples> over_;     // drops of water, where there are any
+  bool is_snowing_ = false;         // whether flakes are drawn
+  Veil veil_;
   std::vector<Grain> grains_, drops_;
   std::span<const float> water_;  // of the particles that are drawn
   std::vector<Lit> lit_;

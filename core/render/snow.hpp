@@ -60,23 +60,35 @@ inline Facet facet_of(std::uint32_t seed) {
   return {normalize({byte(a, 0) - 0.5f, byte(a, 8) - 0.5f, byte(a, 16) - 0.5f}), 0.90f + 0.08f * byte(b, 0)};
 }
 
+// What of a grain's light is the same wherever it is seen. near: 1 where particles are large in the picture, whose grains
+// shall not look like balls.
+struct GrainSurface {
+  Vec3f normal{};  // of the snow and the facet, before the grain's roundness
+  Vec3f glint{};   // normal of the facet that mirrors the sun
+  float albedo = 0;
+
+  GrainSurface() = default;
+  GrainSurface(const Lit& lit, std::uint32_t seed, float near) {
+    const Facet facet = facet_of(seed);
+    normal = lit.normal + facet.normal * (0.40f - 0.16f * near);
+    glint = normalize(facet.normal + lit.normal * 0.8f);
+    albedo = facet.albedo;
+  }
+};
+
 // Light that a grain sends to the eye at a point where its own round surface has the normal `round`.
-// near: 1 where particles are large in the picture, whose grains shall not look like balls.
-inline Vec3f grain_light(const Lit& lit, const Light& light, Vec3f round, Vec3f to_eye, std::uint32_t seed,
-                         float near) {
-  const Facet facet = facet_of(seed);
-  const Vec3f normal =
-      normalize(lit.normal + round * (0.40f - 0.28f * near) + facet.normal * (0.40f - 0.16f * near));
+inline Vec3f grain_light(const GrainSurface& grain, const Lit& lit, const Light& light, Vec3f round,
+                         Vec3f to_eye, float near) {
+  const Vec3f normal = normalize(grain.normal + round * (0.40f - 0.28f * near));
   const float wrap = 0.12f;
   const float sun = std::max((dot(normal, light.sun) + wrap) / (1.0f + wrap), 0.0f);
   const float depth = 0.20f - 0.14f * near;
   const float rim =
       1.0f - depth + depth * saturate(dot(round, to_eye));  // grains shade the gaps between them
   const float open = 0.86f + 0.22f * dot(normal, lit.normal) * (0.6f + 0.4f * normal.z);  // to the sky
-  Vec3f color = (lit.sun * sun + lit.around * open) * (facet.albedo * rim);
+  Vec3f color = (lit.sun * sun + lit.around * open) * (grain.albedo * rim);
   // A few facets lie just so and send the sun into the lens.
-  const Vec3f half = normalize(light.sun + to_eye);
-  const float glint = dot(half, normalize(facet.normal + lit.normal * 0.8f));
+  const float glint = dot(normalize(light.sun + to_eye), grain.glint);
   if (glint > 0.985f)
     color +=
         lit.sun * ((1.2f - 0.9f * near) * smoothstep(0.985f, 1.0f, glint) * saturate(dot(round, to_eye)));

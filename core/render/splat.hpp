@@ -26,19 +26,46 @@ struct Samples {
   static constexpr int per_axis = 2;
   static constexpr int band = 32;  // rows of samples drawn by one thread at a time
   static constexpr int lanes = 8;  // samples drawn at once; rows have room for them past their end
+  static constexpr int cell = 8;   // rows and columns of a cell, of which it is known whether it is touched
   int width, height;
   std::size_t pitch;
   std::vector<Key> key;
+  // By cell: whether anything may be drawn there but what rests, and whether a solid shows there.
+  std::vector<std::uint8_t> touched, shows_solid;
 
   explicit Samples(const Camera& camera)
       : width(camera.width * per_axis),
         height(camera.height * per_axis),
         pitch(std::size_t(width) + lanes),
-        key(pitch * std::size_t(height)) {}
+        key(pitch * std::size_t(height)),
+        touched(std::size_t(cell_rows()) * std::size_t(cell_columns()), 1),
+        shows_solid(touched.size()) {}
   int bands() const { return (height + band - 1) / band; }
   Key* row(int r) { return key.data() + std::size_t(r) * pitch; }
   const Key* row(int r) const { return key.data() + std::size_t(r) * pitch; }
+
+  int cell_rows() const { return (height + cell - 1) / cell; }
+  int cell_columns() const { return (width + cell - 1) / cell; }
+  std::size_t cell_at(int i, int j) const {
+    return std::size_t(i) * std::size_t(cell_columns()) + std::size_t(j);
+  }
+  int end_row(int i) const { return std::min((i + 1) * cell, height); }
+  int end_column(int j) const { return std::min((j + 1) * cell, width); }
+  // Note that rows [top, bottom] and columns [left, right] are drawn to.
+  void touch(int top, int bottom, int left, int right) {
+    if (left > right) return;
+    for (int i = top / cell; i <= bottom / cell; ++i)
+      for (int j = left / cell; j <= right / cell; ++j) touched[cell_at(i, j)] = 1;
+  }
+  // Call f(r, c, key) for each sample of cell (i, j).
+  template <class F>
+  void each_of(int i, int j, F&& f) const {
+    for (int r = i * cell; r < end_row(i); ++r)
+      for (int c = j * cell; c < end_column(j); ++c) f(r, c, row(r)[c]);
+  }
 };
+
+inline bool is_solid(Key key) { return key != nothing && index_of(key) >= first_solid; }
 
 // Cover the samples of the grain's disc in rows [first, last), each as deep as a ball is there.
 inline void splat_grain(Samples& samples, const Grain& grain, std::uint32_t index, int first, int last) {
@@ -48,6 +75,8 @@ inline void splat_grain(Samples& samples, const Grain& grain, std::uint32_t inde
   const int bottom = whole(std::floor(grain.row + wide - 0.5f), first - 1, last - 1);
   const int left = whole(std::ceil(grain.column - wide - 0.5f), 0, samples.width);
   const int right = whole(std::floor(grain.column + wide - 0.5f), -1, samples.width - 1);
+  if (top > bottom) return;
+  samples.touch(top, bottom, left, right);
   for (int r = top; r <= bottom; ++r) {
     const float dy = (float(r) + 0.5f - grain.row) * inv, rest = 1.0f - dy * dy;
     for (int c = left; c <= right; c += lanes) {
@@ -119,6 +148,7 @@ inline void cast_row(Samples& samples, std::span<const Solid> solids, std::span<
                   fall = -dot(solid.place.rotation.c2, start);
       const float change = -dot(solid.place.rotation.c2, step);
       if (height <= 0) continue;
+      samples.touch(r, r, 0, samples.width - 1);
       for (int c = 0; c < samples.width; ++c) {
         const float down = fall + change * float(c), depth = height / down;
         const Key key = down > 0.0f && depth < 1e20f ? make_key(depth, first_solid + b) : nothing;
@@ -132,6 +162,7 @@ inline void cast_row(Samples& samples, std::span<const Solid> solids, std::span<
       left = std::clamp((at.x - wide) / pixel, 0.0f, right),
       right = std::clamp((at.x + wide) / pixel, 0.0f, right);
     }
+    samples.touch(r, r, int(left), int(right) - 1);
     for (int c = int(left); c < int(right); ++c) {
       const Hit hit = meet(solid, camera.eye, start + step * float(c));
       if (hit.t < 1e20f) row[c] = std::min(row[c], make_key(hit.t, first_solid + b));
@@ -146,23 +177,51 @@ inline void draw_solids(Samples& samples, std::span<const Solid> solids, bool is
   for (int r = first; r < last; ++r) cast_row(samples, solids, seen, camera, r);
   meshes.draw(first, last, Samples::per_axis,
               [&](int r, int c, float depth, std::uint32_t solid, std::uint32_t) {
+                samples.touch(r, r, c, c);
                 Key& key = samples.row(r)[c];
                 key = std::min(key, make_key(depth, first_solid + solid));
               });
 }
 
+// Look which cells of rows [first, last), of those that are touched, show a solid.
+inline void look_for_solids(Samples& samples, int first, int last) {
+  for (int i = first / Samples::cell; i * Samples::cell < last; ++i)
+    for (int j = 0; j < samples.cell_columns(); ++j) {
+      if (!samples.touched[samples.cell_at(i, j)]) continue;
+      bool any = false;
+      samples.each_of(i, j, [&](int, int, Key key) { any |= is_solid(key); });
+      samples.shows_solid[samples.cell_at(i, j)] = any;
+    }
+}
+
 // Draw what rests into an empty z-buffer.
 inline void draw_still(Samples& samples, std::span<const Solid> solids, const Raster& meshes,
                        const Camera& camera) {
+  std::fill(samples.touched.begin(), samples.touched.end(), 1);
 #pragma omp parallel for schedule(dynamic)
   for (int b = 0; b < samples.bands(); ++b) {
     const int first = b * Samples::band, last = std::min(first + Samples::band, samples.height);
     std::fill(samples.row(first), samples.row(last - 1) + samples.pitch, nothing);
     draw_solids(samples, solids, true, meshes, camera, first, last);
+    look_for_solids(samples, first, last);
   }
 }
 
-// Draw grains and the solids that do not rest over what does.
+// Take cells of rows [first, last) that were touched back to what rests.
+inline void restore(Samples& samples, const Samples& still, int first, int last) {
+  for (int i = first / Samples::cell; i * Samples::cell < last; ++i)
+    for (int j = 0; j < samples.cell_columns(); ++j) {
+      std::uint8_t& touched = samples.touched[samples.cell_at(i, j)];
+      if (!touched) continue;
+      for (int r = i * Samples::cell; r < samples.end_row(i); ++r)
+        std::copy(still.row(r) + j * Samples::cell, still.row(r) + samples.end_column(j),
+                  samples.row(r) + j * Samples::cell);
+      samples.shows_solid[samples.cell_at(i, j)] = still.shows_solid[samples.cell_at(i, j)];
+      touched = 0;
+    }
+}
+
+// Draw grains and the solids that do not rest over what does. What nothing has touched since the frame before stays.
 inline void draw_samples(Samples& samples, const Samples& still, std::span<const Solid> solids,
                          const Raster& meshes, std::span<const Grain> grains, const Camera& camera) {
   const int bands = samples.bands();
@@ -177,9 +236,10 @@ inline void draw_samples(Samples& samples, const Samples& still, std::span<const
 #pragma omp parallel for schedule(dynamic)
   for (int b = 0; b < bands; ++b) {
     const int first = b * Samples::band, last = std::min(first + Samples::band, samples.height);
-    std::copy(still.row(first), still.row(last - 1) + still.pitch, samples.row(first));
+    restore(samples, still, first, last);
     draw_solids(samples, solids, false, meshes, camera, first, last);
     for (std::uint32_t g : in_band[std::size_t(b)]) splat_grain(samples, grains[g], g, first, last);
+    look_for_solids(samples, first, last);
   }
 }
 

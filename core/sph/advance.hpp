@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sph/density.hpp"
-#include "sph/gradient.hpp"
+#include "sph/phases.hpp"
 #include "sph/walls.hpp"
 
 namespace neve {
@@ -75,30 +75,34 @@ template <class T>
 class SphAdvance {
  public:
   using R = Lanes<T>;
-  SphAdvance(const CubicKernel<T>& kernel, const Model<T>& world, SphState<T>& s, const SphBoundary<T>& walls,
-             const SphPairs<T>& snow, const SphPairs<T>& boundary, SphSums<T>& sums, double dt)
-      : kernel_(kernel),
-        world_(world),
+  // spacing: distance of particles [m].
+  SphAdvance(const Model<T>& world, SphState<T>& s, const SphBoundary<T>& walls, const SphPairs<T>& snow,
+             const SphPairs<T>& boundary, const SphFriction<T>& friction, SphSums<T>& sums, T spacing,
+             double dt)
+      : world_(world),
         s_(s),
         walls_(walls),
         snow_(snow),
         boundary_(boundary),
+        friction_(friction),
         sums_(sums),
+        contacts_(world, spacing / 2, T(dt)),
         dt_(dt) {}
 
   SphReport operator()(const SphLimits& limits, std::vector<Exchange>& exchanged) {
     const std::size_t n = s_.count, chunks = (n + chunk - 1) / chunk;
     v_.resize(n), out_.resize(n), D_.resize(n);
-    std::vector<ExchangeSum> parts(chunks);
+    std::vector<Part> parts(chunks);
     each_index(chunks, [&](std::size_t c) { find_velocities(c, parts[c]); });
-    detail::fill_quads(n, sums_, [&](std::size_t p) { return vector_at(v_, p); });
-    SphReport report = merge_each<SphReport>(chunks, [&](std::size_t c) { return find_gradients(c); });
+    meet_bodies(parts);
+    find_gradients();
+    SphReport report = merge_each<SphReport>(chunks, [&](std::size_t c) { return look(c); });
     report.taken =
         report.finite && report.speed * dt_ <= limits.way && report.strain_rate * dt_ <= limits.strain;
     if (!report.taken) return report;
     each_index(chunks, [&](std::size_t c) { move(c); });
     exchanged.resize(world_.solids.size());
-    for (const ExchangeSum& part : parts) part.add_to(exchanged);
+    for (const Part& part : parts) part.exchange.add_to(exchanged);
     return report;
   }
 
@@ -111,27 +115,80 @@ class SphAdvance {
       f(p, int(std::min<std::size_t>(width<R>, end(c) - p)));
   }
 
-  // v + dt (given + pressed + sheared), and nowhere into a solid.
-  void find_velocities(std::size_t c, ExchangeSum& exchange) {
+  // What a chunk gave solids, and its particles that may meet bodies.
+  struct Part {
+    ExchangeSum exchange;
+    BodyContacts<T> waiting;
+  };
+
+  Vec3<R> acceleration(std::size_t p, int count) const {
+    return load_vector<R>(sums_.given, p, count) + load_vector<R>(sums_.pressed, p, count) +
+           load_vector<R>(sums_.sheared, p, count);
+  }
+
+  // v + dt (given + pressed + sheared), and nowhere into a collider.
+  void find_velocities(std::size_t c, Part& part) {
     for (std::size_t p = c * chunk; p < end(c); ++p)
-      record_walls(kernel_, world_, s_, walls_, boundary_, sums_, p, dt_, exchange);
+      record_walls(world_, s_, walls_, boundary_, friction_, sums_, p, dt_, part.exchange);
     packs(c, [&](std::size_t p, int count) {
-      const auto here = first_lanes<R>(count);
-      const Vec3<R> a = load_vector<R>(sums_.given, p, count) + load_vector<R>(sums_.pressed, p, count) +
-                        load_vector<R>(sums_.sheared, p, count);
-      Vec3<R> v = load_vector<R>(s_.v, p, count) + a * T(dt_), out;
-      const Vec3<R> x = load_vector<R>(s_.x, p, count);
-      stay_outside(world_, x, load<R>(s_.m.column(0) + p, count), here, T(dt_), v, out, exchange);
-      store_vector(v_, p, v, count), store_vector(out_, p, out, count);
+      const R zero = splat<R>(0), m = load<R>(s_.m.column(0) + p, count);
+      const Vec3<R> a = acceleration(p, count);
+      ContactPack<T> pack{p,
+                          count,
+                          load_vector<R>(s_.x, p, count),
+                          load_vector<R>(s_.v, p, count) + a * T(dt_),
+                          {zero, zero, zero},
+                          zero,
+                          m,
+                          0,
+                          0};
+      if (world_.solids.empty() || !contacts_.act(pack, a * m, part.exchange, part.waiting)) keep(pack);
+    });
+  }
+  void keep(const ContactPack<T>& pack) {
+    store_vector(v_, pack.p, pack.v, pack.count), store_vector(out_, pack.p, pack.out, pack.count);
+  }
+
+  // Let the bodies act on those that have waited, with velocities that are found with theirs.
+  void meet_bodies(std::vector<Part>& parts) {
+    std::vector<const BodyContacts<T>*> waiting;
+    for (const Part& part : parts) {
+      if (!part.waiting.packs.empty()) waiting.push_back(&part.waiting);
+    }
+    if (waiting.empty()) return;
+    std::vector<Exchange> given(world_.solids.size());
+    for (const Part& part : parts) part.exchange.add_to(given);
+    const CoupledBodies bodies = pushed(world_, given);
+    const std::vector<Twist> U = body_velocities(bodies, waiting, dt_);
+    each_index(parts.size(), [&](std::size_t c) {
+      for (ContactPack<T>& pack : parts[c].waiting.packs) {
+        contacts_.finish(parts[c].waiting, pack, U, acceleration(pack.p, pack.count) * pack.m,
+                         parts[c].exchange);
+        keep(pack);
+      }
     });
   }
 
-  SphReport find_gradients(std::size_t c) {
+  void find_gradients() {
+    const auto v = [&](std::size_t p, int count) { return load_vector<R>(v_, p, count); };
+    detail::fill_quads(s_.count, sums_, v);
+    find_across(s_, snow_, sums_, v);
+    const auto beside = [&](std::size_t p, int count) {
+      return load<R>(sums_.inflow.column(0) + p, count) + load<R>(sums_.across.column(0) + p, count);
+    };
+    each_gradient(snow_, sums_, s_.count, sums_.walls, v, beside,
+                  [&](std::size_t p, int count, const Mat3<R>& D) { store_matrix(D_, p, D, count); });
+    if (!s_.has_water()) return;
+    each_row(s_.count, [&](std::size_t p) {  // which keeps no deformation
+      if (s_.is_water(p)) set_matrix(D_, p, Mat3<T>{});
+    });
+  }
+
+  SphReport look(std::size_t c) const {
     SphReport report;
     for (std::size_t p = c * chunk; p < end(c); ++p) {
       const Vec3<T> v = vector_at(v_, p);
-      const Mat3<T> D = velocity_gradient(snow_, sums_, v, sums_.inflow.column(0)[p], p);
-      set_matrix(D_, p, D);
+      const Mat3<T> D = matrix_at(D_, p);
       const double speed2 = double(dot(v, v)),
                    rate2 = double(dot(D.c0, D.c0) + dot(D.c1, D.c1) + dot(D.c2, D.c2));
       report.finite = report.finite && std::isfinite(speed2 + rate2);
@@ -153,15 +210,18 @@ class SphAdvance {
       const Vec3<R> v = load_vector<R>(v_, p, count);
       const Vec3<R> x = load_vector<R>(s_.x, p, count) + v * T(dt_) + load_vector<R>(out_, p, count);
       store_vector(s_.v, p, v, count), store_vector(s_.x, p, x, count);
+      store(s_.p_last.column(0) + p, load<R>(sums_.p.column(0) + p, count), count);
+      store_vector(s_.a_last, p, load_vector<R>(sums_.sheared, p, count), count);
     });
   }
 
-  const CubicKernel<T>& kernel_;
   const Model<T>& world_;
   SphState<T>& s_;
   const SphBoundary<T>& walls_;
   const SphPairs<T>&snow_, &boundary_;
+  const SphFriction<T>& friction_;
   SphSums<T>& sums_;
+  const PointContacts<T> contacts_;
   double dt_;
   Field<T, 3> v_, out_;
   Field<T, 9> D_;

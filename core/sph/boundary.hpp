@@ -2,8 +2,8 @@
 #pragma once
 
 #include "mpm/model.hpp"
+#include "neighbours/cubic_kernel.hpp"
 #include "neighbours/search.hpp"
-#include "sph/kernel.hpp"
 
 namespace neve {
 
@@ -15,19 +15,19 @@ inline constexpr double boundary_share = 0.8;
 template <class T>
 struct SphBoundary {
   std::size_t count = 0;
-  Field<T, 3> x, v;            // position [m], velocity [m/s]
+  Field<T, 3> x, v, normal;    // position [m], velocity [m/s], out of the solid [1]
   Field<T, 1> V;               // volume [m3]
   Column<std::int32_t> solid;  // index of the solid
   Column<std::uint32_t> id;    // number in the order in which they were given
 
   template <class F>
   void each_column(F&& f) {
-    for (int k = 0; k < 3; ++k) f(x.column(k)), f(v.column(k));
+    for (int k = 0; k < 3; ++k) f(x.column(k)), f(v.column(k)), f(normal.column(k));
     f(V.column(0)), f(solid.data()), f(id.data());
   }
   void resize(std::size_t n) {
     if (id.size() == n) return;
-    x.resize(n), v.resize(n), V.resize(n), solid.resize(n), id.resize(n);
+    x.resize(n), v.resize(n), normal.resize(n), V.resize(n), solid.resize(n), id.resize(n);
     count = n;
   }
 };
@@ -69,7 +69,8 @@ struct SphBoundarySamples {
           const Vec3<T> a{T(free[0]), T(free[1]), T(free[2])}, turn{T(free[3]), T(free[4]), T(free[5])};
           v = v + (a + cross(turn, at - s.centre)) * T(after);
         }
-        for (int k = 0; k < 3; ++k) out.x.column(k)[b] = at[k], out.v.column(k)[b] = v[k];
+        for (int k = 0; k < 3; ++k)
+          out.x.column(k)[b] = at[k], out.v.column(k)[b] = v[k], out.normal.column(k)[b] = n[k];
         out.V.column(0)[b] = V.column(0)[b];
         out.solid[b] = solid[b], out.id[b] = std::uint32_t(b);
       }

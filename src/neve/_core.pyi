@@ -10,7 +10,7 @@ for the arrays of State, which are views. A shape other than the one named here 
 else is said.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -337,6 +337,193 @@ class Geometry(Protocol):
     def shapes() -> tuple[str, ...]:
         """Return the words of all shapes, those with a formula before those with samples."""
 
+class Columns:
+    """What snow can lie on: n places, surfaces below open space over the middles of cells.
+
+    Slopes of more than 75 degrees count as 75.
+    """
+
+    def __init__(
+        self,
+        low: tuple[float, float],
+        cell: float,
+        cells: tuple[int, int],
+        vertices: Array64,
+        faces: NDArray[np.int32],
+        part: NDArray[np.int32],
+        kinds: list[str],
+    ) -> None:
+        """Look down on vertices (n, 3) [m] and faces (m, 3) from the sky.
+
+        low: corner of the raster [m]; cell: edge of its cells [m]; part: of each face, a row of kinds (m,);
+        kinds: "closed", "sheet" or "ground". Errors: ValueError for rows that are not there.
+        """
+    def __len__(self) -> int:
+        """Return how many places there are."""
+    def column(self) -> NDArray[np.int32]:
+        """Over which cell each place is, i ny + j (n,); those of a cell from the top down."""
+    def part(self) -> NDArray[np.int32]:
+        """On whose surface each place is (n,)."""
+    def z(self) -> Array64:
+        """Height of each place (n,) [m]."""
+    def ceiling(self) -> Array64:
+        """Height of what hangs above each place (n,) [m]; inf under the sky."""
+    def slope(self) -> Array64:
+        """Of the surface, dz/dx and dz/dy (n, 2) [1]."""
+    def joined(self, top: Array64) -> NDArray[np.int32]:
+        """Return for each place those along +x, -x, +y, -y that are one surface with it, or -1, (n, 4).
+
+        top: height of the snow on each place (n,) [m], no steeper than 75 degrees from one to the other.
+        """
+    def walls(self, top: Array64) -> NDArray[np.int8]:
+        """Return what is along +x, -x, +y, -y beside the tops (n,) [m]: 0 open space, 1 a body, 2 the rim."""
+
+_Columns = Columns
+
+class Heat(Protocol):
+    """Laws of heat that layers of lying snow share with particles (core/heat)."""
+
+    latent: float
+    """Heat of fusion [J/kg]."""
+    c_ice: float
+    """Specific heat of ice and snow [J/(kg K)]."""
+    c_water: float
+    """Specific heat of water [J/(kg K)]."""
+    strength_power: float
+    """Power of density with which strength grows [1]."""
+
+    @staticmethod
+    def conductivity(density: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the conductivity [W/(m K)] of snow of `density` [kg/m3], (n, k): Calonne et al. 2011."""
+    @staticmethod
+    def grown(
+        growth: NDArray[np.float64],
+        density: NDArray[np.float64],
+        celsius: NDArray[np.float64],
+        dt: float,
+    ) -> NDArray[np.float64]:
+        """Return the growth of strength [1] after dt [s] at `celsius` [deg C] of what was `growth` before.
+
+        (n, k) each; density [kg/m3]. At most the strength of ice over that of such snow. Errors: ValueError
+        for arrays of other sizes.
+        """
+
+class Snowfall(Protocol):
+    """Where falling snow comes to lie, and what of it slides on."""
+
+    Columns: type[_Columns]
+    """Places that snow can lie on."""
+    shortest_piece: float
+    """Height of the pieces of a flake's way near the ground [m]."""
+    piece_growth: float
+    """Height of a piece over that above the start, where it is longer [1]."""
+    @staticmethod
+    def exposure(
+        *,
+        columns: _Columns,
+        solids: list[TriangleMesh],
+        top: Array64,
+        slope: Array64,
+        flutter: float,
+        wind: tuple[float, float],
+        seed: int,
+        tolerance: float,
+        detail: float,
+        most: int,
+    ) -> tuple[Array64, Array64, NDArray[np.uint32], int]:
+        """Return the share of what falls on level open ground that reaches each place, per area seen from
+        above (n,), its standard error (n,), the edge of the bucket that it was counted in (n,) [cells], and
+        the number of flakes.
+
+        solids: what is in a flake's way; top (n,) [m] and slope (n, 2) of the snow; flutter: sideways way
+        over 1 m, rms [m]; wind: over the speed of fall [1]; tolerance: standard error of a bucket that has
+        enough flakes; detail: difference of its quarters from which it is split; most: flakes of a bucket.
+        """
+    @staticmethod
+    def slide(
+        *,
+        columns: _Columns,
+        depth: Array64,
+        repose: float,
+        holding_depth: bool,
+        least_slope: float,
+        gravity: float,
+        passes: int,
+    ) -> tuple[Array64, dict[str, Any]]:
+        """Return the depth (n,) [m] when nothing moves any more, and sums of depths [m].
+
+        repose: tangent of the angle of repose; holding_depth: instead, slopes above the tangent least_slope
+        hold 3178 beta^-1.998 m (beta in degrees); gravity [m/s2]; passes: at most. Sums: lost over the rim or
+        into the void, moved, over_edges; passes: taken; settled: whether all rests.
+        """
+
+class ScriptedPath:
+    """Where a script has a solid at any time: the same bits with every instruction set."""
+
+    def __init__(self, starts: Array64, legs: Array64) -> None:
+        """Take legs (n + 1, 27), of which leg i + 1 holds from starts[i] [s] (n,) on, and the first before.
+
+        A leg: its beginning and its span [s], then position [m] and rotation (row by row) at the beginning,
+        its way [m], the axis of its turn and the angle [rad], velocity [m/s] and angular velocity [rad/s].
+        Errors: ValueError for another number of legs.
+        """
+    def at(self, time: float) -> tuple[Array64, Array64, Array64, Array64]:
+        """Return position (3,) [m], rotation (3, 3) [1], velocity (3,) [m/s] and omega (3,) [rad/s]."""
+    def place(self, time: float, position: Array64, quaternion: Array64) -> None:
+        """Write the position [m] into (3,) and the rotation into (4,), w x y z with w >= 0.
+
+        Errors: ValueError for arrays of another size.
+        """
+
+class BodyMotion:
+    """Where n bodies are at the beginning of a step, and how they move in it; all arrays are copies."""
+
+    def __init__(
+        self, centres: Array64, rotations: Array64, rates: Array64, mobility: Array64, acceleration: Array64
+    ) -> None:
+        """Take what the properties return. Errors: ValueError for arrays that do not fit one another."""
+    @property
+    def centres(self) -> Array64:
+        """Origins of their frames, (n, 3) [m]."""
+    @property
+    def rotations(self) -> Array64:
+        """From their own axes to the world's, (n, 3, 3) [1]."""
+    @property
+    def rates(self) -> Array64:
+        """Velocity of the origin [m/s] and angular velocity [1/s], (n, 6)."""
+    @property
+    def mobility(self) -> Array64:
+        """A (6 n, 6 n) in dU = A dP: impulses [N s], moments [N m s] at the origins to changes of `rates`."""
+    @property
+    def acceleration(self) -> Array64:
+        """Of all but the snow, (n, 6) [m/s2, 1/s2]: gravity, contacts among bodies, motors."""
+    @property
+    def groups(self) -> int:
+        """How many groups of bodies there are that do not move one another."""
+
+class BodyDynamics:
+    """How solids on bodies of the rigid-body engine, MuJoCo, move; it reads the engine's arrays in place."""
+
+    def __init__(
+        self, model: dict[str, Any], data: dict[str, Any], bodies: NDArray[np.int32], frames: Array64
+    ) -> None:
+        """Take arrays of the engine's model and data by their names there (see neve.rigid.dynamics).
+
+        bodies (n,): of the engine, that carry the solids; frames (n, 3, 4): axes and origin of each solid's
+        frame, as that body has them.
+        Errors: KeyError, RuntimeError or ValueError for an array that is missing, of another type or short.
+        """
+    def update(self, h: float, constraints: dict[str, Any] | None = None) -> None:
+        """Derive `motion` after the first half of the engine's step, whose length is h [s]."""
+    def apply(self, exchanged: Array64, dt: float) -> int | None:
+        """Let what the solids exchanged with the snow in dt [s], (n, 7), act as a constant force and torque.
+
+        Returns the first solid whose force is not finite; then none acts. Errors: ValueError for another n.
+        """
+    @property
+    def motion(self) -> BodyMotion:
+        """Of the solids; the same object always."""
+
 class Model(Protocol):
     """The constants of one run, and its solids where they are."""
 
@@ -429,12 +616,18 @@ class Model(Protocol):
         [m/s]; omega (3,) [1/s]
         Errors: IndexError for a solid that is not there.
         """
-    def place_bodies(self, centres: Array64, rotations: Array64, rates: Array64) -> None:
-        """Put the b bodies, in their order, somewhere until they are placed anew.
+    def follow(self, index: int, path: ScriptedPath, time: float, reach: float) -> float:
+        """Put solid `index` where its path has it at `time` [s].
 
-        centres (b, 3) [m]; rotations (b, 3, 3) from their own axes to the world's [1]; rates (b, 6): velocity
-        of the centre [m/s] and omega [1/s]
-        Errors: ValueError for another number of bodies.
+        reach: of its surface from the origin of its frame [m], infinite for one without an end. Returns a
+        bound on the speed of the surface, of an endless one the speed of that origin [m/s].
+        Errors: IndexError for a solid that is not there.
+        """
+    def move_bodies(self, motion: BodyMotion, reach: Array64) -> float:
+        """Put the b bodies, in their order, somewhere until they are placed anew, and say how they move.
+
+        reach (b,): how far a body's surface is from the origin of its frame [m].
+        Returns a bound on the speed of their surfaces [m/s]. Errors: ValueError for another number of bodies.
         """
     def set_belt(self, index: int, velocity: Array64) -> None:
         """Let the flat faces of solid `index` move along themselves like a belt; at first they do not.
@@ -445,15 +638,8 @@ class Model(Protocol):
     def make_dynamic(self, index: int) -> None:
         """Let snow move solid `index`; the order of the calls is the order of the bodies.
 
-        Mobility is 0 again for all bodies until `set_body_dynamics`. Errors: IndexError for a solid that is
+        Mobility is 0 again for all bodies until `move_bodies`. Errors: IndexError for a solid that is
         not there.
-        """
-    def set_body_dynamics(self, mobility: Array64, free: Array64) -> None:
-        """Say how the b bodies move in the next step.
-
-        mobility (6 b, 6 b): impulses [N s] and moments [N m s] to changes of velocity [m/s] and of omega
-        [1/s]; free (b, 6): accelerations by all but the snow [m/s2, 1/s2]
-        Errors: ValueError for another number of bodies.
         """
 
 class State(Protocol):
@@ -467,6 +653,9 @@ class State(Protocol):
     @property
     def x(self) -> Reals:
         """Position [m], (n, 3)."""
+    @property
+    def beyond(self) -> Reals:
+        """What is to be added to x [m], less than its rounding: (n, 3); (n, 0) if positions are not fine."""
     @property
     def v(self) -> Reals:
         """Velocity [m/s], (n, 3)."""
@@ -568,9 +757,116 @@ class Grid(Protocol):
         After `p2g` it is the momentum [kg m/s], after `grid_update` the velocity [m/s].
         """
 
+class ImplicitSolver(Protocol):
+    """Find velocities of nodes and bodies at the end of a step from implicit equations."""
+
+    @property
+    def iterations(self) -> int:
+        """Of all linear systems of the last step."""
+    @property
+    def rounds(self) -> int:
+        """Linear systems of the last step."""
+    @property
+    def residual(self) -> float:
+        """Largest share of the forces of a piece of snow that the last solution left over [1]."""
+    @property
+    def contacts_settled(self) -> bool:
+        """Whether the last step followed its contacts until none changed; else they stayed as they were."""
+    @property
+    def converged(self) -> bool:
+        """Whether the last step was solved."""
+    def learn(self, law: str, weights: Mapping[str, Sequence[float]], regularity: float = ...) -> None:
+        """Take the return map of a law from a network: a, b, W, V, w, d and q, row by row, as `neve.learned`
+        has them; regularity: r over the stiffness, a tenth. Errors: ValueError for an unknown law, or weights
+        that do not fit each other.
+        """
+    def solve(self, model: Model, state: State, grid: Grid, dt: float) -> GridReport:
+        """Turn momenta without force, as `p2g` with dt = 0 leaves them, into velocities after dt [s].
+
+        By the midpoint rule: after dt / 2. Errors: ValueError as of `p2g`, for snow that sleeps or has heat,
+        and for bodies by the midpoint rule.
+        """
+    def finish(self, state: State) -> None:
+        """Give particles that `g2p` has moved what the midpoint rule has left for them, if it has."""
+
+class Ranks(Protocol):
+    """What a run on several ranks asks of the core; blocks are named by keys (n,)."""
+
+    def row_bytes(self, state: State, /) -> int:
+        """Return the bytes of one particle."""
+    def pack(self, state: State, rows: NDArray[np.uint32], /) -> NDArray[np.uint8]:
+        """Return the particles at `rows` (n,) as bytes, column after column."""
+    def unpack(self, state: State, rows: NDArray[np.uint32], data: NDArray[np.uint8], /) -> None:
+        """Put what `pack` gave into `rows` (n,). Errors: ValueError for other rows or bytes."""
+    def homes_now(self, model: Model, state: State, /) -> NDArray[np.uint64]:
+        """Return the block that each particle is in, (n,). Errors: ValueError beyond the lattice."""
+    def owners(self, keys: NDArray[np.uint64], cuts: NDArray[np.uint64], /) -> NDArray[np.int32]:
+        """Return the rank that owns each block (n,); cuts: where ranks but the first begin on the curve."""
+    def curve(self, keys: NDArray[np.uint64], /) -> NDArray[np.uint64]:
+        """Return where blocks (n,) are on the curve, (n,)."""
+    def homes_then(self, grid: Grid, rows: NDArray[np.uint32], /) -> NDArray[np.uint64]:
+        """Return the blocks that `rows` (n,) were in at the last sort, (n,)."""
+    def note_order(self, state: State, grid: Grid, /) -> None:
+        """Note where all particles were at the last sort, before some go."""
+    def depart(self, state: State, grid: Grid, rows: NDArray[np.uint32], /) -> None:
+        """Let the particles at `rows`, which rise, go. Errors: ValueError before `note_order`."""
+    def arrive(
+        self,
+        state: State,
+        grid: Grid,
+        home: NDArray[np.uint64],
+        row: NDArray[np.uint32],
+        data: NDArray[np.uint8],
+        /,
+    ) -> None:
+        """Let particles come, which were in these homes and rows (n,). Views of the state are not valid any
+        longer. Errors: ValueError for other bytes, or before `note_order`.
+        """
+    def homes(self, grid: Grid, /) -> tuple[NDArray[np.uint64], NDArray[np.uint32]]:
+        """Return the blocks that own particles, rising (n,), and how many each has, (n,)."""
+    def border(
+        self, grid: Grid, cuts: NDArray[np.uint64], rank: int, /
+    ) -> tuple[NDArray[np.int32], NDArray[np.uint64]]:
+        """Return ranks, rising (n,), and blocks of this rank beside theirs, (n,)."""
+    def lay_halo(
+        self,
+        grid: Grid,
+        lower: Sequence[bool],
+        mine: Sequence[NDArray[np.uint64]],
+        theirs: Sequence[NDArray[np.uint64]],
+        /,
+    ) -> list[tuple[int, int]]:
+        """Lay out what is exchanged with each neighbour: the node blocks given to it, and taken from it.
+
+        lower: whether its rank is; mine, theirs: what `border` found here and there, of each other
+        """
+    def pieces(self, grid: Grid, /) -> tuple[int, int, int]:
+        """Return the addresses of what is sent and received, and the bytes of a node block."""
+    def counted(self, grid: Grid, /) -> int:
+        """Return how many node blocks no lower rank has."""
+    def update_nodes(self, model: Model, grid: Grid, dt: float, /) -> tuple[NDArray[np.uint64], NDArray[Any]]:
+        """Do what `grid_update` does up to contacts with bodies; return the node blocks near bodies that no
+        lower rank has: their keys, rising (n,), and the values of their nodes, one block after another.
+        """
+    def meet_bodies(
+        self, model: Model, grid: Grid, dt: float, keys: NDArray[np.uint64], values: NDArray[Any], /
+    ) -> GridReport:
+        """Do the rest, given what all ranks have found, by rising key; bodies get their velocities."""
+    def border_homes(self, grid: Grid, /) -> int:
+        """Return how many blocks here give to nodes of other ranks."""
+    def take_ledger(self, grid: Grid, /) -> NDArray[np.uint8]:
+        """Return the exchanges with solids since the last call, as rows of bytes."""
+    def lightest(self, grid: Grid, /) -> float:
+        """Return the mass of the lightest particle here [kg]."""
+    def set_lightest(self, grid: Grid, mass: float, /) -> None:
+        """Take over that of all ranks."""
+    def unsort(self, grid: Grid, /) -> None:
+        """Let the next step sort."""
+
 _Model = Model
 _State = State
 _Grid = Grid
+_ImplicitSolver = ImplicitSolver
 
 class ParticleReport:
     """What a step of the discrete element method found."""
@@ -579,6 +875,8 @@ class ParticleReport:
     """Largest speed of a particle [m/s]."""
     stiffest: float
     """Largest sum of the stiffness of a particle's contacts and bonds over its mass [1/s2]."""
+    rate: float
+    """Inverse of the longest step that is stable for the particles that do not sleep [1/s]."""
     finite: bool
     """Every particle has a finite place and velocity."""
 
@@ -695,6 +993,9 @@ class Particles(Protocol):
         """Memory [bytes]."""
     order: int
     """How wide the groups of rows were when they were last sorted, below 0: never; part of the state."""
+    @property
+    def drift(self) -> list[float]:
+        """Velocity that all are expected to share until they are listed anew, (3,) [m/s]."""
     may_sleep: bool
     """Whether snow may fall asleep now."""
     @property
@@ -705,13 +1006,15 @@ class Particles(Protocol):
         """Whether `renew` is needed before the next step."""
     @property
     def stiffest(self) -> float:
-        """Largest k / m of a particle [1/s2]; from `set_materials`, as the two that follow."""
+        """Largest k / m of a particle [1/s2]; from `set_materials`, as the next."""
     @property
     def largest_radius(self) -> float:
         """Of a particle at birth [m]."""
-    @property
-    def largest_stretch(self) -> float:
-        """Largest bond strain, of bonds that can break [1]."""
+    def rate_of(self, stiffness: float) -> float:
+        """Return the `ParticleReport.rate` of a particle whose springs are so stiff over its mass [1/s2].
+
+        All act one way, with dampers as of `set_law`.
+        """
     def set_law(self, damping: float, tangential: float, ice: float, hardening: float) -> None:
         """Set what all contacts share.
 
@@ -745,6 +1048,18 @@ class Particles(Protocol):
         """After step number `steps` list pairs of what moved, wake, put to sleep. Errors: as `prepare`."""
     def make_bonds(self, first: int, gap: float) -> None:
         """Bond the listed pairs of one source and of ids from `first` on whose gap is at most `gap` radii."""
+    def with_particles(self, kept: NDArray[np.uint32], more: int) -> Particles:
+        """Return others: those at the rows `kept`, which rise, with their pairs, then `more` fresh ones.
+
+        `prepare` lists their pairs. What had a pair with one that is gone wakes.
+        """
+    def bond_newborn(self, first: int, gap: float) -> None:
+        """Bond particles of birth numbers from `first` on to what they are born beside, as they lie.
+
+        To those of their source across a gap of at most `gap` of the radii's sum, to others if they overlap.
+        """
+    def totals_of(self, solids: Model, rows: NDArray[np.uint32]) -> ParticleTotals:
+        """Return what is lost with the particles at `rows`, added up in this order, pairs in full."""
     def relax(self) -> None:
         """Move overlapping particles apart once."""
     def stiffness_now(self) -> ParticleReport:
@@ -778,6 +1093,8 @@ class SolveReport:
     """Number of iterations."""
     residual: float
     """Of pressure: mean of |rho_0 - rho* - A p| / rho_0; of shear: |b - M a| / |b| [1]."""
+    largest: float
+    """Of pressure: the former of the particle that has most; of shear: 0 [1]."""
     converged: bool
     """The residual is within the tolerance."""
 
@@ -827,6 +1144,10 @@ class Sph(Protocol):
     """Rest densities at birth (n,) [kg/m3]; where one is 0, `find_densities` sets it to that of now."""
     J_P: Reals
     """Rest density at birth over that now (n,) [1]; from `find_densities`."""
+    p_last: Reals
+    """Pressures of the last step, from which `solve_pressure` starts (n,) [Pa]."""
+    a_last: Reals
+    """Accelerations by shear of the last step, from which `solve_shear` starts (n, 3) [m/s2]."""
     stiffness: Reals
     """Factors on E0 (n,) [1]."""
     strength: Reals
@@ -847,6 +1168,8 @@ class Sph(Protocol):
     """Shear moduli, hardened (n,) [Pa]; from `find_densities`."""
     L: Reals
     """Corrections of the kernel's gradient (n, 3, 3) [1]; from `correct_gradients`."""
+    fill: Reals
+    """How much of its kernel is filled, of water (n,) [1]; 1 of snow; from `find_densities`."""
     p: Reals
     """Pressures (n,) [Pa]; from `solve_pressure`."""
     given: Reals
@@ -873,6 +1196,11 @@ class Sph(Protocol):
     @property
     def bytes(self) -> int:
         """Memory [bytes]."""
+    def set_water(self, material: int, rho0: float, bulk_modulus: float, viscosity: float) -> None:
+        """Say that the particles of a row of the material table are water.
+
+        rho0 [kg/m3], bulk_modulus [Pa], viscosity [Pa s]. Errors: ValueError for values out of range.
+        """
     def set_boundary(self, x: Array64, normal: Array64, solid: NDArray[np.int32]) -> None:
         """Take boundary particles, and find their volumes.
 
@@ -892,8 +1220,13 @@ class Sph(Protocol):
         """Find L; needs `find_densities`."""
     def find_given(self, solids: _Model, dt: float) -> None:
         """Find the accelerations by gravity and friction in a step of dt [s]."""
-    def solve_pressure(self, dt: float, tolerance: float, most: int) -> SolveReport:
-        """Solve for the pressures at the end of a step of dt [s], in `most` iterations at most."""
+    def solve_pressure(
+        self, solids: _Model, dt: float, tolerance: float, largest: float, most: int
+    ) -> SolveReport:
+        """Solve for the pressures at the end of a step of dt [s], in `most` iterations at most.
+
+        tolerance, largest: residual at which it ends, the mean and that of any particle.
+        """
     def solve_shear(self, dt: float, tolerance: float, most: int) -> SolveReport:
         """Solve for the accelerations by shear in a step of dt [s], in `most` iterations at most."""
     def advance(self, solids: _Model, dt: float, way: float, strain: float) -> SphReport:
@@ -902,6 +1235,12 @@ class Sph(Protocol):
         """
     def body_rate(self, solids: _Model) -> float:
         """Return the largest rate at which snow can change the velocity of a body [1/s]; 0 without any."""
+    def stress_rate(self) -> float:
+        """Return how fast planes of pressed snow swing against each other at most, as omega [1/s]; 0 if none.
+
+        That of the gradients of the kernel under the largest principal pressure of any particle, which steps
+        integrate explicitly; water is left out.
+        """
     def velocity_gradient(self, u: Array64) -> Reals:
         """Return the gradients (n, 3, 3) [1/s] of velocities u (n, 3) [m/s], of solids at rest."""
     def totals(self, solids: _Model) -> SphTotals:
@@ -940,7 +1279,9 @@ class Precision(Protocol):
         never sleeps
         Errors: ValueError for an unknown word, or another number of modes.
         """
-    def State(self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False) -> _State:
+    def State(
+        self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False, fine: bool = False
+    ) -> _State:
         """Make `count` particles at rest; more_modes, sleeps, heat: as the model has.
 
         F_E = I; J_P, stiffness and strength 1; id 0 to count - 1; all else, the mass too, is 0.
@@ -952,6 +1293,53 @@ class Precision(Protocol):
         """Make particles at rest, not deformed, without mass; `support` of the kernel [m]."""
     def Grid(self) -> _Grid:
         """Make an empty grid: `sort` lays it out."""
+    def ImplicitSolver(
+        self,
+        *,
+        newton: bool,
+        beta: float,
+        project: bool,
+        tolerance: float,
+        most_iterations: int,
+        midpoint: bool,
+    ) -> _ImplicitSolver:
+        """Make what finds the velocities at the end of a step from implicit equations.
+
+        newton: backward Euler, else one linear system with `beta`; project: without negative second
+        derivatives; tolerance: of the forces [1]; midpoint: the implicit midpoint rule
+        """
+    def hessian_product(
+        self,
+        name: str,
+        plasticity: str,
+        constants: dict[str, float],
+        F: Array64,
+        J_P: Array64,
+        dF: Array64,
+        project: bool,
+        flows: bool = False,
+    ) -> Array64:
+        """Return dP (n, 3, 3) [Pa] = (d2Psi/dF2) : dF of one snow in its present state, for F (n, 3, 3).
+
+        flows: of what its return map makes of F, symmetric part, in place of the elastic energy;
+        project: without the negative eigenvalues of d2Psi/dF2. Errors: ValueError for lengths that differ.
+        """
+    def learned_response(
+        self,
+        name: str,
+        constants: dict[str, float],
+        weights: Mapping[str, Sequence[float]],
+        F0: Array64,
+        J_P: Array64,
+        F: Array64,
+        dF: Array64,
+        regularity: float = ...,
+    ) -> tuple[Array64, Array64]:
+        """Return P (n, 3, 3) [Pa] at F of the energy that a network expands around F0, and its change by dF.
+
+        J_P (n,): at the start of the step; regularity: r over the stiffness, a tenth. Errors: ValueError
+        for lengths that differ, and for a law that no network can take the place of.
+        """
     def sort(self, model: _Model, state: _State, grid: _Grid, /) -> None:
         """Sort the rows of the state by block and cell, and lay out the grid.
 
@@ -962,6 +1350,10 @@ class Precision(Protocol):
 
         Errors: ValueError for a material that the model lacks.
         """
+    ranks: Ranks
+    """What a run on several ranks asks besides."""
+    def give(self, model: _Model, state: _State, grid: _Grid, dt: float, /) -> None:
+        """Scatter the particles at the border of a rank, for it and for others; then follows `p2g`."""
     def p2g(self, model: _Model, state: _State, grid: _Grid, dt: float, /) -> None:
         """Scatter mass, momentum and dt [s] times force to the nodes; needs a `current` grid.
 
@@ -1117,6 +1509,8 @@ class Transfer(Choice):
     """All motions but translations fade."""
     has_bounded_energy: bool
     """No step gives the particles more than the grid had."""
+    separate_position_velocity: bool
+    """Whether particles move with a velocity other than their own."""
 
 def laws() -> list[Law]:
     """Return all constitutive laws, the default first; new objects each time."""
@@ -1127,12 +1521,18 @@ def transfers() -> list[Transfer]:
 def splines() -> list[Choice]:
     """Return all splines, the default first; new objects each time."""
 
+ice_density: float
+"""Density of ice at 0 C [kg/m3]."""
 displacement_limit: float
 """Longest way of a particle in a step [cells]."""
 volume_ratio_limit: float
 """Smallest det(I + dt grad v) of a particle in a step [1]."""
 geometry: Geometry
 """Shapes, in double precision but for the samples that they keep."""
+heat: Heat
+"""Laws of heat and sintering, in double precision."""
+snowfall: Snowfall
+"""Snow that falls, in double precision."""
 f32: Precision
 """Single precision."""
 f64: Precision

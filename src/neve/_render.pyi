@@ -129,15 +129,27 @@ class Painter:
         solids: list[Solid],
         threads: int,
         water: NDArray[np.float32],
-        puddles: list[Puddle] = ...,
+        puddles: list[Puddle],
+        falling: NDArray[np.float32],
     ) -> NDArray[np.uint8]:
         """Draw particles and solids; return the picture (height, width, 3), sRGB, the top row first.
 
         x (n, 3) [m], those that are not finite are left out; J_P (n,) or (0,) [1]; volume: of one particle
         [m3]; cell_size: of the density that light passes through [m]; threads: 0 leaves the choice to OpenMP;
-        water: how wet each particle is, 1 a drop (n,), or (0,) [1]; puddles: water that lies on planes.
+        water: how wet each particle is, 1 a drop (n,), or (0,) [1]; puddles: water that lies on planes;
+        falling: flakes in the air (m, 10), as of `veil`.
         Errors: ValueError for sizes that do not fit or are not above zero, or more than 1.6e7 solids.
         """
+
+def veil(
+    light: NDArray[np.float32], depth: NDArray[np.float32], streaks: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Return the light (h, w, 3) of a picture over which flakes are drawn, in the order of their rows.
+
+    depth (h, w): distance of what is seen [m], 0 for the sky; streaks (m, 10): columns at which a flake
+    begins and ends, rows [px], radius [px], share of what is behind that it hides, distance [m], its light.
+    Errors: ValueError for another shape.
+    """
 
 def spread(
     light: NDArray[np.float32],

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.motion import pose
+from neve.colliders.motion import path_of, pose
 from neve.colliders.solid import Solid, solid_of
 from neve.geometry.pose import Pose
-from neve.reproducible import norms, product
+from neve.reproducible import product
 from neve.sampling import Samples, filled
 from neve.sampling.carving import carved
 from neve.sampling.draping import draped, height_over
@@ -23,6 +23,11 @@ from neve.scene.checks.joined import joined_warnings
 from neve.scene.errors import SceneError
 from neve.scene.schema.file_shapes import Layer
 from neve.scene.schema.scene import Collider, Scene, Snow, Source
+from neve.scene.schema.snowfall import Lying, Snowfall
+from neve.snowfall.cover import Cover
+from neve.snowfall.filling import filled_cover
+from neve.snowfall.resting import filled_resting
+from neve.snowfall.scene import Falls
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
@@ -33,6 +38,7 @@ WAKING = (
     "numerics",
     "snow",
     "snow_keyframes",
+    "water",
     "sources",
     "emitters",
     "sinks",
@@ -71,15 +77,16 @@ def solids(scene: Scene) -> tuple[Solid, ...]:
     return coupled(scene)[0]
 
 
-def require_closed(scene: Scene) -> None:
-    """Refuse a scene in which snow comes, goes or changes in time, for a method that knows no such snow.
+def placed_at_start(scene: Scene) -> list[tuple[Solid, Pose]]:
+    """Return all that snow can meet, and where it is when the run begins. Errors: SceneError."""
+    found, rigid = coupled(scene)
+    poses = [pose(collider, 0.0) for collider in scene.colliders] + (rigid.poses() if rigid else [])
+    return list(zip(found, poses, strict=True))
 
-    Errors: SceneError.
-    """
+
+def require_lasting_snows(scene: Scene) -> None:
+    """Refuse a scene whose snows change in time, for a method that knows none such. Errors: SceneError."""
     method = scene.numerics.method
-    for name in ("emitters", "sinks"):
-        if getattr(scene, name):
-            raise SceneError(f'{name}: numerics.method = "{method}" adds and removes no snow; use "mpm"')
     if scene.snow_keyframes:
         raise SceneError(f'snow_keyframes: numerics.method = "{method}" changes no snow in time; use "mpm"')
 
@@ -89,6 +96,11 @@ def material_table(scene: Scene) -> list[Snow]:
     return list(dict.fromkeys(scene.snow_of(source) for source in scene.bearers))
 
 
+def has_water(scene: Scene) -> bool:
+    """Return whether a source of the scene holds water."""
+    return any(source.is_water for source in scene.sources)
+
+
 def with_one_more(scene: Scene, source: Source) -> Scene:
     """Return `scene` with `source` after its other sources. Errors: pydantic.ValidationError."""
     values = {name: getattr(scene, name) for name in Scene.model_fields}
@@ -96,9 +108,11 @@ def with_one_more(scene: Scene, source: Source) -> Scene:
 
 
 def require_same_sources(scene: Scene, new_scene: Scene) -> None:
-    """Refuse a new scene for a run of `scene` with more or fewer sources. Errors: SceneError."""
+    """Refuse a new scene for a run of `scene` with other sources or fewer emitters. Errors: SceneError."""
     if len(new_scene.sources) != len(scene.sources):
         raise SceneError("sources cannot come or go while a run goes on; start it anew, or add snow")
+    if len(new_scene.emitters) < len(scene.emitters):
+        raise SceneError("emitters cannot go while a run goes on; set their end, or start it anew")
 
 
 def snows_at(scene: Scene, t: float) -> list[Snow]:
@@ -138,6 +152,11 @@ class PlacedSolids:
         self._reach = np.array([solid.reach for solid in self.solids])
         self._centres = np.zeros((len(self.solids), 3))
         self._belts = [math.hypot(*collider.surface_velocity) for collider in self.colliders]
+        moving = [i for i in range(len(self.colliders)) if self.solids[i].motion != "static"]
+        self._belted = [i for i in moving if self._belts[i]]
+        self._paths = [
+            (i, path_of(self.colliders[i]), self.solids[i].reach) for i in moving if not self._belts[i]
+        ]
         for i, collider in enumerate(self.colliders):
             self._place_collider(i, collider, 0.0)
         self.place_solids(0.0)
@@ -149,6 +168,10 @@ class PlacedSolids:
 
     def near(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[int]:
         """Return which solids may reach into the box from `low` to `high` [m] (3,), and some near."""
+        for i, path, _ in self._paths:
+            self._centres[i] = path.at(self._time)[0]
+        if self.rigid:
+            self._centres[len(self.colliders) :] = self.rigid.motion.centres
         gap = np.maximum(np.maximum(low - self._centres, self._centres - high), 0.0)
         return np.flatnonzero(np.sum(gap * gap, axis=1) <= (self._reach + self.dx) ** 2).tolist()
 
@@ -171,12 +194,15 @@ class PlacedSolids:
 
     def place_solids(self, time: float) -> None:
         """Put what moves where its script has it at `time` [s], and every rigid body where it is."""
+        self._time = time
         self.solid_speed = max(self._belts, default=0.0)
-        for i, collider in enumerate(self.colliders):
-            if self.solids[i].motion != "static":
-                self._place_collider(i, collider, time)
+        for i, path, reach in self._paths:
+            self.solid_speed = max(self.solid_speed, self.native.follow(i, path, time, reach))
+        for i in self._belted:
+            self._place_collider(i, self.colliders[i], time)
         if self.rigid:
-            self._place_bodies(self.rigid)
+            fastest = self.native.move_bodies(self.rigid.motion, self._reach[len(self.colliders) :])
+            self.solid_speed = max(self.solid_speed, fastest)
 
     def _place_collider(self, i: int, collider: Collider, time: float) -> None:
         p = pose(collider, time)
@@ -188,17 +214,6 @@ class PlacedSolids:
         self._centres[i] = p.position
         self.native.place_solid(i, p.position, np.ascontiguousarray(p.rotation), p.velocity, p.omega)
         self.solid_speed = max(self.solid_speed, _fastest(self.solids[i], p) + belt)
-
-    def _place_bodies(self, rigid: CoupledBodies) -> None:
-        """Do as `_place` for all bodies at once, and tell how they move in the next step."""
-        positions, rotations, rates = rigid.placed()
-        first = len(self.colliders)
-        self._centres[first:] = positions
-        self.native.place_bodies(positions, rotations, rates)
-        self.native.set_body_dynamics(rigid.mobility(), rigid.free_acceleration())
-        speeds = norms(rates.reshape(-1, 2, 3))
-        fastest = speeds[:, 0] + speeds[:, 1] * self._reach[first:]
-        self.solid_speed = max(self.solid_speed, float(fastest.max(initial=0.0)))
 
     def totals_of_bodies(self) -> dict[str, Any]:
         """Return bodies_momentum (3,) [kg m/s], bodies_kinetic, bodies_potential [J]; zero without bodies."""
@@ -230,7 +245,8 @@ def samples_of(scene: Scene, placed: PlacedSolids, indices: Sequence[int]) -> li
     if len(sources) > 1:
         require_room_for_all(sum(expected(s, scene.numerics) for s in sources), scene.numerics)
     with joined_warnings():
-        parts = [_filled(scene, s, placed, i) for i, s in zip(indices, sources, strict=True)]
+        falls = Falls(scene, list(zip(placed.solids, placed.poses(0.0), strict=True)))
+        parts = [_filled(scene, s, placed, falls, i) for i, s in zip(indices, sources, strict=True)]
         samples = [
             placed.free(s, f"sources.{i}") for i, s in zip(indices, without_overlaps(parts), strict=True)
         ]
@@ -238,10 +254,21 @@ def samples_of(scene: Scene, placed: PlacedSolids, indices: Sequence[int]) -> li
     return samples
 
 
-def _filled(scene: Scene, source: Source, placed: PlacedSolids, index: int) -> Filled:
+def _filled(scene: Scene, source: Source, placed: PlacedSolids, falls: Falls, index: int) -> Filled:
     """Fill a source, on the ground if it lies there."""
     name = f"sources.{index}"
-    samples, space = filled(scene.completed(source), scene.numerics, index, scene.colliders)
+    if isinstance(source, (Snowfall, Lying)):
+        lies, snow = falls.snow(index), scene.snow_of(source)
+        whole = scene.completed(source).model_copy(update={"structure": source.structure})
+        if isinstance(lies, Cover):
+            samples, space = filled_cover(whole, snow, lies, scene.numerics, index)
+        else:
+            samples, space = filled_resting(source, snow, lies, scene.numerics, index)
+        return Filled(name, space, samples, snow.rho0, source.overlap == "cut")
+    numerics = scene.numerics
+    if source.is_water:  # which is at rest only as a lattice
+        numerics = numerics.model_copy(update={"sampling": "regular"})
+    samples, space = filled(scene.completed(source), numerics, index, scene.colliders)
     lift = None
     if isinstance(source, Layer) and source.on == "terrain":
         native = placed.native

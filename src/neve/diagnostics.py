@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 MECHANICS = (
     "mass",  # [kg]
     "momentum_x",  # [kg m/s]
@@ -28,31 +31,29 @@ MECHANICS = (
 """Columns of the log that every method of simulation here fills."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Diagnostics:
     """Hold the sums over all particles at one instant, added up in double precision in a fixed order.
 
-    mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic (of the particles' velocities), affine (of the
-    velocity field that each particle carries around itself, with transfers that have one), elastic, potential
-    (-m g . x); numbers of particles, of those that sleep, and
-    of allocated blocks. `work` [J] is what
-    colliders have done on the snow so far: impulse times the velocity of the collider's surface.
+    A method's own class adds what it alone has. mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic (of
+    the particles' velocities), affine (of the velocity field that each particle carries around itself, with
+    transfers that have one), elastic, potential (-m g . x); numbers of particles and of those that sleep.
+    work [J]: of the solids on the snow so far, impulse times the velocity of the solid's surface.
     Of the rigid bodies: bodies_momentum (3,) [kg m/s], bodies_kinetic and bodies_potential [J].
+    Of all snow that emitters added and sinks took out so far: mass [kg], momentum (3,) [kg m/s], energy [J].
     heat: enthalpy above that of ice at the melting point, heat_taken: from air and sun so far [J]; water:
     liquid mass [kg]; heat_speed [1]; all 0 without heat.
-    Of all snow that emitters added and sinks took out so far: mass [kg], momentum (3,) [kg m/s], energy [J].
     """
 
     mass: float
     momentum: tuple[float, float, float]
     kinetic: float
-    affine: float
+    affine: float = 0.0
     elastic: float
     potential: float
     work: float
     particles: int
-    asleep: int
-    blocks: int
+    asleep: int = 0
     bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
     bodies_kinetic: float = 0.0
     bodies_potential: float = 0.0
@@ -66,6 +67,20 @@ class Diagnostics:
     heat_taken: float = 0.0
     water: float = 0.0
     heat_speed: float = 0.0
+
+
+def sums_of(totals: Any, exchanged: NDArray[np.float64], particles: int) -> dict[str, Any]:
+    """Return the mechanics of the snow for `Diagnostics`: from the core's `totals` and what was exchanged."""
+    px, py, pz = totals.momentum
+    return {
+        "mass": totals.mass,
+        "momentum": (px, py, pz),
+        "kinetic": totals.kinetic,
+        "elastic": totals.elastic,
+        "potential": totals.potential,
+        "work": float(exchanged[:, 6].sum()),
+        "particles": particles,
+    }
 
 
 def number(cell: str) -> float:
@@ -113,6 +128,11 @@ class Balance(NamedTuple):
         return cls(*(number(row.get(name, "0")) for name in cls._fields))
 
     @property
+    def came(self) -> float:
+        """Energy that snow brought less what it took away so far [J]."""
+        return self.emitted_energy - self.removed_energy
+
+    @property
     def kinetic_and_elastic(self) -> float:
         """Sum of kinetic, affine and elastic energy [J]."""
         return self.kinetic + self.affine + self.elastic
@@ -131,4 +151,4 @@ class Balance(NamedTuple):
 
     @property
     def _unaccounted(self) -> float:
-        return self.total - self.work - (self.emitted_energy - self.removed_energy)
+        return self.total - self.work - self.came

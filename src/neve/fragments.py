@@ -140,6 +140,10 @@ def rows(f: Fragments, frame: int, time: float) -> Iterator[dict[str, object]]:
     yield _row(f, frame, time, "powder", 0)
 
 
+SUMMARY = ("fragments", "decades", "largest", "five", "powder")
+"""Names of the numbers in `summary`."""
+
+
 def summary(f: Fragments) -> dict[str, float]:
     """Return numbers that summarize the fragments.
 

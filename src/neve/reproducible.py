@@ -34,10 +34,23 @@ def product(a: NDArray[Any], b: NDArray[Any]) -> Array:
         return np.asarray(product(a, b[:, None])[..., 0])
     if a.ndim == 1:
         return np.asarray(product(a[None], b)[..., 0, :])
+    if a.shape == b.shape == (3, 3) and a.dtype == b.dtype == np.float64:
+        return _product_of_few(a, b)
     total = a[..., :, :1] * b[..., :1, :]
     for k in range(1, a.shape[-1]):
         total += a[..., :, k : k + 1] * b[..., k : k + 1, :]
     return np.asarray(total)
+
+
+def _product_of_few(a: NDArray[np.float64], b: NDArray[np.float64]) -> Array:
+    """Return `product` of two matrices (3, 3), for which NumPy takes four times as long."""
+    (b0, b1, b2), (b3, b4, b5), (b6, b7, b8) = b.tolist()
+    return np.array(
+        [
+            (x * b0 + y * b3 + z * b6, x * b1 + y * b4 + z * b7, x * b2 + y * b5 + z * b8)
+            for x, y, z in a.tolist()
+        ]
+    )
 
 
 def norms(vectors: NDArray[Any]) -> Array:

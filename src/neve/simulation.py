@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.backend import backend
+from neve.build import with_one_more
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
 from neve.isa import MAX_THREADS
@@ -20,7 +21,7 @@ from neve.registry import METHODS
 from neve.scene.checks.advice import advice
 from neve.scene.errors import SceneWarning
 from neve.scene.schema.scene import Scene, Source
-from neve.solver import Solver, check_fixed
+from neve.solver import Solver, check_fixed, require_dry
 from neve.system.arguments import real, require, whole
 
 if TYPE_CHECKING:
@@ -166,6 +167,7 @@ class Simulation:
         Errors: SceneError if the source is too small or too large; pydantic.ValidationError for its snow.
         """
         require(source, Source, "source", "a source, such as one of scene.sources")
+        require_dry(self.solver, with_one_more(self.scene, source))
         self.solver.add(source, self.time)
         self._go_on()
 

@@ -93,16 +93,28 @@ class Solver(ABC):
     """Keys of [numerics] that say how a state was made, or how its arrays look: no run can change them."""
     has_heat: ClassVar[bool] = False
     """Whether the method knows the heat of a scene."""
+    has_flow: ClassVar[bool] = False
+    """Whether snow may come and go: whether the method knows emitters and sinks."""
+    has_water: ClassVar[bool] = False
+    """Whether the method knows water of sources of its own."""
     log_columns: ClassVar[tuple[str, ...]] = ()
     """Columns of the log that `log_values` fills, between those of the clock and the seconds. "excess" is
     filled by the run, from `diagnostics` with the members of `neve.diagnostics.Balance`."""
 
+    when_energy_grows: ClassVar[str] = (
+        "lower numerics.cfl or numerics.strain_max, or check xi, theta_c and theta_s"
+    )
+    """What a run advises where the energy of the snow grows without work."""
+
     state: Any
     """The particles, with a NumPy array for each of `fields`; x, v and id are always there."""
+    placed: PlacedSolids | None = None
+    """The scene's solids where they are now, in the core; None for a method that knows none."""
 
     @abstractmethod
     def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
-        _require_heat(self, scene)
+        _require_able(self, scene)
+        require_dry(self, scene)
         self.scene = scene
         self.timer = StageTimer(self.stages)
 
@@ -194,12 +206,12 @@ class Solver(ABC):
 
     @property
     def solids(self) -> Sequence[Solid]:
-        """The solids that the snow meets."""
-        return ()
+        """Colliders and rigid bodies that the snow meets."""
+        return self.placed.solids if self.placed else ()
 
     def poses(self, time: float) -> list[Pose]:
         """Return where each of `solids` is at `time` [s]."""
-        return []
+        return self.placed.poses(time) if self.placed else []
 
     def take_exchanged(self) -> NDArray[np.float64]:
         """Return what snow and each of `solids` exchanged since the last call, (len(solids), 7).
@@ -208,6 +220,21 @@ class Solver(ABC):
         on the snow [J].
         """
         return np.zeros((len(self.solids), 7))
+
+    def _move_bodies(self, time: float, dt: float) -> NDArray[np.float64] | None:
+        """Let bodies feel what the snow did to them in the step of dt [s] that ends at `time` [s].
+
+        Returns what `take_exchanged` did, if there are bodies. Errors: Blowup for a body that is lost.
+        """
+        if self.placed is None or self.placed.rigid is None:
+            return None
+        with self.timer.stage("bodies"):
+            exchanged = self.take_exchanged()
+            try:
+                self.placed.rigid.advance(dt, exchanged[len(self.placed.colliders) :], time - dt)
+            except LostBody as lost:
+                raise Blowup(str(lost)) from None
+        return exchanged
 
     # Change
 
@@ -221,19 +248,6 @@ class Solver(ABC):
 
     def _cannot(self, what: str) -> SceneError:
         return SceneError(f'numerics.method = "{self.scene.numerics.method}" cannot {what} in a run')
-
-
-def advance_bodies(placed: PlacedSolids, dt: float, exchanged: NDArray[np.float64], time: float) -> None:
-    """Let rigid bodies move on by dt [s] to `time` [s], with what each solid and the snow exchanged (n, 7).
-
-    Errors: Blowup for a body that has no finite place any more.
-    """
-    if placed.rigid is None:
-        return
-    try:
-        placed.rigid.advance(dt, exchanged[len(placed.colliders) :], time - dt)
-    except LostBody as lost:
-        raise Blowup(str(lost)) from None
 
 
 def fill_columns(state: Any, fields: Sequence[Field], arrays: Arrays) -> None:
@@ -265,15 +279,32 @@ def _getter(state: Any, name: str) -> Callable[[], Any]:
     return lambda: getattr(state, name)
 
 
-def _require_heat(solver: Solver, scene: Scene) -> None:
-    """Refuse a scene with heat for a method that knows none. Errors: SceneError."""
-    if scene.heat is None or solver.has_heat:
-        return
-    able = [name for name in METHODS.names() if METHODS.get(name).has_heat]
-    method = scene.numerics.method
-    raise SceneError(
-        f'heat: numerics.method = "{method}" knows no heat; use {words(able)}, or leave [heat] out'
+def _require_able(solver: Solver, scene: Scene) -> None:
+    """Refuse a scene with heat, emitters or sinks for a method that knows none. Errors: SceneError."""
+    needs = (
+        ("heat", scene.heat is not None, "has_heat", "knows no heat", ", or leave [heat] out"),
+        ("emitters", bool(scene.emitters), "has_flow", "adds and removes no snow", ""),
+        ("sinks", bool(scene.sinks), "has_flow", "adds and removes no snow", ""),
     )
+    method = scene.numerics.method
+    for part, there, ability, lacks, otherwise in needs:
+        if there and not getattr(solver, ability):
+            able = [name for name in METHODS.names() if getattr(METHODS.get(name), ability)]
+            raise SceneError(f'{part}: numerics.method = "{method}" {lacks}; use {words(able)}{otherwise}')
+
+
+def require_dry(solver: Solver, scene: Scene) -> None:
+    """Refuse a scene with sources of water for a method that knows none. Errors: SceneError."""
+    if solver.has_water:
+        return
+    able = [name for name in METHODS.names() if METHODS.get(name).has_water]
+    method = scene.numerics.method
+    for i, source in enumerate(scene.sources):
+        if source.is_water:
+            raise SceneError(
+                f'sources.{i}.phase = "water": numerics.method = "{method}" knows snow alone; '
+                f"use {words(able)}"
+            )
 
 
 def check_fixed(solver: Solver, new_scene: Scene) -> None:

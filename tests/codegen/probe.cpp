@@ -11,10 +11,11 @@ namespace neve::probe {
 using S = Quadratic;
 
 template <class T>
-void scatter(const Stencils<T, S, 1>& stencils, const detail::Carried<T, 4>& carried, Tile<T>& tile) {
-  Scatter<T, S> to(tile);
-  detail::scatter_affine(stencils, carried, lane_count<T>, to);
-  to.flush();
+using Batch = AffineBatch<T, S, 64>;
+
+template <class T>
+void scatter(const Batch<T>& batch, int count, Tile<T>& tile) {
+  neve::scatter(batch, count, tile);
 }
 
 template <class T>

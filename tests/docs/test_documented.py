@@ -91,7 +91,8 @@ def place(tmp_path, finished):
     (tmp_path / "my_scene.toml").write_text(
         '[[sources]]\nshape = "sphere"\n\n[[colliders]]\nshape = "plane"\n'
     )
-    shutil.copytree(ROOT / "examples/recipes", tmp_path / "examples/recipes")
+    for scenes in ("examples/recipes", "examples/studies"):
+        shutil.copytree(ROOT / scenes, tmp_path / scenes)
     for name in ("ball", "throw_ball"):
         shutil.copytree(finished, tmp_path / "runs" / name)
     return tmp_path
@@ -140,9 +141,8 @@ def estimate(words, place):
 
 def serve(words, place):
     """A server tells its address, answers there, and ends by Ctrl-C with exit code 0."""
-    hear = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731 (a job in the background ignores it)
     coarse = ["--set", "numerics.dx=0.12"] if words[1:] == ["view", "throw_ball"] else []
-    process = typed([*words, *coarse, "--port", "0"], place, preexec_fn=hear, bufsize=1)
+    process = typed([*words, *coarse, "--port", "0"], place, bufsize=1)
     with process:
         try:
             address = re.match(r"http://\S+?:\d+", process.stdout.readline())
@@ -198,14 +198,22 @@ def files_exist(words, place):
     assert [word for word in named if not (ROOT / word).exists()] == []
 
 
+def launched(words, place):
+    """What each rank runs would run by itself."""
+    what = words[words.index("-n") + 2 :]
+    (parse_neve if what[0] == "neve" else parse_script)(what, place)
+
+
 RULES = [
     (r"neve run ", run_scene),
+    (r"neve drive .*--fit", parse_neve),
     (r"neve (view (?!.*--replay)|drive)", serve),
-    (r"neve (bench|compare|validate|fuzz|render)", parse_neve),
+    (r"neve (bench|compare|validate|fuzz|render|sweep|plot)", parse_neve),
     (r"neve estimate ", estimate),
     (r"neve ", neve_runs),
     (r"python examples/\d\d_\S+\.py", files_exist),  # tests/docs/test_examples.py runs them
     (r"python (-\w )?\S+\.py", parse_script),
+    (r"mpirun -n \d+ (neve|python) ", launched),
     (r"python -m venv ", files_exist),
     (r"python -m ", runs),
     (r"pip (install|wheel) ", installs),

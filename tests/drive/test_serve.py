@@ -27,9 +27,9 @@ def page(tmp_path):
 
 
 @contextlib.contextmanager
-def asking(page):
+def asking(page, recordings=()):
     """Send requests to a server of the page; each returns status, headers and body."""
-    with serve.listening("127.0.0.1", 0, page) as server:
+    with serve.listening("127.0.0.1", 0, page, recordings) as server:
         thread = threading.Thread(target=server.serve_forever, daemon=True)
         thread.start()
 
@@ -146,7 +146,7 @@ def test_next_free_port_is_taken(page):
 
 def test_command_without_page_fails_with_one_sentence(monkeypatch, tmp_path, capsys):
     """Exit code 2, one line."""
-    monkeypatch.setattr(serve.listening.__wrapped__, "__defaults__", (tmp_path,))
+    monkeypatch.setattr(serve, "PAGE", tmp_path)
     with pytest.raises(SystemExit) as stop:
         main(["drive"])
     assert stop.value.code == 2
@@ -161,12 +161,25 @@ def test_ctrl_c_ends_it(monkeypatch, page, capsys):
     def stop(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(serve.listening.__wrapped__, "__defaults__", (page,))
+    monkeypatch.setattr(serve, "PAGE", page)
     monkeypatch.setattr(serve._Server, "serve_forever", stop)
     with pytest.raises(SystemExit) as end:
         main(["drive", "--host", "127.0.0.1"])
     assert end.value.code == 0
     assert capsys.readouterr().out.startswith("http://127.0.0.1:84")
+
+
+def test_recordings_are_served_beside_the_page(page, tmp_path):
+    """Each under the name of its run's folder, whatever that is, and nothing else of that folder."""
+    files = [tmp_path / name / "drive.json" for name in ("wheel", "snow & ice #1")]
+    for number, file in enumerate(files):
+        file.parent.mkdir()
+        file.write_text(f"[{number}]", encoding="utf-8")
+    with asking(page, files) as request:
+        status, headers, body = request("GET", "/recordings/wheel.json")
+        assert (status, headers["Content-Type"], body) == (200, "application/json", b"[0]")
+        assert request("GET", "/recordings/snow%20%26%20ice%20%231.json")[::2] == (200, b"[1]")
+        assert request("GET", "/recordings/drive.json")[0] == 404
 
 
 def test_built_page_is_carried_whole():

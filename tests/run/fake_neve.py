@@ -129,7 +129,7 @@ class Preview:
     def __init__(self, scene, width=1280, height=720, threads=0, radius=None):
         self.size = width, height
 
-    def draw(self, x, bodies, J_P=None, view=None, water=None):
+    def draw(self, x, bodies, J_P=None, view=None, water=None, time=0.0):
         width, height = self.size
         image = np.zeros((height, width, 3), np.uint8)
         spot = (np.abs(x[:, [2, 0]]) * 50).astype(int) % (height, width)

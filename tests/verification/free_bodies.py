@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from neve._core import BodyMotion
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose, rotation_matrix
 from neve.mpm.initial import build
@@ -53,19 +54,17 @@ class FreeBodies:
     def poses(self):
         return [Pose(b.x.copy(), b.R.copy(), b.v.copy(), b.w.copy()) for b in self.bodies]
 
-    def placed(self):
-        rates = [[*b.v, *b.w] for b in self.bodies]
-        return np.array([b.x for b in self.bodies]), np.array([b.R for b in self.bodies]), np.array(rates)
-
-    def mobility(self):
-        out = np.zeros((6 * len(self.bodies),) * 2)
+    @property
+    def motion(self):
+        n = len(self.bodies)
+        rates = np.array([[*b.v, *b.w] for b in self.bodies])
+        mobility = np.zeros((6 * n, 6 * n))
         for i, b in enumerate(self.bodies):
-            out[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = np.eye(3) / b.mass
-            out[6 * i + 3 : 6 * i + 6, 6 * i + 3 : 6 * i + 6] = np.linalg.inv(b.I)
-        return out
-
-    def free_acceleration(self):
-        return np.array([[*self.gravity, 0, 0, 0] for _ in self.bodies])
+            mobility[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = np.eye(3) / b.mass
+            mobility[6 * i + 3 : 6 * i + 6, 6 * i + 3 : 6 * i + 6] = np.linalg.inv(b.I)
+        falls = np.array([[*self.gravity, 0, 0, 0] for _ in self.bodies], dtype=float)
+        x, R = np.array([b.x for b in self.bodies]), np.array([b.R for b in self.bodies])
+        return BodyMotion(x, R, rates, mobility, falls)
 
     def advance(self, dt, exchanged, time):
         for b, e in zip(self.bodies, exchanged, strict=True):
@@ -94,7 +93,7 @@ def simulate_with(scene, bodies):
     """Return a simulation of the scene in which `bodies` take part."""
     sim = Simulation(scene, threads=1)
     plain, _, _ = build(scene)
-    sim.solver.model = Model(
+    sim.solver.placed = Model(
         scene.world, scene.numerics, plain.snows, scene.colliders, (*plain.solids, *bodies.solids), bodies
     )
     arrays = to_arrays(sim.state)

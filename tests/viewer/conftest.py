@@ -3,6 +3,7 @@
 import asyncio
 import json
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from patience import PATIENCE
@@ -94,4 +95,10 @@ def converse(server, talk):
                 await page.until(lambda p: p.states and p.message("scene"))
                 return await talk(page, port)
 
-    return asyncio.run(main())
+    return apart(lambda: asyncio.run(main()))
+
+
+def apart(call):
+    """Return what `call()` returns in another thread: here a browser of other tests may have a loop."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(call).result()

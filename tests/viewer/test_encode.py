@@ -9,7 +9,7 @@ from viewer.conftest import SMALL
 from neve.scene.reading.load import scene_from
 from neve.simulation import Simulation
 from neve.viewer.encode import encode
-from neve.viewer.modes import MODES, Scale, measure, rounded
+from neve.viewer.modes import MODES, Colors, Scale, measure, rounded
 from neve.viewer.players.snapshot import Snapshot, by_birth
 from neve.viewer.protocol.state import MOST, framed, pack, unframed
 
@@ -84,7 +84,7 @@ def test_snapshot_becomes_a_state():
     x = cloud(10)
     poses = ((np.array([1.0, 2.0, 3.0]), np.eye(3)),)
     snapshot = Snapshot(x, {"speed": np.arange(10, dtype=np.float32)}, poses, 0.5, 15, {"steps": 3}, 2)
-    head, body = unframed(encode(snapshot, "speed", Scale(), 7))
+    head, body = unframed(encode(snapshot, Colors("speed"), Scale(), 7))
     q = np.frombuffer(body, "<u2").reshape(10, 4)
     assert head["n"] == 10
     assert head["version"] == 7
@@ -97,7 +97,7 @@ def test_snapshot_becomes_a_state():
 
 def test_a_mode_that_the_snapshot_lacks_is_snow():
     """Between the choice of a mode and the next moment there are no values: the snow is shown plain."""
-    head, _ = unframed(encode(Snapshot(cloud(5), {}, (), 0.0, 0), "stress", Scale(), 0))
+    head, _ = unframed(encode(Snapshot(cloud(5), {}, (), 0.0, 0), Colors("stress"), Scale(), 0))
     assert head["mode"] == "snow"
 
 
@@ -179,7 +179,23 @@ def test_snow_is_sent_as_wet_as_it_is(share):
     """In the mode "snow" a particle's value is its liquid share, of 65535; without heat it is 0."""
     poses = ((np.zeros(3), np.eye(3)),)
     shown = Snapshot(cloud(3), {} if share is None else {"phase": share}, poses, 0.0, 0)
-    head, body = unframed(encode(shown, "snow", Scale(), 1))
+    head, body = unframed(encode(shown, Colors("snow"), Scale(), 1))
     values = np.frombuffer(body, "<u2").reshape(-1, 4)[:, 3].tolist()
     assert head["mode"] == "snow"
     assert values == ([0, 0, 0] if share is None else [0, 16384, 65535])
+
+
+def test_colours_by_hand_and_by_powers():
+    """The value of 16 bits is the logarithm's share of the way; names and negative ends have none."""
+    values = np.array([0.01, 1.0, 10.0, 100.0, 1e9], np.float32)
+    snapshot = Snapshot(cloud(5), {"speed": values, "material": values}, (), 0.0, 0)
+    head, body = unframed(encode(snapshot, Colors("speed", (1.0, 100.0), True), Scale(), 0))
+    q = np.frombuffer(body, "<u2").reshape(-1, 4)[:, 3]
+    assert (head["limits"], head["log"]) == ([1.0, 100.0], True)
+    np.testing.assert_allclose(q, [0, 0, 32767.5, 65535, 65535], atol=1)
+    assert not unframed(encode(snapshot, Colors("speed", (-2.0, -1.0), True), Scale(), 0))[0]["log"]
+    assert not unframed(encode(snapshot, Colors("material", None, True), Scale(), 0))[0]["log"]
+    assert unframed(encode(snapshot, Colors("speed", (0.0, 100.0), True), Scale(), 0))[0]["limits"] == [
+        0.01,
+        100.0,
+    ]

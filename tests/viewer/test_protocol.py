@@ -11,13 +11,14 @@ from neve.viewer.show import prepare
 
 
 def test_the_types_of_the_page_are_current():
-    """page/protocol.js is what Python makes; if not: python -m neve.viewer.protocol.document."""
-    assert document.FILE.read_text(encoding="utf-8") == document.document()
+    """Both files are what Python makes; if not: python -m neve.viewer.protocol.document."""
+    for file, text in document.documents().items():
+        assert file.read_text(encoding="utf-8") == text
 
 
 def test_every_command_and_message_is_told():
     """Each class of a command and each kind of message stands in the file, with its word."""
-    text = document.document()
+    text = "".join(document.documents().values())
     for model in get_args(get_args(commands.AnyCommand)[0]):
         (word,) = get_args(model.model_fields["do"].annotation)
         assert f'{{"{word}"}} do' in text
@@ -62,7 +63,15 @@ def test_a_scene_message_is_what_its_type_says(which, small, recorded, tmp_path)
 
 def test_unlike_finds_what_is_wrong():
     """A missing key, an unknown key and a wrong kind are found."""
-    good = {"playing": True, "speed": 1.0, "frames": 0, "recording": False, "recorded": 0}
+    good = {
+        "playing": True,
+        "speed": 1.0,
+        "frames": 0,
+        "recording": False,
+        "recorded": 0,
+        "undo": "",
+        "redo": "",
+    }
     assert list(unlike(good, messages.PlayerState)) == []
     assert list(unlike(good | {"more": 1}, messages.PlayerState)) == ["message"]
     assert list(unlike({"playing": True}, messages.PlayerState)) == ["message"]
@@ -72,7 +81,7 @@ def test_unlike_finds_what_is_wrong():
 def test_a_mode_is_one_entry(monkeypatch, recorded, tmp_path):
     """A colour mode that is added to MODES is offered, measured and encoded without another line."""
     from neve.viewer.encode import encode
-    from neve.viewer.modes import Mode, Scale
+    from neve.viewer.modes import Colors, Mode, Scale
     from neve.viewer.protocol.state import unframed
 
     height = Mode("height", "m", ("x",), lambda columns, spacing: columns["x"]()[:, 2], (0.0, 1.0))
@@ -85,5 +94,5 @@ def test_a_mode_is_one_entry(monkeypatch, recorded, tmp_path):
     told = describe(player)["modes"]
     assert [mode["label"] for mode in told if mode["name"] == "height"] == ["height"]
     assert "height" in available({"x"})
-    head, _ = unframed(encode(player.latest, "height", Scale(), 1))
+    head, _ = unframed(encode(player.latest, Colors("height"), Scale(), 1))
     assert (head["mode"], head["limits"]) == ("height", [0.0, 1.0])

@@ -8,17 +8,17 @@ import socket
 import warnings
 
 import pytest
-from viewer.conftest import converse
+from viewer.conftest import apart, converse
 
 from neve.viewer.server import PAGE
 from neve.viewer.show import ViewError, prepare, view
 
 
-async def get(port, path, **headers):
+async def get(port, path, method="GET", **headers):
     """Send a bare request and return status, headers and body."""
     reader, writer = await asyncio.open_connection("127.0.0.1", port)
     lines = [
-        f"GET {path} HTTP/1.1",
+        f"{method} {path} HTTP/1.1",
         *(f"{k}: {v}" for k, v in ({"Host": f"127.0.0.1:{port}"} | headers).items()),
     ]
     writer.write("\r\n".join([*lines, "", ""]).encode())
@@ -95,6 +95,21 @@ def test_foreign_pages_are_turned_away(server):
     converse(server, talk)
 
 
+def test_only_reading_is_answered(server):
+    """POST, PUT, DELETE, TRACE and OPTIONS get 405 and what is allowed; HEAD is GET without its body."""
+
+    async def talk(page, port):
+        for method in ("POST", "PUT", "DELETE", "TRACE", "OPTIONS", "PATCH"):
+            status, head, _ = await get(port, "/", method)
+            assert status == 405, method
+            assert "Allow: GET, HEAD" in head
+        status, head, body = await get(port, "/", "HEAD")
+        assert (status, body) == (200, b"")
+        assert "Content-Type: text/html" in head
+
+    converse(server, talk)
+
+
 def test_a_run_plays_with_its_timeline(server, recorded):
     """Seek shows the frame asked for; colours that a frame has are shown, others are not offered."""
 
@@ -153,7 +168,7 @@ def test_what_cannot_be_shown_is_told_in_one_sentence(tmp_path, recorded):
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         with pytest.raises(ViewError, match="cannot be used"):
-            view(str(recorded), port=taken.getsockname()[1])
+            apart(lambda: view(str(recorded), port=taken.getsockname()[1]))
     with pytest.raises(ViewError, match="--set cannot change"):
         prepare(str(recorded), ["snow.xi=3"])
     (recorded / "frames/000000.npz").write_bytes(b"snow")

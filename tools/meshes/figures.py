@@ -206,3 +206,75 @@ def hare_head(q: Array) -> Array:
     hollow = ellipsoid(e, (0.020, 0.0, 0.082), (0.013, 0.018, 0.068))
     ear = -smooth_union(0.008, -ear, hollow)
     return smooth_union(0.02, head, ear)
+
+
+# Side of the car's body, from the front clockwise as seen from +y, and of its glass house [m].
+BODY = [
+    (2.05, 0.10), (2.10, 0.34), (2.04, 0.50), (1.90, 0.58), (0.92, 0.70), (0.28, 1.13), (0.05, 1.20),
+    (-0.75, 1.21), (-1.02, 1.16), (-1.62, 0.76), (-2.06, 0.72), (-2.12, 0.55), (-2.08, 0.10),
+    (-1.9, 0.0), (1.9, 0.0),
+]  # fmt: skip
+PANES = {
+    "front door": [(0.74, 0.74), (0.16, 1.10), (-0.26, 1.13), (-0.26, 0.74)],
+    "rear door": [(-0.34, 0.74), (-0.34, 1.13), (-0.78, 1.13), (-1.10, 1.03), (-1.36, 0.80), (-1.36, 0.74)],
+}
+WINDSCREEN = [(1.2, 0.72), (0.84, 0.70), (0.26, 1.075), (0.6, 1.4)]
+REAR_WINDOW = [(-2.0, 0.80), (-1.50, 0.80), (-1.04, 1.11), (-1.3, 1.5)]
+AXLES, ARCH = (1.30, -1.28), 0.385  # where the wheels are, and the radius of their arches [m]
+
+
+def polygon(x: Array, z: Array, corners: list[tuple[float, float]]) -> Array:
+    """Return the distance to the outline of a polygon in the plane."""
+    p = np.stack([x, z], -1)
+    a = np.array(corners)
+    b = np.roll(a, -1, axis=0)
+    far = np.full(len(x), np.inf)
+    inside = np.zeros(len(x), bool)
+    for begin, end in zip(a, b, strict=True):
+        way, off = end - begin, p - begin
+        along = np.clip(off @ way / (way @ way), 0.0, 1.0)
+        far = np.minimum(far, np.linalg.norm(off - along[:, None] * way, axis=1))
+        crosses = (begin[1] > z) != (end[1] > z)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = begin[0] + (z - begin[1]) / (end[1] - begin[1]) * way[0]
+        inside ^= crosses & (x < at)
+    return np.where(inside, -far, far)
+
+
+def car_side(y: Array, x: Array, z: Array) -> Array:
+    """Return how far points are outside the car's flanks, which lean in above the belt and at the ends."""
+    waist = 0.86 - 0.05 * np.clip((0.35 - z) / 0.35, 0.0, 1.0) ** 2 - 0.42 * np.clip(z - 0.70, 0.0, 1.0)
+    ends = 0.16 * np.clip((np.abs(x) - 1.35) / 0.75, 0.0, 1.0) ** 2
+    return (np.abs(y) - (waist - ends)) * 0.9
+
+
+def rounded(width: float, a: Array, b: Array) -> Array:
+    """Return the distance to what lies in both, its edge rounded over about `width` [m]."""
+    return -smooth_union(width, -a, -b)
+
+
+def car_whole(p: Array) -> Array:
+    """Return the distance to the car without windows and arches."""
+    x, y, z = p.T
+    return rounded(0.14, polygon(x, z, BODY), car_side(y, x, z))
+
+
+def car(p: Array) -> Array:
+    """Return about the distance to the body of a car: 4.2 m long, 1.7 m wide, nose to +x, its sill on z = 0.
+
+    Windows are open and show `car_glass`, arches show wheels that stand at x = 1.30 and -1.28 m, 0.13 m high.
+    """
+    x, y, z = p.T
+    windows = [common(polygon(x, z, pane), 0.3 - np.abs(y)) for pane in PANES.values()]
+    windows += [
+        common(polygon(x, z, pane), np.abs(y) - 0.60 + 0.35 * (z - 0.74))
+        for pane in (WINDSCREEN, REAR_WINDOW)
+    ]
+    arches = [common(np.hypot(x - at, z - 0.13) - ARCH, 0.52 - np.abs(y)) for at in AXLES]
+    return common(car_whole(p), *(-part for part in (*windows, *arches)))
+
+
+def car_glass(p: Array) -> Array:
+    """Return the distance to the panes of `car`: one body that stands in it, 3 cm within its skin."""
+    x, _, z = p.T
+    return common(car_whole(p) + 0.03, 0.66 - z, np.abs(x + 0.25) - 1.55)

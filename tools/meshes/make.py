@@ -11,7 +11,7 @@ from pathlib import Path
 
 import trimesh
 from contour import contour
-from figures import boot, castle, hare
+from figures import boot, car, car_glass, castle, hare
 from simplify import simplify
 from turned import carrot, hat, pine, rock, tyre
 
@@ -21,6 +21,8 @@ FOLDER = Path(__file__).parents[2] / "src/neve" / "assets" / "meshes"
 # Field, two corners of a box around it [m], spacing of the grid [m], triangles.
 FIELDS = {
     "boot": (boot, (-0.17, -0.08, -0.02), (0.17, 0.08, 0.30), 0.0032, 9800),
+    "car": (car, (-2.2, -0.95, -0.08), (2.2, 0.95, 1.30), 0.022, 9800),
+    "car_glass": (car_glass, (-2.0, -0.9, 0.58), (1.5, 0.9, 1.26), 0.03, 2000),
     "castle": (castle, (-1.3, -1.3, -0.07), (1.3, 1.3, 1.37), 0.026, 9000),
     "hare": (hare, (-0.24, -0.15, -0.03), (0.17, 0.15, 0.56), 0.005, 8000),
 }

@@ -8,12 +8,12 @@ export default defineConfig({
     outDir: "../../src/neve/drive/page",
     emptyOutDir: true,
     chunkSizeWarningLimit: 3000,
-    rolldownOptions: { input: ["index.html", "lab.html"] },
+    rolldownOptions: { input: ["index.html", "lab.html", "walk.html"] },
   },
   test: {
     include: ["tests/**/*.test.ts"],
-    testTimeout: 120_000,
-    hookTimeout: 120_000,
+    testTimeout: 300_000, // a page that is drawn by a busy processor takes its time
+    hookTimeout: 300_000,
     fileParallelism: false,
   },
 });

@@ -119,9 +119,10 @@ void bind_device_bodies(nb::class_<Model<T>>& c) {
       .def(
           "solve_bodies",
           [](M& self, double dt, const nb::callable& response) {
-            const auto U = BodyVelocitySolver(self.bodies, dt).solve([&](const std::vector<Twist>& now) {
+            const auto respond = [&](const std::vector<Twist>& now) {
               return responses_of(nb::cast<ResponseArray>(response(array_of(now))), now.size());
-            });
+            };
+            const auto U = BodyVelocitySolver(self.bodies, dt).solve(whole_responses(respond));
             set_velocities(self.bodies, U, self.solids);
             return array_of(U);
           },

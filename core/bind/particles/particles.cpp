@@ -4,7 +4,7 @@
 #include "bind/arrays.hpp"
 #include "bind/solids.hpp"
 #include "particles/heat/pass.hpp"
-#include "particles/measure.hpp"
+#include "particles/population.hpp"
 #include "particles/relax.hpp"
 
 namespace neve::bind {
@@ -43,13 +43,37 @@ nb::tuple contacts(Particles<T>& p) {
                         array(std::move(values), {n, 4}));
 }
 
+// Rows as an index, of which none is past the end.
+template <class T>
+std::vector<std::uint32_t> rows_of(const Particles<T>& p, const In<std::uint32_t, nb::shape<-1>>& rows) {
+  std::vector<std::uint32_t> out(rows.data(), rows.data() + rows.shape(0));
+  for (const std::uint32_t row : out)
+    if (row >= p.state.count) throw nb::index_error("no particle has this row");
+  return out;
+}
+
+template <class T>
+Particles<T> with_particles(Particles<T>& p, const In<std::uint32_t, nb::shape<-1>>& kept, std::size_t more) {
+  const std::vector<std::uint32_t> rows = rows_of(p, kept);
+  if (std::adjacent_find(rows.begin(), rows.end(), std::greater_equal<>()) != rows.end())
+    throw nb::value_error("the rows that are kept must rise");
+  if (p.carried.begin.size() != p.state.count + 1) p.require_lists();
+  Particles<T> out(0);
+  take_over(out, p, rows, more);
+  return out;
+}
+
 template <class T>
 void set_contacts(Particles<T>& p, double near, const In<std::uint32_t, nb::shape<-1>>& begin,
                   const In<std::int32_t, nb::shape<-1>>& row, const In<T, nb::shape<-1, 4>>& values) {
   const std::size_t n = row.shape(0), count = p.state.count;
   bool right = begin.shape(0) == count + 1 && values.shape(0) == n && begin(0) == 0 && begin(count) == n;
   for (std::size_t i = 0; right && i < count; ++i) right = begin(i) <= begin(i + 1) && begin(i + 1) <= n;
-  for (std::size_t e = 0; right && e < n; ++e) right = row(e) >= 0 && std::size_t(row(e)) < count;
+  for (std::size_t i = 0; right && i < count; ++i) {  // the rows of each rise, below the number of particles
+    for (std::size_t e = begin(i); right && e < begin(i + 1); ++e)
+      right = row(e) > (e == begin(i) ? -1 : row(e - 1)) && std::size_t(row(e)) < count &&
+              std::size_t(row(e)) != i;
+  }
   if (!right) throw nb::value_error("the contacts are not those of these particles");
   PairMemory<T> memory;
   memory.begin.assign(begin.data(), begin.data() + count + 1);
@@ -124,7 +148,12 @@ void bind_constants(nb::class_<Particles<T>>& c) {
           [](P& p, bool may) { p.model.sleep.may_sleep = may; })
       .def_prop_ro("stiffest", [](const P& p) { return p.bounds.stiffest; })
       .def_prop_ro("largest_radius", [](const P& p) { return p.bounds.radius; })
-      .def_prop_ro("largest_stretch", [](const P& p) { return p.bounds.stretch; });
+      .def(
+          "rate_of",
+          [](const P& p, double stiffness) {
+            return stable_rate(stiffness, stiffness * double(p.model.law.damping));
+          },
+          nb::arg("stiffness"));
 }
 
 template <class T>
@@ -143,12 +172,42 @@ void bind_heat(nb::class_<Particles<T>>& c) {
 }
 
 template <class T>
+void bind_population(nb::class_<Particles<T>>& c) {
+  using P = Particles<T>;
+  c.def("with_particles", &with_particles<T>, nb::arg("kept"), nb::arg("more"))
+      .def(
+          "bond_newborn",
+          [](P& p, std::uint32_t first, double gap) { p.require_ready(), bond_newborn(p, first, T(gap)); },
+          nb::arg("first"), nb::arg("gap"))
+      .def(
+          "totals_of",
+          [](P& p, const Model<T>& solids, const In<std::uint32_t, nb::shape<-1>>& rows) {
+            p.remind();
+            return totals_of(p.model.law, solids.gravity, p.state, p.listing.lists, rows_of(p, rows));
+          },
+          nb::arg("solids"), nb::arg("rows"));
+}
+
+template <class T>
 std::size_t sleepers_in(const Particles<T>& p) {
   std::size_t sum = 0;
   for (std::size_t g = 0; g < p.groups.asleep.size(); ++g) {
     if (p.groups.asleep[g]) sum += detail::end_of_group(p.state, g) - g * p.groups.lanes;
   }
   return sum;
+}
+
+template <class T>
+void bind_lists(nb::class_<Particles<T>>& c) {
+  using P = Particles<T>;
+  c.def_rw("order", &P::wide)
+      .def_prop_ro("drift",
+                   [](const P& p) {
+                     const Vec3<double>& drift = p.listing.drift;
+                     return std::vector<double>{drift.x, drift.y, drift.z};
+                   })
+      .def_prop_rw(
+          "last_dt", [](const P& p) { return p.model.law.dt; }, [](P& p, T dt) { p.model.law.dt = dt; });
 }
 
 template <class T>
@@ -160,13 +219,12 @@ void bind_of(nb::module_& m) {
   bind_columns(c);
   bind_constants(c);
   bind_heat(c);
+  bind_population(c);
+  bind_lists(c);
   c.def(nb::init<std::size_t>(), nb::arg("count"))
       .def_prop_ro("count", [](const P& p) { return p.state.count; })
       .def_prop_ro("bytes", [](P& p) { return p.state.bytes() + p.listing.bytes() + p.sums.values.bytes(); })
       .def_prop_ro("asleep", [](const P& p) { return p.state.count == 0 ? 0 : sleepers_in(p); })
-      .def_rw("order", &P::wide)
-      .def_prop_rw(
-          "last_dt", [](const P& p) { return p.model.law.dt; }, [](P& p, T dt) { p.model.law.dt = dt; })
       .def(
           "prepare",
           [](P& p, double near, double dt) {
@@ -191,7 +249,10 @@ void bind_of(nb::module_& m) {
           "relax", [](P& p) { p.require_lists(), relax(p.state, p.listing.lists); }, free_gil)
       .def(
           "stiffness_now",
-          [](const P& p) { return p.require_lists(), stiffness_of(p.state, p.listing.lists, p.groups); },
+          [](P& p) {
+            p.require_ready();
+            return stiffness_now(p.state, p.listing.lists, p.model.law, p.quads, p.groups, p.sums);
+          },
           free_gil)
       .def("step", &step<T>, nb::arg("solids"), nb::arg("dt"), free_gil)
       .def(
@@ -215,6 +276,7 @@ void bind_particles(nb::module_& m, nb::module_& f32, nb::module_& f64) {
   nb::class_<ParticleReport>(m, "ParticleReport", "What a step found.")
       .def_ro("speed", &ParticleReport::speed)
       .def_ro("stiffest", &ParticleReport::stiffest)
+      .def_ro("rate", &ParticleReport::rate)
       .def_ro("finite", &ParticleReport::finite);
   nb::class_<ParticleTotals>(m, "ParticleTotals", "Sums over the particles, in double.")
       .def_ro("mass", &ParticleTotals::mass)

@@ -7,6 +7,8 @@
 #include "sph/advance.hpp"
 #include "sph/measure.hpp"
 #include "sph/shear.hpp"
+#include "sph/water/mixture.hpp"
+#include "sph/water/wet_walls.hpp"
 
 namespace neve::bind {
 
@@ -24,6 +26,7 @@ struct Sph {
   SphBoundary<T> walls;
   SphSearch room;
   SphPairs<T> snow, boundary;
+  SphFriction<T> friction;
   std::vector<Exchange> exchanged;
   bool listed = false;  // the pairs are those of the state
 
@@ -48,7 +51,18 @@ void find_pairs(Sph<T>& w, const Model<T>& world, double dt) {
   w.sums.resize(w.state.count);
   w.samples.place(world, dt, w.walls);
   neve::find_pairs(w.kernel, w.state, w.walls, w.room, w.snow, w.boundary);
+  neve::wet_walls(w.kernel, w.state, w.walls, w.boundary);
   w.listed = true;
+}
+
+template <class T>
+SolveReport solve_pressure(Sph<T>& w, const Model<T>& world, double dt, double tolerance, double largest,
+                           int most) {
+  w.require_pairs();
+  SolveLimits limits;
+  limits.tolerance = tolerance, limits.largest = largest, limits.most = most;
+  if (!w.state.has_water()) return neve::solve_pressure(w.state, w.snow, dt, limits, w.sums);
+  return neve::solve_mixture(w.kernel, world, w.state, w.walls, w.snow, w.boundary, dt, limits, w.sums);
 }
 
 template <class T>
@@ -102,6 +116,8 @@ void bind_columns(nb::class_<Sph<T>>& c) {
   NEVE_FIELD(J_P);
   NEVE_FIELD(stiffness);
   NEVE_FIELD(strength);
+  NEVE_FIELD(p_last);
+  NEVE_FIELD(a_last);
   NEVE_FIELD(material);
   NEVE_FIELD(source);
   NEVE_FIELD(id);
@@ -116,6 +132,7 @@ void bind_columns(nb::class_<Sph<T>>& c) {
   NEVE_FIELD(lam);
   NEVE_FIELD(G);
   NEVE_FIELD(L);
+  NEVE_FIELD(fill);
   NEVE_FIELD(p);
   NEVE_FIELD(given);
   NEVE_FIELD(pressed);
@@ -147,6 +164,7 @@ void bind_stages(nb::class_<Sph<T>>& c) {
           [](W& w, const Model<T>& world) {
             w.require_pairs();
             neve::find_densities(w.kernel, world, w.state, w.walls, w.snow, w.boundary, w.sums);
+            neve::fill_water(w.kernel, w.state, w.walls, w.snow, w.boundary, w.sums);
           },
           nb::arg("solids"), free_gil)
       .def(
@@ -154,6 +172,7 @@ void bind_stages(nb::class_<Sph<T>>& c) {
           [](W& w, const Model<T>& world) {
             w.require_pairs();
             neve::correct_gradients(w.state, world, w.walls, w.snow, w.boundary, w.sums);
+            neve::look_across(w.state, w.snow, w.sums);
           },
           nb::arg("solids"), free_gil)
       .def(
@@ -162,18 +181,11 @@ void bind_stages(nb::class_<Sph<T>>& c) {
             w.require_pairs();
             w.samples.place(world, dt, w.walls);
             neve::reorder(w.walls, w.room.order_of_walls);
-            neve::find_given(w.kernel, world, w.state, w.walls, w.boundary, dt, w.sums);
+            neve::find_given(w.kernel, world, w.state, w.walls, w.boundary, dt, w.sums, w.friction);
           },
           nb::arg("solids"), nb::arg("dt"), free_gil)
-      .def(
-          "solve_pressure",
-          [](W& w, double dt, double tolerance, int most) {
-            w.require_pairs();
-            SolveLimits limits;
-            limits.tolerance = tolerance, limits.most = most;
-            return neve::solve_pressure(w.state, w.snow, dt, limits, w.sums);
-          },
-          nb::arg("dt"), nb::arg("tolerance"), nb::arg("most"), free_gil)
+      .def("solve_pressure", &solve_pressure<T>, nb::arg("solids"), nb::arg("dt"), nb::arg("tolerance"),
+           nb::arg("largest"), nb::arg("most"), free_gil)
       .def(
           "solve_shear",
           [](W& w, double dt, double tolerance, int most) {
@@ -187,7 +199,10 @@ void bind_stages(nb::class_<Sph<T>>& c) {
           "advance",
           [](W& w, const Model<T>& world, double dt, double way, double strain) {
             w.require_pairs();
-            SphAdvance<T> advance(w.kernel, world, w.state, w.walls, w.snow, w.boundary, w.sums, dt);
+            if (w.friction.drag.size() != w.boundary.begin.back())
+              throw nb::value_error("call find_given() first");
+            SphAdvance<T> advance(world, w.state, w.walls, w.snow, w.boundary, w.friction, w.sums,
+                                  w.kernel.h / 2, dt);
             const SphReport report = advance({way, strain}, w.exchanged);
             w.listed = !report.taken;
             return report;
@@ -205,16 +220,27 @@ void bind_measures(nb::class_<Sph<T>>& c) {
          return neve::body_rate(world, w.state, w.walls, w.boundary, w.sums);
        },
        nb::arg("solids"))
+      .def("stress_rate",
+           [](const W& w) {
+             w.require_pairs();
+             return neve::stress_rate(w.kernel, w.state, w.sums);
+           })
       .def(
           "velocity_gradient",
           [](W& w, const In<double, nb::shape<-1, 3>>& u) {
+            using R = Lanes<T>;
             const Vectors<T> field = vectors_of(w, u);
-            detail::fill_quads(w.state.count, w.sums, [&](std::size_t p) { return vector_at(field, p); });
+            const auto at = [&](std::size_t p, int count) { return load_vector<R>(field, p, count); };
+            detail::fill_quads(w.state.count, w.sums, at);
+            Field<T, 9> found;
+            found.resize(w.state.count);
+            each_gradient(
+                w.snow, w.sums, w.state.count, w.sums.walls, at, [](std::size_t, int) { return splat<R>(0); },
+                [&](std::size_t p, int count, const Mat3<R>& D) { store_matrix(found, p, D, count); });
             T* out;
             auto D = fresh<T>(out, {w.state.count, 3, 3});
             for (std::size_t p = 0; p < w.state.count; ++p) {
-              const Mat3<T> at = neve::velocity_gradient(w.snow, w.sums, vector_at(field, p), T(0), p);
-              for (int k = 0; k < 9; ++k) *out++ = at(k / 3, k % 3);
+              for (int k = 0; k < 9; ++k) *out++ = found.column(k / 3 + 3 * (k % 3))[p];
             }
             return D;
           },
@@ -248,6 +274,16 @@ void bind_of(nb::module_& m) {
       .def_prop_ro(
           "bytes",
           [](W& w) { return w.state.bytes() + w.sums.bytes() + w.snow.bytes() + w.boundary.bytes(); })
+      .def(
+          "set_water",
+          [](W& w, int material, double rho0, double bulk_modulus, double viscosity) {
+            if (material < 0 || !(rho0 > 0) || !(bulk_modulus > 0) || !(viscosity >= 0))
+              throw nb::value_error(
+                  "water needs a row, a density and a bulk modulus above 0, no viscosity below 0");
+            w.state.water = {material, rho0, bulk_modulus, viscosity};
+            w.listed = false;
+          },
+          nb::arg("material"), nb::arg("rho0"), nb::arg("bulk_modulus"), nb::arg("viscosity"))
       .def("set_boundary", &set_boundary<T>, nb::arg("x"), nb::arg("normal"), nb::arg("solid"));
 }
 
@@ -257,6 +293,7 @@ void bind_sph(nb::module_& m, nb::module_& f32, nb::module_& f64) {
   nb::class_<SolveReport>(m, "SolveReport", "How a solve ended.")
       .def_ro("iterations", &SolveReport::iterations)
       .def_ro("residual", &SolveReport::residual)
+      .def_ro("largest", &SolveReport::largest)
       .def_ro("converged", &SolveReport::converged);
   nb::class_<SphReport>(m, "SphReport", "What the end of a step found.")
       .def_ro("speed", &SphReport::speed)

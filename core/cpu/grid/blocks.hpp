@@ -59,4 +59,17 @@ struct Home {
   std::array<std::int32_t, 8> nodes;
 };
 
+// The k-th node block of a home's tile, in the order of Home::nodes.
+inline BlockKey tile_block(BlockCoord home, int k) {
+  return key_of({home.x + (k >> 2), home.y + ((k >> 1) & 1), home.z + (k & 1)});
+}
+
+// Which of eight: tiles of homes of one colour never overlap.
+inline int colour_of(BlockCoord at) { return (at.x & 1) * 4 + (at.y & 1) * 2 + (at.z & 1); }
+
+// Where the first node of a block is [m].
+inline Vec3<double> first_node(double dx, BlockCoord at) {
+  return {4.0 * at.x * dx, 4.0 * at.y * dx, 4.0 * at.z * dx};
+}
+
 }  // namespace neve

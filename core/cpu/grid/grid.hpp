@@ -1,14 +1,14 @@
 // The sparse grid: blocks of 4x4x4 nodes, allocated where particles are.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "coupling/block_contacts.hpp"
 #include "coupling/exchange.hpp"
-#include "cpu/grid/blocks.hpp"
+#include "cpu/grid/halo.hpp"
+#include "cpu/grid/turns.hpp"
 #include "mpm/state.hpp"
 
 namespace neve {
@@ -29,8 +29,7 @@ struct Grid {
       homes;               // by rising key, so neighbours in memory are neighbours in space; after those that
                            // move, those that sleep beside them and only give
   std::size_t moving = 0;  // homes that move
-  std::array<std::vector<std::int32_t>, 8>
-      colours;                     // homes of one parity per axis: their tiles never overlap
+  Turns turns;             // in which homes give
   std::vector<BlockCoord> blocks;  // node blocks, by rising key
   Column<T> momentum;              // 4 per node: (m v, m) after p2g, (v, m) after grid_update
   Column<T> change;                // 4 per node, flip only: (f, -) after p2g, (v - v_n, -) after grid_update
@@ -50,10 +49,17 @@ struct Grid {
   T* node(std::int32_t block) { return momentum.data() + std::size_t(block) * block_values; }
   T* node_lift(std::int32_t block) { return lift.data() + std::size_t(block) * block_values; }
   T* node_change(std::int32_t block) { return change.data() + std::size_t(block) * block_values; }
+  // The arrays of values of a block: momentum, and those of change and lift that there are.
+  int layers() const { return 1 + has_change + (has_lift || has_water); }
+  T* layer(int k, std::int32_t block) {
+    return k == 0 ? node(block) : k == 1 && has_change ? node_change(block) : node_lift(block);
+  }
   std::size_t bytes() const {
-    return (momentum.size() + change.size() + lift.size()) * sizeof(T) + homes.size() * sizeof(Home) +
-           blocks.size() * sizeof(BlockCoord) + order.size() * sizeof(std::uint32_t) + spare.size() +
-           home_of.size() * sizeof(std::int32_t);
+    return (momentum.size() + change.size() + lift.size() + halo.kept.size() + halo.sent.size() +
+            halo.received.size()) *
+               sizeof(T) +
+           homes.size() * sizeof(Home) + blocks.size() * sizeof(BlockCoord) +
+           order.size() * sizeof(std::uint32_t) + spare.size() + home_of.size() * sizeof(std::int32_t);
   }
 
   // Snow at rest, see cpu/sleep.hpp.
@@ -64,6 +70,10 @@ struct Grid {
   bool may_sleep = true;
   double rest_wave = 0;  // wave speed in the stiffest snow since all of it was looked at [m/s]
   double rest_room = std::numeric_limits<double>::infinity();  // and the smallest J over that of ice [1]
+
+  // A run on several ranks, see cpu/ranks.
+  Halo<T> halo;
+  EarlierOrder earlier;
 
   // scratch of sort()
   std::vector<std::uint32_t> order;

@@ -109,4 +109,90 @@ class Scatter {
   Row<T> sum_[S::nodes][S::nodes] = {};
 };
 
+// Particles made ready for the scatter of w q + g . A with g = w (x_i - x_p).
+template <class T, class S, int N>
+struct AffineBatch {
+  static constexpr int K = S::nodes, capacity = N;
+  alignas(64) T xy[K][K][N];         // products of the weights along x and y
+  alignas(64) T z[4 * N];            // quads per particle, zero-padded
+  alignas(64) T q[4 * N];            // what A does of the way to the second node is part of it
+  alignas(64) T a[3][4 * N];         // rows of A
+  alignas(64) std::int32_t cell[N];  // index of the stencil's first value in the tile
+
+  // The weights of the particles from `first` on.
+  template <class R>
+  NEVE_INLINE Vec3<R> place(int first, const TileFrame<T>& frame, const Vec3<R>& way) {
+    R w[3][1][4];
+    Vec3<R> shift;
+    const R index = detail::place<S, SplineWeights>(frame, way, w, shift);
+    for (int i = 0; i < K; ++i) {
+      for (int j = 0; j < K; ++j) store(xy[i][j] + first, R(w[0][0][i] * w[1][0][j]));
+    }
+    if constexpr (K == 3) w[2][0][3] = splat<R>(0);
+    store_quads(z + 4 * first, w[2][0][0], w[2][0][1], w[2][0][2], w[2][0][3]);
+    store_integers(cell + first, index);
+    return shift;
+  }
+
+  // What they give.
+  template <class R>
+  NEVE_INLINE void give(int first, const Vec3<R>& momentum, const R& mass, const Mat3<R>& A,
+                        const Vec3<R>& shift) {
+    const R zero = splat<R>(0);
+    const Vec3<R> all = momentum + A * shift;
+    store_quads(q + 4 * first, all.x, all.y, all.z, mass);
+    for (int k = 0; k < 3; ++k)
+      store_quads(a[k] + 4 * first, A.column(k).x, A.column(k).y, A.column(k).z, zero);
+  }
+};
+
+namespace detail {
+
+// Add the particles [begin, end) of one cell to the tile: of each row the register Part, of the rows i those from First on.
+// Their sums stay in registers, of which AVX2 has no more than that.
+template <int Part, int First, int Rows, class T, class S, int N>
+NEVE_INLINE void scatter_part(const AffineBatch<T, S, N>& of, int begin, int end, T* corner) {
+  constexpr int K = S::nodes;
+  Register<T> sum[Rows][K] = {};
+  for (int l = begin; l < end; ++l) {
+    const Register<T> w = part_of_weights(of.z + 4 * l, Part);
+    const Register<T> p =
+        rounded(w * (part_of_quads(of.q + 4 * l, Part) +
+                     part_of(whole_offsets<T>(), Part) * part_of_quads(of.a[2] + 4 * l, Part)));
+    const Register<T> px = rounded(w * part_of_quads(of.a[0] + 4 * l, Part)),
+                      py = rounded(w * part_of_quads(of.a[1] + 4 * l, Part));
+    for_parts<Rows>([&](int i) NEVE_INLINE_LAMBDA {
+      const Register<T> r = plus_times(p, First + i - 1, px);
+      for_parts<K>(
+          [&](int j) NEVE_INLINE_LAMBDA { sum[i][j] += of.xy[First + i][j][l] * plus_times(r, j - 1, py); });
+    });
+  }
+  for_parts<Rows>([&](int i) NEVE_INLINE_LAMBDA {
+    for_parts<K>([&](int j) NEVE_INLINE_LAMBDA {
+      T* row = corner + row_offset(First + i, j) + Part * register_lanes<T>;
+      store(row, load<Register<T>>(row) + sum[i][j]);
+    });
+  });
+}
+
+}  // namespace detail
+
+// Add the first `count` particles of a batch to the tile. Particles of one cell, being neighbours in memory, meet in registers.
+template <class T, class S, int N>
+void scatter(const AffineBatch<T, S, N>& of, int count, Tile<T>& tile) {
+  constexpr int K = S::nodes, parts = (4 * K + register_lanes<T> - 1) / register_lanes<T>;
+  constexpr int rows = K == 3 || register_bytes == 64 ? K : K / 2;
+  for (int begin = 0, end; begin < count; begin = end) {
+    for (end = begin + 1; end < count && of.cell[end] == of.cell[begin];) ++end;
+    T* corner = tile.value + of.cell[begin];
+    [&]<int... part>(std::integer_sequence<int, part...>) NEVE_INLINE_LAMBDA {
+      ((detail::scatter_part<part, 0, rows>(of, begin, end, corner),
+        [&] {
+          if constexpr (rows < K) detail::scatter_part<part, rows, K - rows>(of, begin, end, corner);
+        }()),
+       ...);
+    }(std::make_integer_sequence<int, parts>{});
+  }
+}
+
 }  // namespace neve

@@ -59,12 +59,19 @@ Placing<T> placing_of(const Model<T>& model) {
   });
 }
 
+// Let `first` be the lost particle of the lowest birth number so far, of which p is one; -1: there was none.
+template <class T>
+void note_lost(const State<T>& state, std::size_t p, std::int64_t& first) {
+  if (first < 0 || state.id[p] < state.id[static_cast<std::size_t>(first)])
+    first = static_cast<std::int64_t>(p);
+}
+
 // Name the lost particle of the lowest birth number, the same for any number of threads.
 template <class T>
 void throw_if_lost(const State<T>& state, const std::vector<std::int64_t>& lost) {
   std::int64_t first = -1;
   for (std::int64_t p : lost) {
-    if (p >= 0 && (first < 0 || state.id[std::size_t(p)] < state.id[std::size_t(first)])) first = p;
+    if (p >= 0) note_lost(state, static_cast<std::size_t>(p), first);
   }
   if (first < 0) return;
   const auto p = static_cast<std::size_t>(first);
@@ -88,9 +95,7 @@ std::vector<BlockKey> find_homes(const State<T>& state, std::size_t count, const
     std::int32_t index = 0;
     for (std::size_t p = begin; p < end; ++p) {
       if (!placing.home(state, p, key)) {
-        std::int64_t& mine = lost[static_cast<std::size_t>(chunk)];
-        if (mine < 0 || state.id[p] < state.id[static_cast<std::size_t>(mine)])
-          mine = static_cast<std::int64_t>(p);
+        note_lost(state, p, lost[static_cast<std::size_t>(chunk)]);
         continue;
       }
       if (key != last) index = map.insert(key), last = key;
@@ -147,6 +152,16 @@ void order_by_home(std::size_t particles, const std::vector<BlockKey>& keys, Gri
   });
 }
 
+// Put the rows of a home into the order in which one rank would find them.
+inline void restore_order(const EarlierOrder& earlier, std::vector<std::uint32_t>& rows) {
+  if (earlier.home.empty()) return;
+  if (std::none_of(rows.begin(), rows.end(), [&](std::uint32_t p) { return earlier.is_disturbed(p); }))
+    return;
+  std::sort(rows.begin(), rows.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(earlier.home[a], earlier.row[a]) < std::pair(earlier.home[b], earlier.row[b]);
+  });
+}
+
 // Within each home, order by cell: neighbours in memory then share a stencil.
 template <class T>
 void order_by_cell(const State<T>& state, const Placing<T>& placing, Grid<T>& grid) {
@@ -154,8 +169,9 @@ void order_by_cell(const State<T>& state, const Placing<T>& placing, Grid<T>& gr
     const Home& home = grid.homes[h];
     std::array<std::uint32_t, Placing<T>::keys + 1> next{};
     std::vector<std::uint16_t> cell(home.count);
-    const std::vector<std::uint32_t> before(grid.order.begin() + home.begin,
-                                            grid.order.begin() + home.begin + home.count);
+    std::vector<std::uint32_t> before(grid.order.begin() + home.begin,
+                                      grid.order.begin() + home.begin + home.count);
+    restore_order(grid.earlier, before);
     for (std::uint32_t k = 0; k < home.count; ++k) {
       cell[k] = static_cast<std::uint16_t>(placing.cell(state, before[k], home.at));
       ++next[cell[k] + 1u];
@@ -181,15 +197,12 @@ void permute(State<T>& state, Grid<T>& grid) {
   });
 }
 
-// Allocate the node blocks that the tiles of homes that move cover, and colour the homes.
+// Allocate the node blocks that the tiles of homes that move cover, and find the turns of the homes.
 template <class T>
 void lay_out_blocks(Grid<T>& grid) {
   BlockMap map(grid.homes.size() * 2 + 8);
-  const auto corner = [](BlockCoord at, int k) {
-    return key_of({at.x + (k >> 2), at.y + ((k >> 1) & 1), at.z + (k & 1)});
-  };
   for (std::size_t h = 0; h < grid.moving; ++h) {
-    for (int k = 0; k < 8; ++k) map.insert(corner(grid.homes[h].at, k));
+    for (int k = 0; k < 8; ++k) map.insert(tile_block(grid.homes[h].at, k));
   }
   const std::size_t n = map.keys().size();
   std::vector<std::int32_t> by_key(n), rank(n);
@@ -203,22 +216,14 @@ void lay_out_blocks(Grid<T>& grid) {
     rank[old] = static_cast<std::int32_t>(k);
     grid.blocks[k] = coord_of(map.keys()[old]);
   }
-  for (auto& colour : grid.colours) colour.clear();
-  for (std::size_t h = 0; h < grid.homes.size(); ++h) {
-    Home& home = grid.homes[h];
+  for (Home& home : grid.homes) {
     for (int k = 0; k < 8; ++k) {
-      const std::int32_t found = map.find(corner(home.at, k));
+      const std::int32_t found = map.find(tile_block(home.at, k));
       home.nodes[static_cast<std::size_t>(k)] =
           found == BlockMap::none ? found : rank[static_cast<std::size_t>(found)];
     }
-    const int colour = (home.at.x & 1) * 4 + (home.at.y & 1) * 2 + (home.at.z & 1);
-    grid.colours[static_cast<std::size_t>(colour)].push_back(static_cast<std::int32_t>(h));
   }
-  for (auto& colour : grid.colours) {  // the largest first: threads finish a colour together
-    std::stable_sort(colour.begin(), colour.end(), [&](std::int32_t a, std::int32_t b) {
-      return grid.homes[static_cast<std::size_t>(a)].count > grid.homes[static_cast<std::size_t>(b)].count;
-    });
-  }
+  if (!grid.halo.shares) grid.turns.lay_out(grid.homes, false);  // else lay_halo() does
 }
 
 // Make room for what a step keeps of the blocks and homes that there are.

@@ -33,6 +33,26 @@ struct SplineWeights {
 template <class W, int modes>
 using StoredWeights = std::conditional_t<std::is_same_v<W, AffineWeights> && modes == 4, SplineWeights, W>;
 
+namespace detail {
+
+// The weights of particles along each axis, the shift from them to their second node [cells], and the index of their stencil's
+// first value in the tile. `way`: from the tile's first node [m].
+template <class S, class W, class T, class R>
+NEVE_INLINE R place(const TileFrame<T>& frame, const Vec3<R>& way, R (*w)[W::count][4], Vec3<R>& shift) {
+  R index = splat<R>(0);
+  for (int a = 0; a < 3; ++a) {
+    // a drifted particle is caught by g2p; the clamp keeps even a wrong call inside the tile
+    const R u = clamp(frame.local(way[a]), splat<R>(0), splat<R>(T(S::reach)));
+    const R base = floor(u), f = u - base;
+    W::template axis<S>(f, w[a]);
+    if constexpr (W::count == 1) shift[a] = S::template offset<R>(f, 1);
+    index = index * T(tile_width) + base;
+  }
+  return index * T(4);
+}
+
+}  // namespace detail
+
 // Weights of up to lane_count particles: for each axis the spline's [0] and the transfer's second [1] (and third).
 template <class T, class S, int Q = 2>
 struct Stencils {
@@ -44,25 +64,17 @@ struct Stencils {
 
   // W gives the weights of one axis.
   template <class W>
-  NEVE_INLINE void fill(const TileFrame<T>& frame, const Vec3<Lanes<T>>& at) {
+  NEVE_INLINE void fill(const TileFrame<T>& frame, const Vec3<Lanes<T>>& way) {
     static_assert(W::count == Q);
     using R = Lanes<T>;
     R w[3][Q][4];
-    R index = splat<R>(0);
-    for (int a = 0; a < 3; ++a) {
-      // a drifted particle is caught by g2p; the clamp keeps even a wrong call inside the tile
-      const R u = clamp(frame.local(at[a], a), splat<R>(0), splat<R>(T(S::reach)));
-      const R base = floor(u), f = u - base;
-      W::template axis<S>(f, w[a]);
-      if constexpr (Q == 1) shift[a] = S::template offset<R>(f, 1);
-      index = index * T(tile_width) + base;
-    }
+    const R index = detail::place<S, W>(frame, way, w, shift);
     for (int q = 0; q < Q; ++q) {
       for (int k = 0; k < K; ++k) store(x[q][k], w[0][q][k]), store(y[q][k], w[1][q][k]);
       if constexpr (K == 3) w[2][q][3] = splat<R>(0);
       store_quads(z[q], w[2][q][0], w[2][q][1], w[2][q][2], w[2][q][3]);
     }
-    store_integers(cell, R(index * T(4)));
+    store_integers(cell, index);
   }
 };
 

@@ -25,30 +25,26 @@ class Exposure {
            const std::vector<double>& volume)
       : to_air(state.count), to_sun(state.count), dx_(model.dx), nodes_(nodes), filled_(nodes.size()) {
     const double cell = dx_ * dx_ * dx_;
-    nodes.scatter(
-        [&](std::size_t p, std::size_t n, double w, const auto&) { filled_[n] += w * volume[p] / cell; });
+    nodes.template scatter<1>({filled_.data()}, [&](std::size_t p) { return std::array{volume[p] / cell}; });
     stretch(model);
     measure(heat);
-    std::vector<double> around(state.count);
-    nodes.gather([&](std::size_t p, std::size_t n, double w, const auto&) { around[p] += w * filled_[n]; });
-    each_index(state.count, [&](std::size_t p) {
+    std::vector<double> spray(state.count);  // the area of its drops' discs
+    nodes.template gather<1>({filled_.data()}, [&](std::size_t p, const std::array<double, 1>& around) {
       constexpr double pi = 3.14159265358979;
+      const double alone = std::max(1 - 2 * around[0], 0.0);
+      if (!(alone > 0)) return;
       const double r = std::cbrt(volume[p] * 0.75 / pi);
-      around[p] = std::max(1 - 2 * around[p], 0.0) * pi * r * r;
+      spray[p] = alone * pi * r * r;
     });
-    std::vector<double>& spray = around;  // the area of its drops' discs, from here on
     std::vector<char> lit(state.count);
     if (heat.sun > 0) shade(heat, state, spray, lit);
     share();
-    nodes.gather([&](std::size_t p, std::size_t n, double w, const auto&) {
-      if (!(filled_[n] > 0)) return;
-      const double part = w * volume[p] / (cell * filled_[n]);
-      to_air[p] += part * air_[n], to_sun[p] += part * sun_[n];
-    });
-    each_index(state.count, [&](std::size_t p) {
-      to_air[p] = std::max(to_air[p], 4 * spray[p]);
-      if (lit[p]) to_sun[p] = std::max(to_sun[p], spray[p]);
-    });
+    nodes.template gather<2>({air_.data(), sun_.data()},
+                             [&](std::size_t p, const std::array<double, 2>& areas) {
+                               const double share = volume[p] / cell;
+                               to_air[p] = std::max(share * areas[0], 4 * spray[p]);
+                               to_sun[p] = std::max(share * areas[1], lit[p] ? spray[p] : 0.0);
+                             });
   }
 
  private:
@@ -76,11 +72,12 @@ class Exposure {
 
   void stretch(const Model<T>& model) {
     psi_.resize(filled_.size()), solid_.resize(filled_.size());
+    const SolidBalls<T> balls(model);
     each_index(nodes_.blocks().size(), [&](std::size_t b) {
       const BlockCoord at = nodes_.blocks()[b];
-      const auto near = near_solids(model, at, 1.5, 3.2);
+      const auto near = near_solids(model, balls, at, 1.5, 3.2);
       for (int n = 0; n < 64; ++n) {
-        const Vec3<T> x = node_position(model, at, n / 16, n / 4 % 4, n % 4);
+        const Vec3<T> x = way_to_node(model, n);
         double solid = 0;
         for (const Solid<T>& s : near)
           solid = std::max(solid, std::clamp(0.5 - double(surface(s, x).phi) / dx_, 0.0, 1.0));
@@ -142,13 +139,14 @@ class Exposure {
     for (std::size_t k = 0; k < drops.size(); ++k) lit[drops[k]] = reached[cells.size() + k];
   }
 
-  // Give the areas of cells to their nodes.
+  // Give the areas of cells to their nodes, over what these are filled.
   void share() {
     each_node([&](std::size_t b, int i, int j, int k, std::size_t n) {
+      if (!(filled_[n] > 0)) return;
       for (int c = 0; c < 8; ++c) {
         const std::size_t m = nodes_.at(b, i - (c >> 2), j - (c >> 1 & 1), k - (c & 1));
         if (m == nodes_.none) continue;
-        air_[n] += filled_[n] * cell_air_[m], sun_[n] += filled_[n] * cell_sun_[m];
+        air_[n] += cell_air_[m], sun_[n] += cell_sun_[m];
       }
     });
   }

@@ -17,7 +17,7 @@ namespace neve::detail {
 // The space that a particle fills [m3]: not more than at birth, as what is torn apart is not, and not less than ice.
 template <class T>
 double space_of(const State<T>& state, std::size_t p) {
-  const double V0 = state.V0.column(0)[p], dense = double(state.m.column(0)[p]) / heat::ice;
+  const double V0 = state.V0.column(0)[p], dense = double(state.m.column(0)[p]) / ice_density;
   Mat3<double> F;
   for (int k = 0; k < 9; ++k) F(k % 3, k / 3) = state.F_E.column(k)[p];
   return std::clamp(V0 * determinant(F) * double(state.J_P.column(0)[p]), std::min(dense, V0), V0);
@@ -33,7 +33,6 @@ class GridHeatFlow {
         volume_(state.count),
         conductance_(state.count),
         temperature_(state.count),
-        gained_(state.count),
         taken_(state.count),
         joined_(nodes.size()),
         mean_(nodes.size()) {
@@ -43,8 +42,7 @@ class GridHeatFlow {
       volume_[p] = space_of(state, p);
       conductance_[p] = heat_.conductivity_of(mass(p) / volume_[p], liquid) * volume_[p] / moment;
     });
-    nodes.scatter(
-        [&](std::size_t p, std::size_t n, double w, const auto&) { joined_[n] += w * conductance_[p]; });
+    nodes.template scatter<1>({joined_.data()}, [&](std::size_t p) { return std::array{conductance_[p]}; });
     if (heat_.exchange > 0 || heat_.sun > 0) {
       Exposure<T> exposure(model, heat_, state, nodes, volume_);
       air_ = std::move(exposure.to_air), sun_ = std::move(exposure.to_sun);
@@ -55,19 +53,10 @@ class GridHeatFlow {
 
   // Let heat flow for dt [s], of its own time.
   HeatReport flow(double dt) {
-    double fastest = 0;
-    for (std::size_t p = 0; p < state_.count; ++p) {
-      const double rate = conductance_[p] + heat_.exchange * air_[p];
-      fastest = std::max(fastest, rate / (mass(p) * heat::c_ice));
-    }
-    HeatReport report = HeatReport::of(dt * fastest);
-    if (report.endless) return report;
-    for (int round = 0; round < report.rounds; ++round) exchange(dt / report.rounds);
-    for (std::size_t p = 0; p < state_.count; ++p) {
-      report.taken += taken_[p];
-      report.finite = report.finite && std::isfinite(state_.enthalpy.column(0)[p]);
-    }
-    return report;
+    return flow_in_rounds(
+        dt, state_.count, [&](std::size_t p) { return conductance_[p] + heat_.exchange * air_[p]; },
+        [&](std::size_t p) { return mass(p); }, [&](double round) { exchange(round); },
+        state_.enthalpy.column(0), taken_.data());
   }
 
  private:
@@ -82,28 +71,25 @@ class GridHeatFlow {
   // Let heat flow for a round of dt [s].
   void exchange(double dt) {
     double* e = state_.enthalpy.column(0);
-    each([&](std::size_t p) { temperature_[p] = heat::temperature(e[p], mass(p)), gained_[p] = 0; });
     std::fill(mean_.begin(), mean_.end(), 0.0);
-    nodes_.scatter([&](std::size_t p, std::size_t n, double w, const auto&) {
-      mean_[n] += w * conductance_[p] * temperature_[p];
+    nodes_.template scatter<1>({mean_.data()}, [&](std::size_t p) {
+      temperature_[p] = heat::temperature(e[p], mass(p));
+      return std::array{conductance_[p] * temperature_[p]};
     });
     each_chunk(mean_.size(), [&](int, std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n) mean_[n] = joined_[n] > 0 ? mean_[n] / joined_[n] : 0.0;
     });
-    nodes_.gather([&](std::size_t p, std::size_t n, double w, const auto&) {
-      gained_[p] += w * conductance_[p] * (mean_[n] - temperature_[p]);
-    });
-    each([&](std::size_t p) {
+    nodes_.template gather<1>({mean_.data()}, [&](std::size_t p, const std::array<double, 1>& around) {
       const double outside =
           dt * (heat_.exchange * air_[p] * (heat_.air - temperature_[p]) + heat_.sun * sun_[p]);
-      e[p] += dt * gained_[p] + outside, taken_[p] += outside;
+      e[p] += dt * conductance_[p] * (around[0] - temperature_[p]) + outside, taken_[p] += outside;
     });
   }
 
   const HeatModel& heat_;
   State<T>& state_;
   HeatNodes<T>& nodes_;
-  std::vector<double> volume_, conductance_, temperature_, gained_, taken_;
+  std::vector<double> volume_, conductance_, temperature_, taken_;
   std::vector<double> joined_, mean_;  // of the nodes: sum of conductances [W/K], temperature [deg C]
   std::vector<double> air_, sun_;
 };

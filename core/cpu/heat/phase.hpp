@@ -153,28 +153,33 @@ class PhaseChange {
 // |sym grad v| of each particle on the grid [1/s].
 template <class T>
 std::vector<double> strain_rates(const State<T>& state, HeatNodes<T>& nodes) {
-  std::vector<std::array<double, 4>> node(nodes.size(), {0, 0, 0, 0});  // m v, m; then v
-  nodes.scatter([&](std::size_t p, std::size_t n, double w, const auto&) {
-    const double m = w * double(state.m.column(0)[p]);
-    for (int k = 0; k < 3; ++k) node[n][std::size_t(k)] += m * double(state.v.column(k)[p]);
-    node[n][3] += m;
-  });
-  std::vector<std::array<double, 6>> rate(state.count, {0, 0, 0, 0, 0, 0});
-  nodes.gather([&](std::size_t p, std::size_t n, double, const std::array<double, 3>& dw) {
-    if (!(node[n][3] > 0)) return;
-    const double v[3] = {node[n][0] / node[n][3], node[n][1] / node[n][3], node[n][2] / node[n][3]};
-    auto& D = rate[p];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
-      D[k] += v[k] * dw[k], D[3 + k] += 0.5 * (v[a] * dw[b] + v[b] * dw[a]);
+  std::array<std::vector<double>, 4> node;  // m v, m; then v
+  for (auto& of : node) of.resize(nodes.size());
+  nodes.template scatter<4>({node[0].data(), node[1].data(), node[2].data(), node[3].data()},
+                            [&](std::size_t p) {
+                              const double m = double(state.m.column(0)[p]);
+                              std::array<double, 4> out{0, 0, 0, m};
+                              for (int k = 0; k < 3; ++k)
+                                out[std::size_t(k)] = m * double(state.v.column(k)[p]);
+                              return out;
+                            });
+  each_chunk(nodes.size(), [&](int, std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) {
+      for (std::size_t k = 0; k < 3; ++k) node[k][n] = node[3][n] > 0 ? node[k][n] / node[3][n] : 0.0;
     }
   });
   std::vector<double> out(state.count);
-  for (std::size_t p = 0; p < state.count; ++p) {
-    const auto& D = rate[p];
-    out[p] =
-        std::sqrt(D[0] * D[0] + D[1] * D[1] + D[2] * D[2] + 2 * (D[3] * D[3] + D[4] * D[4] + D[5] * D[5]));
-  }
+  nodes.template gather_slopes<3>({node[0].data(), node[1].data(), node[2].data()},
+                                  [&](std::size_t p, const auto& dv) {
+                                    double sum = 0;
+                                    for (std::size_t a = 0; a < 3; ++a) {
+                                      for (std::size_t b = 0; b < 3; ++b) {
+                                        const double D = 0.5 * (dv[a][b] + dv[b][a]);
+                                        sum += D * D;
+                                      }
+                                    }
+                                    out[p] = std::sqrt(sum);
+                                  });
   return out;
 }
 

@@ -63,6 +63,7 @@ template <class T>
 const char* impossible(const Model<T>& model, const State<T>& state, std::size_t p) {
   const auto positive = [&](const Field<T, 1>& f) { return finite(f, p) && f.column(0)[p] > T(0); };
   if (!finite(state.x, p)) return "x";
+  if (!finite(state.beyond, p)) return "beyond";
   if (!finite(state.v, p)) return "v";
   if (!finite(state.C, p)) return "C";
   if (!finite(state.modes, p)) return "modes";
@@ -94,7 +95,8 @@ bool sound(const Model<T>& model, const State<T>& state, std::size_t p, int coun
       differ = differ + (a - a);
     }
   };
-  see(state.x), see(state.v), see(state.C), see(state.modes), see(state.F_E), see(state.strength);
+  see(state.x), see(state.beyond), see(state.v), see(state.C), see(state.modes), see(state.F_E);
+  see(state.strength);
   R least = load<R>(state.J_P.column(0) + p, count);
   for (const Field<T, 1>* f : {&state.J_P, &state.m, &state.V0, &state.stiffness}) {
     see(*f);

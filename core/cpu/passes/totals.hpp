@@ -30,7 +30,7 @@ double affine_energy(const State<T>& state, std::size_t p, double dx) {
   double C[9], fraction[3];
   for (int k = 0; k < 9; ++k) C[k] = dx * state.C.column(k)[p];
   for (int a = 0; a < 3; ++a) {
-    const double u = state.x.column(a)[p] / dx - Spline::shift;
+    const double u = state.place(a, p) / dx - Spline::shift;
     fraction[a] = u - std::floor(u);
   }
   return modes_energy<Spline, Transfer>(C, fraction, [&](int k) { return double(state.modes.column(k)[p]); });
@@ -65,7 +65,7 @@ Totals totals(const Model<T>& model, const State<T>& state) {
           const double v = state.v.column(k)[i];
           sum.momentum[k] += m * v;
           v2 += v * v;
-          gx += static_cast<double>(model.gravity[k]) * state.x.column(k)[i];
+          gx += static_cast<double>(model.gravity[k]) * state.place(k, i);
         }
         sum.mass += m;
         sum.kinetic += 0.5 * m * v2;

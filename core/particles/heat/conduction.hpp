@@ -24,17 +24,6 @@ inline constexpr double blocked = 0.5;
 // packed snow has the plane's area, and a particle alone that of its ball.
 inline constexpr double growth_in_air = 0.45, growth_in_sun = 1.3;
 
-// Distance of particles p and q [m].
-template <class T>
-double distance(const ParticleState<T>& s, std::size_t p, std::size_t q) {
-  double d2 = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double d = double(s.x.column(k)[p]) - double(s.x.column(k)[q]);
-    d2 += d * d;
-  }
-  return std::sqrt(d2);
-}
-
 // A pass over the heat of all particles. Pairs are computed from both sides with the same bits.
 template <class T>
 class HeatFlow {
@@ -59,17 +48,10 @@ class HeatFlow {
     });
     std::vector<double> rate(s_.count);
     each([&](std::size_t p) { rate[p] = connect(p) + expose(p, lit[p]); });
-    double fastest = 0;
-    for (std::size_t p = 0; p < s_.count; ++p)
-      fastest = std::max(fastest, rate[p] / (double(s_.m.column(0)[p]) * heat::c_ice));
-    HeatReport report = HeatReport::of(dt * fastest);
-    if (report.endless) return report;
-    for (int round = 0; round < report.rounds; ++round) exchange(dt / report.rounds);
-    for (std::size_t p = 0; p < s_.count; ++p) {
-      report.taken += taken_[p];
-      report.finite = report.finite && std::isfinite(s_.enthalpy[p]);
-    }
-    return report;
+    return flow_in_rounds(
+        dt, s_.count, [&](std::size_t p) { return rate[p]; },
+        [&](std::size_t p) { return double(s_.m.column(0)[p]); }, [&](double round) { exchange(round); },
+        s_.enthalpy.data(), taken_.data());
   }
 
  private:

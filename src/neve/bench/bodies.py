@@ -1,4 +1,4 @@
-"""Measure what rigid bodies of triangles cost: five boots in snow, against the same snow alone."""
+"""Measure what rigid bodies cost: five boots in snow, many boxes on it, against the same snow alone."""
 
 from __future__ import annotations
 
@@ -24,6 +24,8 @@ FILE, COUNT = "neve:boot", 5
 """The mesh of the bodies, and how many there are."""
 SUNK = 0.04
 """How deep the boots stand in the snow at the start [m]."""
+FIELD, ROWS, BOX = (100, 50, 8), (10, 5), 0.1
+"""Size of the snow under the boxes, 8 particles a cell [1]; how many lie along x and y; their edge [m]."""
 STEPS, BATCHES, WARM = 40, 9, 100
 """Steps of a batch, batches of each kind, steps before the first."""
 
@@ -56,7 +58,7 @@ class Share:
     def text(self) -> str:
         """Return the result as lines of text."""
         lines = [
-            f"{self.case}: {self.bodies} bodies of {self.triangles:,} triangles in {self.particles:,} "
+            f"{self.case}: {self.bodies} bodies{self._triangles} in {self.particles:,} "
             f"particles, {self.threads} threads, median of {self.batches} pairs of batches "
             f"of {self.steps} steps",
             f"  step {self.step_ms.median:.3f} ms with bodies ({self.step_ms.least:.3f}-"
@@ -67,6 +69,10 @@ class Share:
         ]
         lines += [f"  {stage:6}{ms:+9.3f} ms" for stage, ms in self.growth_ms.items()]
         return "\n".join(lines)
+
+    @property
+    def _triangles(self) -> str:
+        return f" of {self.triangles:,} triangles" if self.triangles else ""
 
 
 def boots(cells: tuple[int, int, int], count: int, **numerics: Any) -> Scene:
@@ -91,12 +97,44 @@ def boots(cells: tuple[int, int, int], count: int, **numerics: Any) -> Scene:
     )
 
 
+def boxes(cells: tuple[int, int, int], rows: tuple[int, int], **numerics: Any) -> Scene:
+    """Return the scene of a layer of snow on which boxes lie, as many along x and y as `rows` says."""
+    x, y, z = (n * DX for n in cells)
+    along, across = (
+        (np.arange(n) + 0.5) * size / max(n, 1) - 0.5 * size for n, size in zip(rows, (x, y), strict=True)
+    )
+    return Scene(
+        numerics=Numerics(**{"dx": DX, "dt": DT, **numerics}),
+        sources=(Source.of("box", center=(0.0, 0.0, z / 2), size=(x, y, z)),),
+        colliders=(Collider.of("plane"),),
+        bodies=tuple(
+            Body.of("box", size=(BOX, BOX, BOX), center=(float(a), float(b), z + BOX / 2), density=300.0)
+            for a in along
+            for b in across
+        ),
+        camera=Camera(position=(2 * x, -4 * x, 2 * x), target=(0.0, 0.0, z / 2)),
+    )
+
+
 def measure_bodies(
     cells: tuple[int, int, int] = CELLS, count: int = COUNT, batches: int = BATCHES, steps: int = STEPS
 ) -> Share:
+    """Time boots in snow against the same snow alone."""
+    return _measure("bodies", boots(cells, count), boots(cells, 0), batches, steps)
+
+
+def measure_many(
+    cells: tuple[int, int, int] = FIELD,
+    rows: tuple[int, int] = ROWS,
+    batches: int = BATCHES,
+    steps: int = STEPS // 2,
+) -> Share:
+    """Time many boxes on snow against the same snow alone."""
+    return _measure("many_bodies", boxes(cells, rows), boxes(cells, (0, 0)), batches, steps)
+
+
+def _measure(case: str, scene: Scene, bare_scene: Scene, batches: int, steps: int) -> Share:
     """Time batches with the bodies and, from the same snow each time, batches without them."""
-    scene = boots(cells, count)
-    bare_scene = boots(cells, 0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)  # the boots stand in the snow on purpose
         sim = Simulation(scene)
@@ -114,10 +152,10 @@ def measure_bodies(
         for stage in sim.solver.stages:
             growth[stage].append(sim.stats.stage_seconds[stage] - bare.stats.stage_seconds[stage])
     return Share(
-        case="bodies",
+        case=case,
         particles=int(sim.state.count),
         threads=_core.threads(),
-        bodies=count,
+        bodies=len(scene.bodies),
         triangles=len(mesh.faces) if mesh else 0,
         steps=steps,
         batches=batches,

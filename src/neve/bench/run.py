@@ -12,15 +12,21 @@ import platform
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
 from neve import _core
-from neve.bench.bodies import Share, measure_bodies
+from neve.bench.bodies import Share, measure_bodies, measure_many
+from neve.bench.choices import Costs, measure_choices
 from neve.bench.compare import compared, read_earlier
+from neve.bench.competitor import Shared, measure_competitor
+from neve.bench.heat import HeatCost, measure_heat
 from neve.bench.loose import Scattered, measure_loose
 from neve.bench.sleep import Sleepers, measure_sleep
+from neve.bench.smoothed import Cost, measure_smoothed
+from neve.bench.snowfall import Fallen, Still, measure_snowfall, measure_still
 from neve.bench.spread import Spread
 from neve.bench.walk import Walk, measure_walk
 from neve.scene.errors import SceneError
@@ -209,16 +215,36 @@ def mpm_ns(batches: int = 5) -> float:
     return Spread.of(spent).median
 
 
-CASES: dict[str, Callable[[], Iterator[Speed | Once | Share | Sleepers | Scattered | Walk]]] = {
+def shared() -> Iterator[Shared]:
+    """Measure blocks beside a program that computes, in turn with batches alone."""
+    for name in ("20k", "200k"):
+        block = BLOCKS[name]
+        sim = Simulation(landing_block(block.cells))
+        sim.advance(block.warm * DT)
+        yield measure_competitor(sim, DT, block.steps)
+
+
+Result = (
+    Speed | Once | Share | Sleepers | Scattered | Costs | Shared | Walk | Cost | HeatCost | Fallen | Still
+)
+
+CASES: dict[str, Callable[[], Iterator[Result]]] = {
     **{name: lambda name=name: iter([measure(name, BLOCKS[name])]) for name in BLOCKS},  # type: ignore[misc]
     "20k_frame": lambda: iter([measure("20k_frame", FRAME)]),
     "matrix": matrix,
     "sampling": sampling,
     "preview": preview,
     "bodies": lambda: iter([measure_bodies()]),
+    "many_bodies": lambda: iter([measure_many()]),
     "contacts": lambda: iter([measure("contacts", CONTACTS, method="particles")]),
     "sleep": lambda: iter([measure_sleep()]),
+    "competitor": shared,
     "loose": lambda: iter([measure_loose()]),
+    "choices": lambda: iter([measure_choices(partial(landing_block, BLOCKS["20k"].cells), DT)]),
+    "smoothed": measure_smoothed,
+    "heat": measure_heat,
+    "snowfall": lambda: iter([measure_snowfall()]),
+    "snowed_still": lambda: iter([measure_still()]),
     "walk": lambda: iter([measure_walk(mpm_ns)]),
 }
 USUAL = ("20k", "20k_frame", "200k", "1m")
@@ -242,7 +268,7 @@ def run(cases: Sequence[str], as_json: bool = False, earlier: str | None = None)
         "python": platform.python_version(),
         **_core.build_info(),
     }
-    results: list[Speed | Once | Share | Sleepers | Scattered | Walk] = []
+    results: list[Result] = []
     if not as_json:
         print(", ".join(f"{key} {value}" for key, value in machine.items()))
     for name in cases or USUAL:
@@ -259,7 +285,7 @@ def run(cases: Sequence[str], as_json: bool = False, earlier: str | None = None)
         print()
 
 
-def text_of(result: Speed | Once | Share | Sleepers | Scattered | Walk) -> str:
+def text_of(result: Result) -> str:
     """Return a result as lines of text."""
     if not isinstance(result, Speed | Once):
         return result.text()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter, process_time
 
 from neve import _core
@@ -31,6 +31,8 @@ class Walk:
         wall_ms, cpu_ms: time of a picture, 1/FPS s of motion: by the clock, and of the processors
         step_ns, mpm_ns: processor time over awake particles and steps, and the same of the material point
             method, whose particles are all awake
+        stage_ms: time of each stage of a picture by the clock, the mean over the pictures; "other" is what is
+            left of the whole
     """
 
     case: str
@@ -43,6 +45,7 @@ class Walk:
     cpu_ms: Spread
     step_ns: Spread
     mpm_ns: float
+    stage_ms: dict[str, float] = field(default_factory=dict)
 
     def text(self) -> str:
         """Return the result as lines of text."""
@@ -54,7 +57,11 @@ class Walk:
             f"{cpu.median:.1f} ms of processors ({cpu.least:.1f}-{cpu.largest:.1f}): "
             f"{1e3 / wall.median:.1f} pictures/s, real time is {FPS}\n"
             f"  {cost.median:.0f} ns of processors a step of an awake particle, all in "
-            f"({cost.least:.0f}-{cost.largest:.0f}); material points {self.mpm_ns:.0f} ns"
+            f"({cost.least:.0f}-{cost.largest:.0f}); material points {self.mpm_ns:.0f} ns\n"
+            + f"  {'stage':<12}{'ms/picture':>12}{'us/step':>12}\n"
+            + "\n".join(
+                f"  {name:<12}{ms:>12.2f}{1e3 * ms / self.steps:>12.1f}" for name, ms in self.stage_ms.items()
+            )
         )
 
 
@@ -74,11 +81,15 @@ def measure_walk(
     while sim.time < settled:
         sim.advance(1 / FPS)
     wall, cpu, cost, asleep, steps = [], [], [], [], []
+    stages = dict.fromkeys((*sim.solver.stages, "other"), 0.0)
     for _ in range(pictures):
         begun, spent = perf_counter(), process_time()
         sim.advance(1 / FPS)
         wall.append(1e3 * (perf_counter() - begun))
         cpu.append(1e3 * (process_time() - spent))
+        spans = {name: 1e3 * seconds for name, seconds in sim.stats.stage_seconds.items()}
+        for name, ms in {**spans, "other": wall[-1] - sum(spans.values())}.items():
+            stages[name] += ms / pictures
         sleepers = sim.diagnostics().asleep
         asleep.append(sleepers / sim.count)
         steps.append(float(sim.stats.steps))
@@ -94,4 +105,5 @@ def measure_walk(
         cpu_ms=Spread.of(cpu),
         step_ns=Spread.of(cost),
         mpm_ns=mpm_ns(),
+        stage_ms=stages,
     )

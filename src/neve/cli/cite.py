@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from neve.io.version import version
+from neve.scene.schema.snowfall import Snowfall
 from neve.scene.values.choices import DEFAULT_LAW, LAWS, SPLINES, TRANSFERS
 
 if TYPE_CHECKING:
@@ -26,10 +27,15 @@ METHODS: Mapping[str, tuple[str, ...]] = {
     "sph": ("gissler2020", "akinci2012", *LAWS[DEFAULT_LAW].cites),
     **{name: tuple(choice.cites) for name, choice in {**LAWS, **SPLINES, **TRANSFERS}.items()},
     "snow": tuple(dict.fromkeys(key for law in LAWS.values() for key in law.plasticity_cites)),
+    "semi_implicit": tuple(LAWS[DEFAULT_LAW].cites),  # whose paper has it
+    "implicit": ("gast2015",),
+    "learned": ("li2022",),
     "poisson": ("bridson2007",),
     "fractal": ("perlin1985",),
     "clods": ("worley1996",),
     "mesh": ("jacobson2013", "barill2018"),
+    "snowfall": ("fearing2000",),
+    "snowslide": ("bernhardt2010",),
     "bodies": ("todorov2012",),
     "heat": ("calonne2011",),
     "heat.sintering": ("szabo2007",),
@@ -49,12 +55,19 @@ def methods(scene: Scene) -> list[str]:
     names = [scene.numerics.method]
     if scene.numerics.method not in GRIDLESS:
         names += [*laws, scene.numerics.spline, scene.numerics.transfer]
+    if scene.numerics.is_implicit:
+        names.append(scene.numerics.integrator)
+        if scene.numerics.integrator == "implicit" and scene.numerics.implicit_plasticity == "learned":
+            names.append("learned")
     if scene.numerics.sampling == "poisson":
         names.append("poisson")
     noises = [scene.completed(source).variation for source in scene.sources]
     names += [n.pattern for n in noises if n and (n.stiffness or n.strength or n.density)]
     if any(part.shape == "mesh" for part in (*scene.sources, *scene.colliders, *scene.bodies)):
         names.append("mesh")
+    falls = [source for source in scene.sources if isinstance(source, Snowfall)]
+    names += ["snowfall"] if falls else []
+    names += ["snowslide"] if any(fall.stability == "snowslide" for fall in falls) else []
     if scene.bodies or scene.robots:
         names.append("bodies")
     if scene.heat:

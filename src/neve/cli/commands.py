@@ -18,23 +18,28 @@ from typing import Any
 
 import click
 
+from neve.cli.age import age
 from neve.cli.campaigns import fuzz
 from neve.cli.compare import compare
 from neve.cli.console import (
     Commands,
     output_code,
     report,
+    report_others,
     tell,
     thread_count,
     usage,
     user_error,
     whole_number,
 )
-from neve.cli.estimate import announce, estimate
+from neve.cli.drive import drive
+from neve.cli.estimate import announce, estimate, finer
 from neve.cli.export import export
 from neve.cli.film import film
-from neve.cli.fine import finer
 from neve.cli.render import render
+from neve.cli.snow import snow
+from neve.cli.sweep import plot, sweep
+from neve.ranks import launch
 from neve.system import stopping, streams
 
 
@@ -62,7 +67,7 @@ def cli(ctx: click.Context, version: bool) -> None:
 def list_scenes(snow: bool, as_json: bool) -> None:
     """List the scenes that come with Neve, or its named snows."""
     if snow:
-        from neve.scene.schema.snow_tables import as_data, as_text
+        from neve.scene.reading.snow_tables import as_data, as_text
 
         click.echo(json.dumps(as_data(), indent=2) if as_json else as_text())
         return
@@ -101,55 +106,42 @@ def run(
     resume: bool,
     force: bool,
     quiet: bool,
-) -> None:
+) -> int:
     """Simulate SCENE and film it.
 
     SCENE is the name of a scene that comes with Neve (`neve list`), a TOML file, or a run folder: its scene
-    is run again or, with --resume, continued.
+    is run again or, with --resume, continued. `mpirun -n 4 neve run SCENE` shares it out over four ranks.
     """
-    if fine and resume:
-        raise click.UsageError(
-            "--fine chooses the grid of a new run, and a run that is resumed keeps its own: leave --fine out"
-        )
-    folder = _run_folder(scene, out, resume)
+    if not launch.leads():
+        return launch.follow()
     from neve.io.run_folder import RunFolder
     from neve.scene.reading.load import load
 
-    if not resume:  # a folder in use is reported before the scene is read; a resume reads the folder's scene
-        RunFolder(folder).check(resume, force)
-    if device is not None:
-        changes = (*changes, f"numerics.device={device}")
-    checked = load(scene, changes)
-    if fine:
-        checked = finer(checked, changes)
-    from neve.run import run_scene
-    from neve.scene.checks.advice import advice
+    with launch.leading(), warnings.catch_warnings():
+        if fine and resume:
+            raise click.UsageError(
+                "--fine chooses the grid of a new run, and a run that is resumed keeps its own: leave --fine"
+                " out"
+            )
+        folder = _run_folder(scene, out, resume)
+        if not resume:  # a folder in use is reported before the scene is read; a resume reads the folder's
+            RunFolder(folder).check(resume, force)
+        if device is not None:
+            changes = (*changes, f"numerics.device={device}")
+        checked = load(scene, changes)
+        if fine:
+            checked = finer(checked, changes)
+        from neve.run import run_scene
+        from neve.scene.checks.advice import advice
 
-    reported = advice(checked)
-    for sentence in reported:
-        report(f"warning: {sentence}.")
-    if not (resume or quiet):
-        announce(checked, frames, threads)
-    with warnings.catch_warnings():
-        _report_others(reported)
+        reported = advice(checked)
+        for sentence in reported:
+            report(f"warning: {sentence}.")
+        if not (resume or quiet):
+            announce(checked, frames, threads)
+        report_others(reported)
         run_scene(checked, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
-
-
-def _report_others(reported: list[str]) -> None:
-    """Print each warning about the scene once, as the command line does; skip those already `reported`."""
-    from neve.scene.errors import SceneWarning
-
-    usual, seen = warnings.showwarning, set(reported)
-
-    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
-        if not issubclass(category, SceneWarning):
-            usual(message, category, *where, **more)
-        elif str(message) not in seen:
-            seen.add(str(message))
-            report(f"warning: {message}.")
-
-    warnings.simplefilter("always", SceneWarning)
-    warnings.showwarning = show
+    return 0
 
 
 def _run_folder(scene: str, out: str | None, resume: bool) -> Path:
@@ -188,7 +180,10 @@ def _is_folder(path: Path) -> bool:
     "--port", type=click.IntRange(0, 65535), help="Port; by default the first free one from 8420 on."
 )
 @click.option(
-    "--threads", metavar="N", callback=thread_count, help="Threads of the simulation; all but one by default."
+    "--threads",
+    metavar="N",
+    callback=thread_count,
+    help="Threads; all by default, one less if others compute.",
 )
 @click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
 @click.option("--replay", metavar="FILE", help="Start no server; write a page that plays RUN by itself.")
@@ -204,6 +199,8 @@ def view(
 ) -> None:
     """Simulate SCENE live in the browser, or play back RUN there.
 
+    The link of a page, with #scene=NAME, opens the scene or run of that name.
+
     For a remote machine: ssh -L 8420:127.0.0.1:8420 MACHINE, and open the printed address locally.
     """
     from neve.viewer import view as show
@@ -213,21 +210,6 @@ def view(
         write_replay(scene, replay)
     else:
         show(scene, changes, out, host, port, threads, browse, tell)
-
-
-@cli.command()
-@click.option(
-    "--host", metavar="HOST", default="127.0.0.1", help="Address to listen on; this machine alone by default."
-)
-@click.option(
-    "--port", type=click.IntRange(0, 65535), help="Port; by default the first free one from 8440 on."
-)
-@click.option("--open", "browse", is_flag=True, help="Open the page in this machine's browser.")
-def drive(host: str, port: int | None, browse: bool) -> None:
-    """Drive a car on game snow in the browser: fast, pretty and not physical."""
-    from neve.drive import drive as serve
-
-    serve(host, port, browse, tell)
 
 
 @cli.command()
@@ -306,12 +288,8 @@ def validate(cases: tuple[str, ...], out: str | None, as_json: bool, threads: in
     return 0 if run_cases(cases, out, as_json, threads or os.cpu_count() or 1) else 1
 
 
-cli.add_command(compare)
-cli.add_command(estimate)
-cli.add_command(film)
-cli.add_command(render)
-cli.add_command(export)
-cli.add_command(fuzz)
+for command in (compare, drive, estimate, film, render, export, fuzz, snow, age, sweep, plot):
+    cli.add_command(command)
 
 
 @cli.command()

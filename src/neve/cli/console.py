@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import errno
 import sys
+import warnings
 from typing import Any
 
 import click
 
 from neve.isa import MAX_THREADS
+from neve.ranks import launch
 from neve.spelling import hint, nearest
 from neve.system import streams
 
@@ -20,7 +22,9 @@ USER_ERRORS = (
     ("neve.render.film", "FilmError"),
     ("neve.render.path_tracing.engine", "RenderError"),
     ("neve.solver", "Blowup"),
+    ("neve.ranks.world", "RanksError"),
     ("neve.cuda.errors", "DeviceError"),
+    ("neve.system.cluster", "ClusterError"),
     ("neve.viewer.show", "ViewError"),
     ("neve.drive.serve", "DriveError"),
 )
@@ -68,8 +72,26 @@ def thread_count(ctx: click.Context, param: click.Parameter, value: str | None) 
 
 
 def report(sentence: str) -> None:
-    """Say a sentence on standard error."""
-    print(f"neve: {' '.join(sentence.split())}", file=sys.stderr, flush=True)
+    """Say a sentence on standard error; of several ranks one does."""
+    if launch.leads():
+        print(f"neve: {' '.join(sentence.split())}", file=sys.stderr, flush=True)
+
+
+def report_others(reported: list[str]) -> None:
+    """Print each warning about the scene once, as the command line does; skip those already `reported`."""
+    from neve.scene.errors import SceneWarning
+
+    usual, seen = warnings.showwarning, set(reported)
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if not issubclass(category, SceneWarning):
+            usual(message, category, *where, **more)
+        elif str(message) not in seen:
+            seen.add(str(message))
+            report(f"warning: {message}.")
+
+    warnings.simplefilter("always", SceneWarning)
+    warnings.showwarning = show
 
 
 def tell(sentence: str) -> None:

@@ -1,9 +1,10 @@
-"""The command `neve estimate`, and the line with which `neve run` says that it will take long."""
+"""What a run will take: `neve estimate`, the line with which `neve run` says so, and the grid of --fine."""
 
 from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,7 +44,6 @@ def estimate(
 
     A short trial, of some ten seconds, measures this machine and runs through a coarse likeness of the scene.
     """
-    from neve.cli.fine import finer
     from neve.run.estimate import estimate as foresee
     from neve.scene.reading.load import load
 
@@ -139,3 +139,25 @@ def _round(value: float) -> int:
     """Return a number with three digits, below a million all of them where they are exact."""
     digits = max(len(str(round(value))) - 3, 0)
     return round(value) if value == round(value) and value < 1e6 else int(round(value, -digits))
+
+
+def finer(scene: Scene, changes: tuple[str, ...]) -> Scene:
+    """Return the scene with two million particles, and say with which grid."""
+    from neve.sampling.fineness import finer as chosen
+    from neve.sampling.fineness import particles_of
+
+    for key, _, value in (change.partition("=") for change in changes):
+        if key.strip() == "numerics.dx" or (key.strip() == "numerics" and re.search(r"\bdx\b", value)):
+            raise click.UsageError(
+                "--fine chooses numerics.dx: leave out one of --fine and --set numerics.dx"
+            )
+    if scene.numerics.dt != "auto":
+        raise click.UsageError(
+            f"--fine makes numerics.dx smaller, and numerics.dt = {scene.numerics.dt:g} s would stay: leave "
+            'out one of both, or add --set numerics.dt="auto"'
+        )
+    fine = chosen(scene)
+    report(
+        f"--fine: numerics.dx = {fine.numerics.dx:g}, about {particles_of(fine) / 1e6:.1f} million particles"
+    )
+    return fine

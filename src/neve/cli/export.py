@@ -93,6 +93,9 @@ class Shown:
 @click.option(
     "--scale", type=float, default=1.0, metavar="S", callback=factor, help="Units in a metre; 1 by default."
 )
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="Dask cluster that writes instead, such as tcp://host:8786."
+)
 @click.option("--force", is_flag=True, help="Begin anew; else frames that are there already are kept.")
 @click.option("--quiet", is_flag=True, help="Hide progress.")
 def export(
@@ -103,6 +106,7 @@ def export(
     fields: str | None,
     up: Literal["y", "z"] | None,
     scale: float,
+    scheduler: str | None,
     force: bool,
     quiet: bool,
 ) -> None:
@@ -112,5 +116,6 @@ def export(
     asked = None if fields is None else tuple(name for name in fields.split(",") if name)
     choices = Choices(to, asked, up, scale)
     with contextlib.ExitStack() as stack:
-        target, new = export_run(run, choices, out, frames, force, Shown(stack, to, quiet))
+        shown = Shown(stack, to, quiet)
+        target, new = export_run(run, choices, out, frames, force, shown, scheduler)
     tell(f"{target}: {new} new frames")

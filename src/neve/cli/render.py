@@ -37,14 +37,14 @@ def aperture(ctx: click.Context, param: click.Parameter, value: float | None) ->
 
 
 class Told:
-    """Say after each picture how far the film is, and how long it will take."""
+    """Say after each picture, or what else `each` is, how far a command is, and how long it will take."""
 
-    def __init__(self, quiet: bool, name: str = "render") -> None:
-        self._quiet, self._name, self._begin = quiet, name, time.monotonic()
+    def __init__(self, quiet: bool, name: str = "render", each: str = "picture") -> None:
+        self._quiet, self._name, self._each, self._begin = quiet, name, each, time.monotonic()
         self._stream = Steady(sys.stderr)
 
     def __call__(self, done: int, of: int, new: int) -> None:
-        """Show that `done` pictures of so many are there, `new` of them made just now."""
+        """Show that `done` of so many are there, `new` of them made just now."""
         if self._quiet:
             return
         from neve.run.progress import duration
@@ -52,7 +52,7 @@ class Told:
         passed = time.monotonic() - self._begin
         left = f", {duration(passed / new * (of - done))} left" if new and done < of else ""
         with contextlib.suppress(OSError):
-            self._stream.write(f"{self._name}: picture {done} of {of}{left}\n")
+            self._stream.write(f"{self._name}: {self._each} {done} of {of}{left}\n")
             self._stream.flush()
 
 
@@ -105,6 +105,9 @@ class Told:
 @click.option(
     "--jobs", metavar="N", callback=whole_number, help="Frames drawn at once; by default as many as fit."
 )
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="Dask cluster that draws instead, such as tcp://host:8786."
+)
 @click.option("--force", is_flag=True, help="Render again what is there already.")
 @click.option("--quiet", is_flag=True, help="Hide progress.")
 def render(
@@ -124,6 +127,7 @@ def render(
     exr: bool,
     threads: int | None,
     jobs: int | None,
+    scheduler: str | None,
     force: bool,
     quiet: bool,
 ) -> None:
@@ -137,10 +141,14 @@ def render(
 
     if frame is not None and frames is not None:
         raise click.UsageError("--frame renders one picture and --frames several: choose one of the two")
+    if scheduler is not None and jobs is not None:
+        raise click.UsageError("--jobs is of this machine and --scheduler of others: choose one of the two")
     if denoise and not has_denoiser():
         raise click.UsageError("--denoise needs a package: pip install mitsuba-oidn")
     chosen = slice(frame, frame + 1) if frame is not None else frames
     cleans = has_denoiser() if denoise is None else denoise
     choices = Choices(quality, look, kind, spp, size, aperture, cleans, phase)
-    made, new = render_run(run, choices, out, chosen, changes, exr, force, threads or 0, jobs, Told(quiet))
+    made, new = render_run(
+        run, choices, out, chosen, changes, exr, force, threads or 0, jobs, Told(quiet), scheduler
+    )
     tell(f"{made}: {new} new pictures")

@@ -17,14 +17,13 @@ from neve.cuda.steps import picture
 from neve.cuda.steps.ahead import RunAhead
 from neve.cuda.steps.bodies import DeviceBodies
 from neve.cuda.steps.reports import (
-    DeviceGridReport,
-    DeviceReport,
     grid_report_of,
     last_report,
     report_of,
 )
 from neve.cuda.steps.sorting import sort
 from neve.cuda.sums import DeviceTotals, Sums, densest_of, totals_of
+from neve.domains.reports import NodeReport, ParticleReport
 from neve.solver import Blowup, Device, Quantised
 
 if TYPE_CHECKING:
@@ -77,7 +76,9 @@ class CudaStages:
             self.fused,
         )
 
-    def State(self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False) -> DeviceState:
+    def State(
+        self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False, fine: bool = False
+    ) -> DeviceState:
         """Make `count` particles at rest, none of which can sleep. Errors: DeviceError."""
         assert not sleeps, "the scene is checked"
         assert not heat, "the scene is checked"
@@ -95,7 +96,7 @@ class CudaStages:
         state.upload()
         sort(self, model, state, grid)
 
-    def refresh(self, model: DeviceModel, state: DeviceState) -> DeviceReport:
+    def refresh(self, model: DeviceModel, state: DeviceState) -> ParticleReport:
         """Write the stress, and report."""
         state.upload()
         self.start_refresh(model, state)
@@ -157,7 +158,7 @@ class CudaStages:
         self.launch(model, "measure_volumes", grid.homes, PARTICLE_THREADS)
         state.moved(("V0",))
 
-    def grid_update(self, model: DeviceModel, grid: DeviceGrid, dt: float) -> DeviceGridReport:
+    def grid_update(self, model: DeviceModel, grid: DeviceGrid, dt: float) -> NodeReport:
         """Turn momenta into velocities, with gravity and contact."""
         self.start_grid_update(model, grid, dt)
         if self.step.bodies.count:
@@ -193,7 +194,7 @@ class CudaStages:
 
     def g2p(
         self, model: DeviceModel, state: DeviceState, grid: DeviceGrid, dt: float, commit: bool = True
-    ) -> DeviceReport:
+    ) -> ParticleReport:
         """Deform and move the particles; without `commit` the state is left as it is. Errors: ValueError."""
         self.start_g2p(model, state, grid, dt, commit)
         report = report_of(self.found(grid, "g2p"), stepped=True)
@@ -230,7 +231,7 @@ class CudaStages:
         limits: StepLimits,
         before: Report,
         seconds: float,
-    ) -> tuple[list[tuple[float, str]], DeviceReport]:
+    ) -> tuple[list[tuple[float, str]], ParticleReport]:
         """Take steps of at most `seconds` [s] in all, as long as none of them needs the host.
 
         Returns the dt of each [s] and what bound it, and the report of the last; maybe none is taken. For

@@ -12,11 +12,11 @@ import http.server
 import json
 import socket
 import webbrowser
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from http import HTTPStatus
 from importlib import metadata
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
+from urllib.parse import quote, unquote, urlsplit
 from urllib.request import url2pathname
 
 from neve.serving import address, content_type, is_local, port_error, ports
@@ -37,10 +37,20 @@ def drive(
     port: int | None = None,
     browse: bool = False,
     tell: Callable[[str], None] = print,
+    recordings: Sequence[Path] = (),
+    ground: Path | None = None,
 ) -> None:
-    """Serve the page until Ctrl-C. browse: open it here. Errors: DriveError, one sentence."""
-    with listening(host, port) as server:
+    """Serve the page until Ctrl-C.
+
+    browse: open it here. recordings: files in folders of runs, the first of which is played beside the car.
+    ground: file in a folder of `neve snow`, on which the car begins. Errors: DriveError, one sentence.
+    """
+    grounds = [ground] if ground is not None else []
+    with listening(host, port, recordings=recordings, grounds=grounds) as server:
         url = address(host, server.server_address[1])
+        named = [*(("recording", path) for path in recordings[:1]), *(("ground", path) for path in grounds)]
+        if named:
+            url += "/#" + "&".join(f"{key}={quote(_name(path), safe='')}" for key, path in named)
         tell(f"{url} is the car on snow; Ctrl-C ends.")
         if not is_local(host):
             tell(f"warning: {host} can be reached from other machines; they can read the page, nothing else.")
@@ -52,12 +62,25 @@ def drive(
 
 
 @contextlib.contextmanager
-def listening(host: str, port: int | None, page: Path = PAGE) -> Iterator[http.server.ThreadingHTTPServer]:
-    """Open the server of a built page, not yet answering. Errors: DriveError."""
+def listening(
+    host: str,
+    port: int | None,
+    page: Path | None = None,
+    recordings: Sequence[Path] = (),
+    grounds: Sequence[Path] = (),
+) -> Iterator[http.server.ThreadingHTTPServer]:
+    """Open the server of a built page, the PAGE of this copy without one, not yet answering.
+
+    recordings, grounds: files that are served as `recordings/NAME.json` and `grounds/NAME.json`, NAME that of
+    their folder. Errors: DriveError.
+    """
+    page = page or PAGE
     files = {f"/{path.relative_to(page).as_posix()}": path for path in page.rglob("*") if path.is_file()}
     if "/index.html" not in files:
         raise DriveError(f"this copy of Neve does not carry the page of neve drive: {_how_to_build(page)}.")
     files["/"] = files["/index.html"]
+    files |= {f"/recordings/{_name(path)}.json": path for path in recordings}
+    files |= {f"/grounds/{_name(path)}.json": path for path in grounds}
     handler = functools.partial(_Handler, files)
     for number in (tries := list(ports(port, PORT))):
         try:
@@ -69,6 +92,11 @@ def listening(host: str, port: int | None, page: Path = PAGE) -> Iterator[http.s
         with server:
             yield server
         return
+
+
+def _name(file: Path) -> str:
+    """Return the name of a recording or a ground: that of its folder."""
+    return file.resolve().parent.name
 
 
 def _how_to_build(page: Path) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,7 @@ from neve.io.errors import RunError, cannot_read
 from neve.io.frames import FOR_LIFE, Frame, Life, chosen_frames, frame_numbers, frame_path, read_frame
 from neve.io.npz import mark_of
 from neve.io.run_folder import RunFolder
+from neve.system.cluster import elsewhere
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -93,12 +94,15 @@ def export_run(
     frames: slice | None = None,
     force: bool = False,
     progress: Progress = lambda done, of, particles: None,
+    scheduler: str | None = None,
 ) -> tuple[Path, int]:
     """Export frames of the run folder `path`; return the folder of the files and how many frames are new.
 
     out: the folder, by default one in the run folder, named as the format
     frames: numbers from start to stop, without stop, by step; None for all
     force: begin anew; else what is there, from the same frames and with the same choices, is kept
+    scheduler: address of a Dask cluster that writes instead, where a frame has files of its own; its workers
+    see the run and `out` under the same paths
 
     Memory follows the largest frame, not their number.
 
@@ -106,16 +110,13 @@ def export_run(
     """
     from neve.scene.reading.load import load
 
-    run = RunFolder(path)
-    if not run.is_run():
-        raise RunError(f"{run.path} holds no Neve run, so there is nothing to export.")
+    run, target = _places(path, out, choices, scheduler)
     wanted = chosen_frames(run.frames, frames, "export")
     scene = load(run.path)
     life = _life(run, choices)
     names = choices.names(read_frame(run.frames, wanted[0]), () if life is None else tuple(life.columns))
     if choices.format.weighs and (life is None or "m" not in life.columns):
         raise RunError(f"the particles of {run.path} have no mass, which the format {choices.to} needs.")
-    target = Path(out) if out is not None else run.path / choices.to
     job = choices.job(target, scene, solids_of(scene))
     format = choices.format(job)
     folder = ExportFolder(target)
@@ -130,8 +131,10 @@ def export_run(
                 _show(run, job)
                 if missing:
                     format.begin([number for number, _ in missing])
-                for done, (number, mark) in enumerate(missing, 1 + len(wanted) - len(missing)):
-                    particles = _export(run, number, mark, format, folder, names, life)
+                marks = dict(missing)
+                written = _written(run, [*marks], format, folder, choices, names, life, scheduler)
+                for done, (number, time, particles) in enumerate(written, 1 + len(wanted) - len(missing)):
+                    folder.add(number, time, marks[number])
                     progress(done, len(wanted), particles)
                 format.close(folder.times())
         except BaseException:
@@ -143,6 +146,19 @@ def export_run(
     return target, len(missing)
 
 
+def _places(
+    path: Path | str, out: Path | str | None, choices: Choices, scheduler: str | None
+) -> tuple[RunFolder, Path]:
+    """Return the run and the folder of the files, as all processes see them. Errors: RunError."""
+    if scheduler is not None and choices.format.whole:
+        raise RunError(f"--scheduler: the format {choices.to} has one file of all frames; leave it out.")
+    run = RunFolder(path if scheduler is None else Path(path).absolute())
+    if not run.is_run():
+        raise RunError(f"{path} holds no Neve run, so there is nothing to export.")
+    target = Path(out) if out is not None else run.path / choices.to
+    return run, target if scheduler is None else target.absolute()
+
+
 def _show(run: RunFolder, job: Job) -> None:
     """Show all frames of the run to a camera that follows something."""
     for number in frame_numbers(run.frames) if job.camera.follows else ():
@@ -150,22 +166,50 @@ def _show(run: RunFolder, job: Job) -> None:
             job.camera.see(read_frame(run.frames, number))
 
 
-def _export(
+Written = tuple[int, float, int]
+"""Of a frame that is exported: its number, its time [s] and its number of particles."""
+
+
+def _written(
     run: RunFolder,
-    number: int,
-    mark: int,
+    numbers: Sequence[int],
     format: Format,
     folder: ExportFolder,
+    choices: Choices,
     names: Sequence[str],
     life: Life | None,
-) -> int:
-    """Export one frame and return its number of particles; nothing of it stays in memory."""
+    scheduler: str | None,
+) -> Iterator[Written]:
+    """Export frames, here or on a cluster; yield them as they are done."""
+    if scheduler is not None:
+        folder.announce([name for number in numbers for name in format.names(number)])
+        folder.save()
+        yield from elsewhere(scheduler, _frame_elsewhere, numbers, run, choices, format.job.folder)
+        return
+    for number in numbers:
+        folder.announce(format.names(number))
+        yield _frame(run, number, format, names, life)
+
+
+def _frame(run: RunFolder, number: int, format: Format, names: Sequence[str], life: Life | None) -> Written:
+    """Export one frame; nothing of it stays in memory."""
     content = read_frame(run.frames, number)
     moment = moment_of(number, content, format.job.axes, names, life, format.weighs)
-    folder.announce(format.names(number))
     format.write(moment)
-    folder.add(number, moment.time, mark)
-    return len(moment.x)
+    return number, moment.time, len(moment.x)
+
+
+def _frame_elsewhere(number: int, run: RunFolder, choices: Choices, target: Path) -> Written:
+    """Export one frame in a process that has seen nothing of the run."""
+    from neve.scene.reading.load import load
+
+    scene, life = load(run.path), _life(run, choices)
+    names = choices.names(read_frame(run.frames, number), () if life is None else tuple(life.columns))
+    job = choices.job(target, scene, solids_of(scene))
+    with choices.format(job) as format:
+        _show(run, job)
+        format.begin([number])
+        return _frame(run, number, format, names, life)
 
 
 def _drop_others(run: RunFolder, format: Format, folder: ExportFolder) -> None:

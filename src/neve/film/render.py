@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import threading
+import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import astuple
@@ -28,6 +30,7 @@ from neve.render.path_tracing.engine import mitsuba
 from neve.render.path_tracing.picture import Choices, PathTracer
 from neve.render.shot import Shot, View
 from neve.system import disk, processes
+from neve.system.cluster import elsewhere
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -57,6 +60,7 @@ def render_run(
     threads: int = 0,
     jobs: int | None = None,
     progress: Progress = lambda done, of, new: None,
+    scheduler: str | None = None,
 ) -> tuple[Path, int]:
     """Render frames of the run folder `path`; return what was made and how many pictures are new.
 
@@ -70,24 +74,22 @@ def render_run(
     exr: write the linear light of each frame as OpenEXR, too
     jobs: processes that draw frames at once, which share the `threads`; no more than these. None: as many as
     cores and free memory allow, see `jobs_for`
+    scheduler: address of a Dask cluster that draws instead of this machine, a frame for each worker at a
+    time; its workers see the run and `out` under the same paths
 
-    Errors: RunError, SceneError, RenderError, FilmError, one sentence.
+    Errors: ClusterError, RunError, SceneError, RenderError, FilmError, one sentence.
     """
     from neve.scene.reading.load import load
 
-    run = RunFolder(path)
-    if not run.is_run():
-        raise RunError(f"{run.path} holds no Neve run, so there is nothing to render.")
-    for change in changes:
-        if change.partition("=")[0].partition(".")[0].strip() not in CHANGEABLE:
-            raise RunError(
-                f"--set {change}: a run that is there can change its {' and '.join(CHANGEABLE)} alone."
-            )
+    run = _run_at(path if scheduler is None else Path(path).absolute())
+    _require_changeable(changes)
     numbers = chosen_frames(run.frames, frames, "render")
     scene = load(run.path, changes)
     choices.check(scene.camera)
     mitsuba()  # whoever lacks it is told before anything is written
     target = Path(out) if out is not None else run.path / FOLDER
+    if scheduler is not None:
+        target = target.absolute()
     with writing(target):
         disk.make_folder(target)
     share = threads or cores()
@@ -98,9 +100,9 @@ def render_run(
             disk.sweep(target)
         job.refuse_strangers(numbers)
         jobs = min(job.side_by_side(numbers, force, share) if jobs is None else jobs, len(numbers), share)
-        if jobs > 1:
+        if jobs > 1 and scheduler is None:
             job.threads = share // jobs
-        for done, made in enumerate(_pictures(job, numbers, force, jobs, changes), 1):
+        for done, made in enumerate(_pictures(job, numbers, force, jobs, changes, scheduler), 1):
             new += made
             progress(done, len(numbers), new)
         if len(numbers) == 1:
@@ -108,23 +110,54 @@ def render_run(
         return job.film(numbers), new
 
 
+def _run_at(path: Path | str) -> RunFolder:
+    run = RunFolder(path)
+    if not run.is_run():
+        raise RunError(f"{run.path} holds no Neve run, so there is nothing to render.")
+    return run
+
+
+def _require_changeable(changes: Sequence[str]) -> None:
+    for change in changes:
+        if change.partition("=")[0].partition(".")[0].strip() not in CHANGEABLE:
+            raise RunError(
+                f"--set {change}: a run that is there can change its {' and '.join(CHANGEABLE)} alone."
+            )
+
+
 def _pictures(
-    job: _Job, numbers: Sequence[int], force: bool, jobs: int, changes: Sequence[str]
+    job: _Job, numbers: Sequence[int], force: bool, jobs: int, changes: Sequence[str], scheduler: str | None
 ) -> Iterator[bool]:
-    """Make the pictures of frames, several at once if there are several processes; yield which are new."""
+    """Make the pictures of frames, on a cluster or in `jobs` processes; yield which are new."""
+    items = [(number, force) for number in numbers]
+    if scheduler is not None:
+        yield from elsewhere(scheduler, _picture_elsewhere, items, (uuid.uuid4().hex, job.told(changes)))
+        return
     if jobs == 1:
-        yield from (job.picture(number, force) for number in numbers)
+        yield from (job.picture(*item) for item in items)
         return
     try:
-        yield from processes.results(
-            _picture, [(number, force) for number in numbers], jobs, _begin, job.told(changes)
-        )
+        yield from processes.results(_picture, items, jobs, _begin, job.told(changes))
     except BrokenExecutor as error:
         raise RunError(
             "a process of neve render has ended, maybe for lack of memory: use fewer --jobs."
         ) from error
 
 
+def _picture_elsewhere(what: tuple[int, bool], common: tuple[str, tuple[Any, ...]]) -> bool:
+    """Make a picture with the job of this process, which lasts from one to the next."""
+    mark, told = common
+    with _turn:
+        if _mark != [mark]:
+            _held.clear()
+            _begin(*told)
+            _mark[:] = [mark]
+        return _picture(what)
+
+
+_turn = threading.Lock()
+_mark: list[str] = []
+"""Stands for the job in `_held`, if a cluster has told it."""
 _held: list[_Job] = []
 """The job of a process that was started for it."""
 
@@ -246,7 +279,7 @@ class _Job:
         moving = self._moving(content, number)
         F_E, water = content.more.get("F_E"), content.more.get("phase")
         return self._tracer.draw(
-            content.x, content.v, content.id, moving, self._open_for, F_E, water, content.J_P
+            content.x, content.v, content.id, moving, self._open_for, F_E, water, content.J_P, content.time
         )
 
     def _first_and_most(self) -> tuple[Frame, int]:

@@ -49,6 +49,7 @@ CAMPAIGNS = {
             methods={
                 "mpm": "neve.fuzz.scenes.trial:endure_mpm",
                 "particles": "neve.fuzz.scenes.trial:endure_particles",
+                "sph": "neve.fuzz.scenes.trial:endure_sph",
             },
         ),
         Campaign(

@@ -58,7 +58,7 @@ def fresh_snow(
     """
     rows_of = {snow: row for row, snow in enumerate(material_table(scene))}
     numbers = {"real": scene.numerics.precision}
-    parts = []
+    parts = [{f.name: np.zeros((0, *map(int, f.shape)), numbers.get(f.dtype, f.dtype)) for f in fields}]
     for i, samples in zip(indices, samples_of(scene, solids, indices), strict=True):
         snow = scene.snow_of(scene.sources[i])
         s, own = more(samples, snow)
@@ -68,9 +68,9 @@ def fresh_snow(
             "v": s.v,
             "m": snow.rho0 * s.density * s.volume,
             "V0": s.volume,
-            "J_P": np.ones(count),
+            "J_P": np.ones(count) if s.J_P is None else s.J_P,
             "stiffness": s.stiffness,
-            "strength": s.strength,
+            "strength": s.strength if s.growth is None else s.strength * s.growth,
             "material": np.full(count, rows_of[snow]),
             "source": np.full(count, i),
             "id": np.zeros(count),

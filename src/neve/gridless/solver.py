@@ -2,44 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neve.build import PlacedSolids, material_table, require_same_sources, with_one_more
-from neve.colliders.solid import Solid
-from neve.diagnostics import row_of
-from neve.geometry.pose import Pose
+from neve.diagnostics import row_of, sums_of
 from neve.rigid.going_on import going_on
 from neve.scene.schema.scene import Scene, Source
 from neve.scene.values.curves import keyed
-from neve.solver import Solver, advance_bodies
-
-
-@dataclass(frozen=True, kw_only=True)
-class GridlessDiagnostics:
-    """Hold the sums over all particles at one instant, in double precision in a fixed order.
-
-    mass [kg], momentum (3,) [kg m/s]; energies [J]: kinetic, elastic, potential (-m g . x); affine is none.
-    `work` [J]: of the solids on the snow so far. Of the rigid bodies: bodies_momentum (3,) [kg m/s],
-    bodies_kinetic and bodies_potential [J].
-    """
-
-    mass: float
-    momentum: tuple[float, float, float]
-    kinetic: float
-    elastic: float
-    potential: float
-    work: float
-    particles: int
-    affine: float = 0.0
-    bodies_momentum: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    bodies_kinetic: float = 0.0
-    bodies_potential: float = 0.0
+from neve.solver import Blowup, Solver
 
 
 class GridlessSolver(Solver):
@@ -65,36 +41,45 @@ class GridlessSolver(Solver):
         Errors: as `neve.mpm.initial.snow_of`.
         """
 
+    def _bounded(self, lengths: Iterable[tuple[float, str]]) -> tuple[float, str]:
+        """Return the shortest of time steps [s] with their names, dt_max and numerics.dt among them."""
+        numerics = self.scene.numerics
+        dt, bound = numerics.dt_max, "dt_max"
+        for length, name in lengths:
+            if length < dt:
+                dt, bound = length, name
+        if numerics.dt != "auto" and float(numerics.dt) <= dt:
+            return float(numerics.dt), "fixed"
+        return dt, bound
+
+    def _ways(self, fastest: float) -> list[tuple[float, str]]:
+        """Return in what time [s] a particle of the speed `fastest` [m/s], and a solid, move by `cfl` of the
+        distance of two particles.
+        """
+        way = self.scene.numerics.cfl * self.scene.numerics.spacing
+        speeds = ((fastest, "speed"), (self.placed.solid_speed, "solid"))
+        return [(way / speed, name) for speed, name in speeds if speed > 0.0]
+
+    def _whole(self, dt: float, bound: str, remaining: float, steps: int) -> float:
+        """Return the time step at most `dt` [s] of which `remaining` [s] is a whole multiple.
+
+        Errors: Blowup if there would be more than a thousand million.
+        """
+        if not dt > 1e-9 * remaining:
+            raise Blowup(
+                f"after step {steps} the time step is bound to {dt:.3g} s ({bound}): "
+                "lower snow.E0 or the velocities, or raise numerics.dt"
+            )
+        return remaining / max(1, math.ceil(remaining / dt * (1 - 1e-9)))
+
     def _set_time(self, time: float) -> None:
         """Give gravity the value that it has at `time` [s]."""
         if self.scene.world.keyframes:
             self.placed.set_gravity(keyed(self.scene.world, "gravity", time))
 
-    def _move_bodies(self, time: float, dt: float) -> NDArray[np.float64] | None:
-        """Let bodies feel what the snow did to them in the step of dt [s] that ends at `time` [s].
-
-        Returns what `take_exchanged` would, if there are bodies. Errors: Blowup.
-        """
-        if self.placed.rigid is None:
-            return None
-        with self.timer.stage("bodies"):
-            exchanged = self.take_exchanged()
-            advance_bodies(self.placed, dt, exchanged, time)
-        return exchanged
-
     def _sums(self, totals: Any, exchanged: NDArray[np.float64]) -> dict[str, Any]:
-        """Return the values of `GridlessDiagnostics` from the `totals` of the core."""
-        px, py, pz = totals.momentum
-        return {
-            "mass": totals.mass,
-            "momentum": (px, py, pz),
-            "kinetic": totals.kinetic,
-            "elastic": totals.elastic,
-            "potential": totals.potential,
-            "work": float(exchanged[:, 6].sum()),
-            "particles": self.count,
-            **self.placed.totals_of_bodies(),
-        }
+        """Return the values of `Diagnostics` that all have, from the `totals` of the core."""
+        return {**sums_of(totals, exchanged, self.count), **self.placed.totals_of_bodies()}
 
     def log_values(self, totals: Any) -> Mapping[str, float]:
         """Return the values of the columns of the log, but the excess of energy."""
@@ -120,15 +105,6 @@ class GridlessSolver(Solver):
         state = self.state
         return super().columns() | {"density": lambda: np.asarray(state.m / (state.V0 * state.J_P))}
 
-    @property
-    def solids(self) -> Sequence[Solid]:
-        """Colliders and rigid bodies."""
-        return self.placed.solids
-
-    def poses(self, time: float) -> list[Pose]:
-        """Return the pose of each solid at `time` [s]."""
-        return self.placed.poses(time)
-
     def take_exchanged(self) -> NDArray[np.float64]:
         """Return what snow and each solid exchanged since the last call, (n, 7)."""
         return np.asarray(self.state.take_exchanged(len(self.placed.solids)))
@@ -138,7 +114,7 @@ class GridlessSolver(Solver):
         require_same_sources(self.scene, scene)
         placed = going_on(self.scene, scene, self.placed, self.place_solids)
         table = material_table(scene)
-        rows = np.array([table.index(scene.snow_of(source)) for source in scene.sources], dtype=np.uint16)
+        rows = np.array([table.index(scene.snow_of(bearer)) for bearer in scene.bearers], dtype=np.uint16)
         self.state.material[...] = rows[self.state.source]
         self.placed, self.scene = placed, scene
 

@@ -49,22 +49,34 @@ HEAT = (
 )
 """Columns of a run with heat, after those."""
 
+IMPLICIT = (
+    "solve_iterations",  # mean of a step since the frame before, those of rejected steps too
+    "solve_rounds",  # linear systems, likewise
+    "solve_residual",  # largest share of all forces that a solution left over
+    "solve_unsettled",  # share of steps whose contacts still changed when they were followed no more
+)
+"""Columns of a run with `numerics.integrator` other than "explicit", after those."""
 
-def columns(method: str, is_open: bool = False, has_heat: bool = False) -> tuple[str, ...]:
+
+def columns(
+    method: str, is_open: bool = False, has_heat: bool = False, is_implicit: bool = False
+) -> tuple[str, ...]:
     """Return the columns of the log of a run with `numerics.method`: CLOCK, the solver's own, the seconds.
 
     is_open: whether snow comes or goes during the run: then FLOW comes before the seconds; has_heat: whether
-    the scene has [heat]: then HEAT does
+    the scene has [heat]: then HEAT does; is_implicit: whether its steps are: then IMPLICIT does
     """
     own = METHODS.get(method).log_columns
-    more = (*(FLOW if is_open else ()), *(HEAT if has_heat else ()))
+    more = (*(FLOW if is_open else ()), *(HEAT if has_heat else ()), *(IMPLICIT if is_implicit else ()))
     return (*CLOCK, *own, *more, *(f"seconds_{stage}" for stage in stages(method)))
 
 
-def read_log(path: Path, method: str, is_open: bool = False, has_heat: bool = False) -> list[dict[str, str]]:
+def read_log(
+    path: Path, method: str, is_open: bool = False, has_heat: bool = False, is_implicit: bool = False
+) -> list[dict[str, str]]:
     """Return the whole rows of the log of a run with `numerics.method` as text, by column (see `columns`).
 
     A last line cut short by a crash is left out. Errors: RunError if the file cannot be read, has other
     columns, or is damaged.
     """
-    return read_table(path, columns(method, is_open, has_heat))
+    return read_table(path, columns(method, is_open, has_heat, is_implicit))

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from neve.build import coupled, material_table, samples_of
+from neve.flow.births import Births
 from neve.heat.clock import heat_model
 from neve.heat.enthalpy import enthalpy_at
-from neve.mpm.births import Births
 from neve.mpm.model import Model
 from neve.sampling import Samples
 from neve.sampling.fineness import particles_of
@@ -20,6 +20,10 @@ from neve.scene.schema.scene import Scene
 
 if TYPE_CHECKING:
     from neve._core import State
+
+
+FAR = 1000
+"""Cells from the origin beyond which positions are kept to more than float32."""
 
 
 def build(scene: Scene) -> tuple[Model, State, Births]:
@@ -61,7 +65,9 @@ def snow_of(scene: Scene, model: Model, indices: Sequence[int]) -> tuple[State, 
         if model.native.keeps_C:
             state.C[rows] = _spin_matrix(source.spin)
         if model.has_heat:
-            state.enthalpy[rows, 0] = enthalpy_at(scene, state.m[rows])
+            state.enthalpy[rows, 0] = enthalpy_at(scene, state.m[rows], s)
+            if s.growth is not None:
+                state.thermal[rows, 1] = s.growth
         begin = rows.stop
     return state, [len(s.x) for s in samples]
 
@@ -75,7 +81,19 @@ def make_model(scene: Scene) -> Model:
         scene = _on_the_processor(scene)
     solids, rigid = coupled(scene)
     snows, heat = material_table(scene), heat_model(scene)
-    return Model(scene.world, scene.numerics, snows, scene.colliders, solids, rigid, heat)
+    return Model(scene.world, scene.numerics, snows, scene.colliders, solids, rigid, heat, lies_far(scene))
+
+
+def lies_far(scene: Scene) -> bool:
+    """Tell whether positions of a float32 would be coarse where snow starts: from FAR cells on.
+
+    Such a number is rounded by up to 2^-24 of itself: there to 6e-5 dx.
+    """
+    if scene.numerics.precision != "float32" or scene.numerics.device != "cpu":
+        return False
+    far = FAR * scene.numerics.dx
+    places = [(*snow.place, *snow.half_extents()) for snow in (*scene.sources, *scene.emitters)]
+    return any(abs(number) > far for place in places for number in place)
 
 
 def _on_the_processor(scene: Scene) -> Scene:
@@ -89,11 +107,15 @@ def _on_the_processor(scene: Scene) -> Scene:
 
 def _place(state: State, rows: slice, s: Samples, material: int, rho0: float) -> None:
     state.x[rows] = s.x
+    if state.beyond.shape[1]:
+        state.beyond[rows] = s.x - state.x[rows]
     state.v[rows] = s.v
     state.m[rows] = rho0 * s.density * s.volume
     state.V0[rows] = s.volume
     state.stiffness[rows] = s.stiffness
-    state.strength[rows] = s.strength
+    state.strength[rows] = s.strength if s.growth is None or state.thermal.shape[1] else s.strength * s.growth
+    if s.J_P is not None:
+        state.J_P[rows] = s.J_P
     state.material[rows] = np.uint16(material)
 
 

@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 class Model(PlacedSolids):
     """Hold the material table, the solids, gravity and dx of one run, in the core's precision.
 
-    `core` is the set of compiled stages (float32 or float64), `native` the core's own model; `courant` the
-    largest stable c dt / dx; `sleeps` whether snow at rest is left out; `has_heat` whether particles have
-    heat.
+    `core` is the set of compiled stages (float32 or float64), `native` the core's own model; `gravity` (3,)
+    [m/s2] the present one; `courant` the largest stable c dt / dx, of explicit steps; `sleeps` whether snow
+    at rest is left out; `has_heat` whether particles have heat;
+    `is_fine` whether positions are kept to more than float32.
     """
 
     def __init__(
@@ -40,8 +41,10 @@ class Model(PlacedSolids):
         solids: Sequence[Solid],
         rigid: CoupledBodies | None = None,
         heat: HeatModel | None = None,
+        is_fine: bool = False,
     ) -> None:
         self.core = _stages(numerics)
+        self.gravity = np.array(world.gravity, dtype=np.float64)
         self.numerics = numerics
         self.snows = tuple(snows)
         native = self.core.Model(
@@ -49,17 +52,17 @@ class Model(PlacedSolids):
             numerics.spline,
             numerics.transfer,
             numerics.flip_alpha,
-            np.array(world.gravity, dtype=np.float64),
+            self.gravity,
             numerics.polypic_modes,
             _damping(numerics, self.snows),
             numerics.sleep_speed if numerics.sleep else 0.0,
             numerics.sleep_after,
         )
-        self.sleeps, self.has_heat = numerics.sleep, heat is not None
+        self.sleeps, self.has_heat, self.is_fine = numerics.sleep, heat is not None, is_fine
         if heat is not None:
             native.set_heat(heat)
         super().__init__(native, colliders, solids, rigid, numerics.dx)
-        self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in self.snows))
+        self.courant = self._courant(self.snows)
         for snow in self.snows:
             self.native.add_snow(snow.law, snow.plasticity, _constants(snow))
         self.limit_compression(1.0)
@@ -70,18 +73,24 @@ class Model(PlacedSolids):
         What the transfer damps (`numerics.aflip_damping`) stays that of the snows at the start.
         """
         if scene.world.keyframes:
-            self.set_gravity(keyed(scene.world, "gravity", time))
+            self.gravity = keyed(scene.world, "gravity", time)
+            self.set_gravity(self.gravity)
         if not scene.snow_keyframes:
             return
         snows = snows_at(scene, time)
         for row, snow in enumerate(snows):
             self.native.set_snow(row, snow.law, snow.plasticity, _constants(snow))
-        self.courant = stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in snows))
+        self.courant = self._courant(snows)
         self.limit_compression(self._strongest)
+
+    def _courant(self, snows: Sequence[Snow]) -> float:
+        if self.numerics.is_implicit:
+            return math.inf
+        return stable_courant(self.native.stencil_stiffness, max(snow.nu for snow in snows))
 
     def particles(self, count: int) -> State:
         """Return `count` particles at rest, with the columns that this model needs."""
-        return self.core.State(count, self.native.more_modes, self.sleeps, self.has_heat)
+        return self.core.State(count, self.native.more_modes, self.sleeps, self.has_heat, self.is_fine)
 
     def limit_compression(self, strongest: float) -> None:
         """Set `max_compression`: how far a step may press snow, -dt tr grad v [1], before hardening stores
@@ -95,7 +104,8 @@ class Model(PlacedSolids):
 def _stages(numerics: Numerics) -> Precision:
     """Return the compiled stages of the scene's device. Errors: SceneError if it cannot be used."""
     try:
-        device = "cpu" if numerics.sleep else numerics.device  # the only one that can; the scene is checked
+        on_processor = numerics.sleep or numerics.is_implicit  # the only one that can; the scene is checked
+        device = "cpu" if on_processor else numerics.device
         return backend(device).kernels(numerics.precision, numerics.deterministic, numerics.devices)
     except DeviceError as error:
         raise SceneError(str(error)) from None

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.build import material_table, require_same_sources, wakes_all, with_one_more
-from neve.mpm.births import Births
+from neve.flow.births import Births
 from neve.mpm.initial import make_model, snow_of
 from neve.mpm.model import Model
-from neve.mpm.state import fit_modes, fit_rest, from_arrays, to_arrays
+from neve.mpm.state import BEYOND_NUMBERS, REST_NUMBERS, fit_modes, fit_numbers, from_arrays, to_arrays
 from neve.rigid.going_on import going_on
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene, Source
@@ -33,21 +33,20 @@ def with_scene(scene: Scene, new_scene: Scene, model: Model, state: State) -> tu
     the snow of one of several sources or emitters that shared theirs.
     """
     require_same_sources(scene, new_scene)
-    if len(new_scene.emitters) < len(scene.emitters):
-        raise SceneError("emitters cannot go while a run goes on; set their end, or start it anew")
     rows = _rows(scene, new_scene)
     fresh = going_on(scene, new_scene, model, make_model)
-    old, new = ((m.native.more_modes, m.native.has_play) for m in (model, fresh))
-    if type(fresh.core) is not type(model.core):
-        state = from_arrays(fresh.core, to_arrays(state))  # from a GPU to the processor, or the other way
+    old, new = (
+        (type(m.core), m.is_fine, m.native.more_modes, m.native.has_play, m.sleeps) for m in (model, fresh)
+    )
     if old != new:
         arrays = to_arrays(state)
-        modes = fit_modes(arrays["modes"], model.native.more_modes - model.native.has_play, fresh.native)
-        state = from_arrays(fresh.core, arrays, modes=modes)
-    if model.sleeps != fresh.sleeps:
-        arrays = to_arrays(state)
-        rest = fit_rest(arrays["rest"], fresh.sleeps, arrays["x"])
-        state = from_arrays(fresh.core, arrays, rest=rest)
+        state = from_arrays(
+            fresh.core,
+            arrays,
+            beyond=fit_numbers(arrays["beyond"], BEYOND_NUMBERS, fresh.is_fine, arrays["x"]),
+            modes=fit_modes(arrays["modes"], model.native.more_modes - model.native.has_play, fresh.native),
+            rest=fit_numbers(arrays["rest"], REST_NUMBERS, fresh.sleeps, arrays["x"]),
+        )
     if wakes_all(scene, new_scene):
         state.rest[...] = 0.0
     if not np.array_equal(rows, np.arange(len(rows))):
@@ -71,7 +70,9 @@ def with_source(
     more = going_on(scene, new_scene, model, make_model)
     more.place_solids(time)
     fresh = to_arrays(snow_of(new_scene, more, [len(scene.sources)])[0])
-    both = joined(to_arrays(state), fresh, births.count)
+    old = to_arrays(state)
+    old["beyond"] = fit_numbers(old["beyond"], BEYOND_NUMBERS, more.is_fine, old["x"])
+    both = joined(old, fresh, births.count)
     both["rest"][...] = 0.0
     births = births.copy()
     births.add(len(scene.sources), len(fresh["id"]))

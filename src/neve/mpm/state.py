@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 FIELDS = (
     Field("x", (3,), "m", "real", "position"),
+    Field("beyond", ("k",), "m", "real", "far from the origin: to be added to x, less than its rounding"),
     Field("v", (3,), "m/s", "real", "velocity"),
     Field("C", (3, 3), "1/s", "real", "affine velocity, zero with transfers that have none"),
     Field(
@@ -47,6 +48,8 @@ FIELDS = (
 
 REST_NUMBERS = 4
 """Numbers of `rest` where snow may sleep; elsewhere there are none."""
+BEYOND_NUMBERS = 3
+"""Numbers of `beyond` where positions are fine; elsewhere there are none."""
 
 
 def to_arrays(state: State) -> dict[str, NDArray[Any]]:
@@ -61,20 +64,21 @@ def from_arrays(core: Precision, arrays: Mapping[str, NDArray[Any]], **others: N
     """
     columns = {field.name: arrays[field.name] for field in FIELDS}  # one by one: it may say what it lacks
     columns |= others
-    rest, heat = (columns[name].shape[1] > 0 for name in ("rest", "thermal"))
-    state = core.State(len(columns["m"]), columns["modes"].shape[1], rest, heat)
+    rest, heat, fine = (columns[name].shape[1] > 0 for name in ("rest", "thermal", "beyond"))
+    state = core.State(len(columns["m"]), columns["modes"].shape[1], rest, heat, fine)
     fill_columns(state, FIELDS, columns)
     return state
 
 
-def fit_rest(rest: NDArray[Any], sleeps: bool, like: NDArray[Any]) -> NDArray[Any]:
-    """Return `rest` of the particles `like` (n, ...) as a run needs it where snow sleeps, or where none does.
+def fit_numbers(numbers: NDArray[Any], count: int, has: bool, like: NDArray[Any]) -> NDArray[Any]:
+    """Return a field (n, k) of the particles `like` (n, ...) as a run needs it that has it, or has not.
 
-    Where it comes from a run of the other kind, all begin to rest anew.
+    count: k of a run that has it. From a run of the other kind it comes as zeros, or is left out: so all
+    begin to rest anew.
     """
-    if rest.ndim == 2 and rest.shape[1] == REST_NUMBERS * (not sleeps):
-        return np.zeros((len(like), REST_NUMBERS * sleeps), like.dtype)
-    return rest
+    if numbers.ndim == 2 and numbers.shape[1] == count * (not has):
+        return np.zeros((len(like), count * has), like.dtype)
+    return numbers
 
 
 def fit_modes(modes: NDArray[Any], polynomial: int, native: Model) -> NDArray[Any]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from neve import _core
 from neve.mpm.failures import name_of
 from neve.mpm.model import Model
 from neve.reproducible import determinant
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 ALLOWED = {
     "x": "finite numbers [m]",
+    "beyond": "finite numbers [m]",
     "v": "finite numbers [m/s]",
     "C": "finite numbers [1/s]",
     "modes": "finite numbers [m/s]",
@@ -74,10 +75,10 @@ def _J_E(state: State, row: int) -> float:
     return float(determinant(np.asarray(state.F_E[row], dtype=np.float64)))
 
 
-def warn_of_density(scene: Scene, model: Model, state: State, densest: Densest, time: float) -> bool:
-    """Log that snow is denser than ice, and return whether it is: which source, how dense, what to change."""
+def too_dense(scene: Scene, model: Model, state: State, densest: Densest, time: float) -> str:
+    """Say that snow is denser than ice, "" if it is not: which source, how dense, what to change."""
     if densest.row < 0 or densest.crowding <= TOO_DENSE:
-        return False
+        return ""
     row = densest.row
     material = int(state.material[row])
     whose = [
@@ -87,14 +88,10 @@ def warn_of_density(scene: Scene, model: Model, state: State, densest: Densest, 
         if model.snows.index(scene.snow_of(s)) == material
     ]
     volume = _J_E(state, row) * float(state.J_P[row])
-    logging.getLogger("neve").warning(
-        "snow of %s is pressed to %.0f kg/m3 at t = %.3g s, by particle %d at (%s) m; ice has 917 kg/m3: "
-        "leave it more room, press or throw it more slowly, or resolve it more finely (numerics.dx = %g m)",
-        " or ".join(whose),
-        float(state.m[row]) / (float(state.V0[row]) * volume),
-        time,
-        int(state.id[row]),
-        ", ".join(f"{a:.3g}" for a in state.x[row]),
-        model.numerics.dx,
+    pressed = float(state.m[row]) / (float(state.V0[row]) * volume)
+    place = ", ".join(f"{a:.3g}" for a in state.x[row])
+    return (
+        f"snow of {' or '.join(whose)} is pressed to {pressed:.0f} kg/m3 at t = {time:.3g} s, by particle "
+        f"{int(state.id[row])} at ({place}) m; ice has {_core.ice_density:.0f} kg/m3: leave it more room, "
+        f"press or throw it more slowly, or resolve it more finely (numerics.dx = {model.numerics.dx:g} m)"
     )
-    return True

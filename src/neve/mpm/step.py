@@ -1,4 +1,4 @@
-"""The explicit material point step for snow: Stomakhin et al. 2013, section 4.1."""
+"""The material point step for snow: Stomakhin et al. 2013, section 4.1."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from neve.mpm.failures import remedy
+from neve.mpm.implicit import Implicit
 from neve.mpm.model import Model
 from neve.solver import Blowup
 from neve.stage_timer import StageTimer
@@ -23,15 +24,16 @@ the host, of which nobody knows how long each line took, and solids and bodies."
 def step(on: Stages, dt: float, accepts: Callable[[GridReport], bool] = lambda report: True) -> Report | None:
     """Advance the particles by dt [s]: the ten stages of the paper, with its equation numbers.
 
-    Stage 2, the initial volumes, is `Stages.measure_volumes`, once; stage 6 has nothing to solve, since the
-    step is explicit; stage 9, contact of particles, is done with the positions.
+    Stage 2, the initial volumes, is `Stages.measure_volumes`, once; stage 6 has nothing to solve in an
+    explicit step, and is all of `update_grid` in an implicit one; stage 9, contact of particles, is done with
+    the positions.
 
     accepts: asked after stage 6, when no particle has moved yet; if it says no, none is moved and there is no
     report (see neve.mpm.step_control).
     """
     on.sort()
     on.particles_to_grid(dt)  # 1: m_i = sum_p w_ip m_p, m_i v_i; 3: f_i = -sum_p V_p sigma_p grad w_ip, eq. 6
-    report = on.update_grid(dt)  # 4: v_i* = v_i + dt f_i / m_i, eq. 10; 5: collisions, section 8; 6: none
+    report = on.update_grid(dt)  # 4: v_i* = v_i + dt f_i / m_i, eq. 10; 5: collisions, section 8; 6: implicit
     if not accepts(report):
         return None
     return on.grid_to_particles(dt)  # 7: F = (I + dt grad v) F, section 7; 8: v_p; 9: section 8; 10: x_p
@@ -51,12 +53,16 @@ def on_lattice(model: Model) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Stages:
-    """Run the stages of the step on one model, state and grid, and time each of them."""
+    """Run the stages of the step on one model, state and grid, and time each of them.
+
+    implicit: what finds the velocities of the nodes, unless their forces at the start of the step do
+    """
 
     model: Model
     state: State
     grid: Grid
     timer: StageTimer
+    implicit: Implicit | None = None
 
     def refresh(self) -> Report:
         """Derive stress and speeds from the state."""
@@ -74,19 +80,24 @@ class Stages:
             self.model.core.sort(self.model.native, self.state, self.grid)
 
     def particles_to_grid(self, dt: float) -> None:
-        """Scatter mass, momentum and dt [s] times force to the nodes."""
+        """Scatter mass, momentum and, in an explicit step, dt [s] times force to the nodes."""
         with self.timer.stage("p2g"):
-            self.model.core.p2g(self.model.native, self.state, self.grid, dt)
+            self.model.core.p2g(self.model.native, self.state, self.grid, 0.0 if self.implicit else dt)
 
     def update_grid(self, dt: float) -> GridReport:
         """Turn momenta into velocities after dt [s], with gravity and contact."""
         with self.timer.stage("grid"):
+            if self.implicit:
+                return self.implicit.solve(self.model, self.state, self.grid, dt)
             return self.model.core.grid_update(self.model.native, self.grid, dt)
 
     def grid_to_particles(self, dt: float, commit: bool = True) -> Report:
         """Gather velocities, deform and move the particles by dt [s]; without `commit` only report."""
         with self.timer.stage("g2p"):
-            return self.model.core.g2p(self.model.native, self.state, self.grid, dt, commit)
+            report = self.model.core.g2p(self.model.native, self.state, self.grid, dt, commit)
+            if commit and self.implicit:
+                self.implicit.finish(self.state)
+            return report
 
     def run_ahead(
         self, limits: StepLimits, before: Report, seconds: float

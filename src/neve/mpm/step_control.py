@@ -4,7 +4,8 @@ A step is rejected if a value would not be finite, if a particle would move by m
 det(I + dt grad v) would fall below 0.05, on the way to turning the particle inside out, if dt |grad v| would
 exceed four times numerics.strain_max, if snow would be pressed so far that its hardening stores more
 energy than the step's work (`Model.max_compression`), or if it would become so stiff that such a step were
-a fifth longer than a stable one: soft snow that meets the stiffness of ice in a single long step. Nothing
+a fifth longer than a stable one: soft snow that meets the stiffness of ice in a single long step (an implicit
+step is stable at any length); and if the equations of an implicit step were not solved. Nothing
 has been moved by then: the particles are as they were, so that a rejected step needs no copy of the state to
 go back to.
 
@@ -64,18 +65,28 @@ def try_step(on: Stages, dt: float, before: Report, steps: int = 0, time: float 
         dt *= 0.5
         if rejected == 0:
             dt = min(dt, longest_stable(on.model, before).dt)
-    what = rejects(attempt.report, 2.0 * dt, on.model)
+    what = attempt.unsolved or rejects(attempt.report, 2.0 * dt, on.model)
     raise no_step(on.model, on.state, attempt.report, what, MAX_TRIES, steps, time, 2.0 * dt)
 
 
 class _Attempt:
-    """Judge one attempt at a step of dt [s]; `report`: of its trial, or of the last step without one."""
+    """Judge one attempt at a step of dt [s].
+
+    Attributes:
+        report: of its trial, or of the last step without one
+        unsolved: why there are no velocities to judge, "" if there are
+    """
 
     def __init__(self, on: Stages, dt: float, before: Report) -> None:
         self._on, self._dt, self.report = on, dt, before
+        self.unsolved = ""
 
     def is_accepted(self, grid_report: GridReport) -> bool:
         """Tell whether the particles may move, after a trial if the grid asks for one."""
+        implicit = self._on.implicit
+        if implicit and not implicit.converged:
+            self.unsolved = implicit.failure
+            return False
         if not needs_trial(grid_report, self.report, self._dt, self._on.model):
             return True
         self.report = self._on.grid_to_particles(self._dt, commit=False)
@@ -94,7 +105,7 @@ def needs_trial(grid_report: GridReport, before: Report, dt: float, model: Model
         grid_report.max_velocity_difference,
         grid_report.max_velocity_change,
         grid_report.finite,
-        rates_of(before),
+        rates_of(model, before),
         dt,
     )
 

@@ -5,6 +5,7 @@ The formulas are in `core/mpm/step_choice.hpp`, since a GPU chooses its steps it
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 
 from neve import _core
@@ -26,11 +27,12 @@ class Choice(NamedTuple):
 def limits_of(model: Model) -> _core.StepLimits:
     """Return what the scene and its snow allow a step now."""
     numerics = model.numerics
+    implicit = numerics.is_implicit
     return _core.StepLimits(
         dx=numerics.dx,
         cfl=numerics.cfl,
         courant=model.courant,
-        strain_max=numerics.strain_max,
+        strain_max=numerics.implicit_strain if implicit else numerics.strain_max,
         dt_max=numerics.dt_max,
         dt=0.0 if numerics.dt == "auto" else float(numerics.dt),
         max_compression=model.max_compression,
@@ -38,12 +40,13 @@ def limits_of(model: Model) -> _core.StepLimits:
     )
 
 
-def rates_of(report: Report) -> _core.ParticleRates:
-    """Return what the next step follows from."""
+def rates_of(model: Model, report: Report) -> _core.ParticleRates:
+    """Return what the next step follows from: waves bind no implicit step."""
+    implicit = model.numerics.is_implicit
     return _core.ParticleRates(
-        report.wave,
+        0.0 if implicit else report.wave,
         report.speed,
-        report.fastest,
+        report.speed if implicit else report.fastest,
         report.strain_rate,
         report.compression_rate,
         report.ice_room,
@@ -55,7 +58,9 @@ def largest(model: Model, report: Report) -> Choice:
 
     A step of the user's that would be unstable is shortened to stable_step().
     """
-    return _choice(*_core.largest_step(limits_of(model), rates_of(report)))
+    if model.numerics.dt == "auto":
+        return longest_stable(model, report)
+    return _choice(*_core.largest_step(limits_of(model), rates_of(model, report)))
 
 
 def stable_step(model: Model, report: Report) -> float:
@@ -63,7 +68,7 @@ def stable_step(model: Model, report: Report) -> float:
 
     See `neve.mpm.model.stable_courant`.
     """
-    return _core.stable_step(limits_of(model), rates_of(report))
+    return _core.stable_step(limits_of(model), rates_of(model, report))
 
 
 def longest_stable(model: Model, report: Report) -> Choice:
@@ -77,8 +82,17 @@ def longest_stable(model: Model, report: Report) -> Choice:
     the last step, |.| Frobenius, and L is `Model.max_compression`. The bound is "wave" or "speed", whichever
     is larger, "solid", so that no solid runs over snow before a node has met it, "strain" (either), or
     "dt_max".
+
+    In an implicit step c = 0, `implicit_strain` takes the place of strain_max, and snow that begins to fall
+    moves by no more than cfl dx: g dt^2 + max_p |v_p| dt <= cfl dx.
     """
-    return _choice(*_core.longest_stable(limits_of(model), rates_of(report)))
+    choice = _choice(*_core.longest_stable(limits_of(model), rates_of(model, report)))
+    numerics = model.numerics
+    if not numerics.is_implicit:
+        return choice
+    g, v, way = math.hypot(*model.gravity), report.speed, numerics.cfl * numerics.dx
+    fall = 2.0 * way / (v + math.sqrt(v * v + 4.0 * g * way)) if g > 0 else math.inf
+    return choice if choice.dt <= fall else Choice(fall, "speed")
 
 
 def _choice(dt: float, bound: str) -> Choice:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from neve import _core
 from neve.scene.schema.scene import Snow
 
 PACKING = 0.55
@@ -17,7 +18,7 @@ DAMPING = 0.1
 """Damping ratio of a contact between two equal particles [1]."""
 FRICTION = math.tan(math.radians(38.0))
 """Coulomb's coefficient of snow whose law has none [1]; 38 degrees as a port of Goswami et al. 2019 [C]."""
-ICE = 917.0
+ICE = _core.ice_density
 """Density at which a particle is compacted no more [kg/m3]."""
 HARDENING = 100.0
 """Rise of density by which the yield pressure grows e-fold [kg/m3]; a port of Goswami et al. 2019 [C]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,9 @@ from neve.build import (
     PlacedSolids,
     coupled,
     material_table,
-    require_closed,
+    require_lasting_snows,
 )
+from neve.flow.flow import Newborn
 from neve.gridless.initial import fresh_snow, kernels_with, model_of
 from neve.heat.clock import heat_model
 from neve.heat.enthalpy import enthalpy_at
@@ -66,7 +67,7 @@ def kernels(scene: Scene) -> Precision:
 
 def place_solids(scene: Scene) -> PlacedSolids:
     """Return the scene's solids in the core, the bodies where they start. Errors: SceneError."""
-    require_closed(scene)
+    require_lasting_snows(scene)
     solids, rigid = coupled(scene)
     native = model_of(scene, kernels(scene))
     return PlacedSolids(native, scene.colliders, solids, rigid, scene.numerics.dx)
@@ -87,7 +88,7 @@ def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[
             "radius": radius,
             "liquid": np.zeros(len(s.x)),
             "rest": np.zeros((len(s.x), 4)),
-            "enthalpy": enthalpy_at(scene, m),
+            "enthalpy": enthalpy_at(scene, m, s),
         }
 
     return fresh_snow(scene, solids, indices, FIELDS, lying)
@@ -125,15 +126,38 @@ def from_arrays(scene: Scene, arrays: Mapping[str, NDArray[Any]]) -> Particles:
     return particles
 
 
-def set_constants(scene: Scene, particles: Particles) -> None:
+class BirthBounds(NamedTuple):
+    """Hold bounds of what emitters add, 0 without any.
+
+    Largest k / m of a particle [1/s2], and radius [m].
+    """
+
+    stiffest: float = 0.0
+    radius: float = 0.0
+
+
+def birth_bounds(scene: Scene, newborn: Sequence[Newborn]) -> BirthBounds:
+    """Return the bounds of the snow that leaves the scene's emitters."""
+    table = material_table(scene)
+    found = []
+    for snow in newborn:
+        constants, radius = (
+            contact_constants(table[snow.material]),
+            radius_at_birth(snow.volume / snow.particles),
+        )
+        found.append(BirthBounds(constants.modulus * radius * snow.particles / snow.mass, radius))
+    return BirthBounds(*(max(column) for column in zip(*found, strict=True))) if found else BirthBounds()
+
+
+def set_constants(scene: Scene, particles: Particles, born: BirthBounds) -> None:
     """Give the core the constants of the scene's snows, of all contacts, and of heat.
 
     The damper of a contact is its stiffness times one time for all, so that no contact of a particle has more
-    than the damping ratio DAMPING: c = 2 DAMPING k min_p sqrt(m_p / (2 k_p)).
+    than the damping ratio DAMPING: c = 2 DAMPING k min_p sqrt(m_p / (2 k_p)), with what emitters may add.
     """
     table = np.array([contact_constants(snow) for snow in material_table(scene)], dtype=np.float64)
     particles.set_materials(table, PACKING)
-    stiffest = particles.stiffest
+    stiffest = max(particles.stiffest, born.stiffest)
     damping = 2.0 * DAMPING * math.sqrt(0.5 / stiffest) if stiffest > 0.0 else 0.0
     particles.set_law(damping, TANGENTIAL, ICE, HARDENING)
     numerics = scene.numerics
@@ -143,6 +167,13 @@ def set_constants(scene: Scene, particles: Particles) -> None:
         particles.set_heat(heat)
 
 
-def reach(particles: Particles) -> float:
-    """Return the distance within which two particles may act on each other [m]."""
-    return 2.0 * particles.largest_radius * (1.0 + BOND_GAP + min(particles.largest_stretch, 0.5))
+def reach(scene: Scene, particles: Particles, born: BirthBounds, fresh: bool = False) -> float:
+    """Return the distance within which two particles may begin to act on each other [m].
+
+    They touch; what is bonded, or coheres, is listed at any distance. Snow that is `fresh`, or leaves an
+    emitter, is bonded across BOND_GAP, and heat passes across it. One percent more is for rounding. Without
+    snow: any length.
+    """
+    gap = BOND_GAP if fresh or scene.emitters or scene.heat is not None else 0.0
+    radius = max(particles.largest_radius, born.radius)
+    return 2.0 * radius * (1.01 + gap) if radius > 0.0 else scene.numerics.spacing

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 import neve._render as _render
+from neve.render.falling import glow, streaks
 from neve.render.lighting import (
     STEEL,
     density_cell,
@@ -20,6 +21,8 @@ from neve.render.lighting import (
     sun_direction,
 )
 from neve.render.melt_water import Puddle, melt_water
+from neve.render.path_tracing.lens import Lens
+from neve.render.pools import as_solid, pool_of
 from neve.render.shot import View, opening
 
 if TYPE_CHECKING:
@@ -60,6 +63,7 @@ class Preview:
         self.cell_size = density_cell(numerics, radius)
         self._meshes: dict[int, tuple[object, _render.Mesh]] = {}
         self._light = _render.Light(sun_direction(light), sun_color(light), sky_color(light))
+        self._weather, self._open_for = light, scene.camera.shutter / scene.run.fps
         self._start = opening(scene.camera)
         self._view: View | None = None
 
@@ -70,13 +74,15 @@ class Preview:
         J_P: npt.NDArray[np.floating[Any]] | None = None,
         view: View | None = None,
         water: npt.NDArray[np.floating[Any]] | None = None,
+        time: float = 0.0,
     ) -> npt.NDArray[np.uint8]:
         """Draw one frame.
 
         x: positions (n, 3) [m], of any float type and layout; particles that are not finite are left out.
         solids: colliders and bodies, and where they are. J_P: plastic volume ratio (n,) [1]; loosened snow
         is drawn looser. view: of the camera; without it that of the scene's at the start. water: share of
-        each particle that is liquid (n,) [1]; wet snow is drawn darker, and water clear.
+        each particle that is liquid (n,) [1]; wet snow is drawn darker, water that flies clear, and where it
+        stands together as one surface. time: of the frame [s], for flakes that fall.
         Returns the picture (height, width, 3), sRGB.
         """
         painter = self._seen_from(view or self._start)
@@ -85,17 +91,29 @@ class Preview:
         wet = np.zeros(0, np.float32)
         shown = [(solid, pose) for solid, pose in solids if solid.visible]
         puddles: list[_render.Puddle] = []
+        pools: list[_render.Solid] = []
         melt = None if water is None else melt_water(shown, places, water, J_P, self.spacing)
-        if melt is not None:
-            rows = melt.rows[~melt.soaks]
-            wet = melt.wetness(places, self.spacing)
+        if melt is not None and water is not None:
+            in_pool, pool = pool_of(places, water, self.spacing)
+            own = ~melt.soaks
+            kept = ~in_pool[melt.rows[own]]
+            rows = melt.rows[own][kept]
+            wet = melt.wetness(places, self.spacing)[kept]
             places, ratio = np.ascontiguousarray(places[rows]), ratio[rows] if len(ratio) else ratio
             puddles = [self._puddle(k, puddle) for k, puddle in melt.puddles.items()]
-        drawn = [self._drawn(solid, pose) for solid, pose in shown]
+            pools = [as_solid(pool)] if pool else []
+        drawn = [self._drawn(solid, pose) for solid, pose in shown] + pools
         picture: npt.NDArray[np.uint8] = painter.draw(
-            places, ratio, self.volume, self.cell_size, drawn, self.threads, wet, puddles
-        )
+            places, ratio, self.volume, self.cell_size, drawn, self.threads, wet, puddles,
+            self._falling(view or self._start, time),
+        )  # fmt: skip
         return picture
+
+    def _falling(self, view: View, time: float) -> npt.NDArray[np.float32]:
+        """Return the flakes in the air, as long as the shutter is open."""
+        light, lens = self._weather, Lens(view, *self.size)
+        color = glow(sun_color(light), sky_color(light))
+        return streaks(light, (lens, lens), time, self._open_for, color)
 
     def _puddle(self, number: int, puddle: Puddle) -> _render.Puddle:
         """Translate a puddle on solid `number` for the renderer."""

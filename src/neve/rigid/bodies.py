@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from neve.colliders.motion import pose
+from neve.colliders.motion import path_of, pose
 from neve.colliders.solid import Solid, solid_of
 from neve.geometry.pose import Pose, cross
 from neve.reproducible import product
-from neve.rigid.assembly import Assembly, assemble
-from neve.rigid.constraint_inertia import constraint_inertia, damping
+from neve.rigid.assembly import TIME_CONSTANT, Assembly, assemble
 from neve.rigid.coupled_bodies import LostBody
-from neve.rigid.engine import engine, forget, quaternion
-from neve.rigid.overlap import require_apart
-from neve.rigid.products import solved, times, times_transposed
+from neve.rigid.dynamics import constraints_of, dynamics_of
+from neve.rigid.engine import engine, forget
+from neve.rigid.hand import Hand
+from neve.rigid.products import times
 from neve.rigid.robot_solids import robot_solids
-from neve.rigid.soundness import require_few, require_movable
+from neve.rigid.soundness import require_apart, require_few, require_movable
 from neve.scene.schema.scene import Scene
 
 Array = NDArray[np.float64]
@@ -29,8 +29,12 @@ MAX_STEP = 5e-4
 """Longest step of the engine [s]."""
 FIRST_STEP = 1e-4
 """Length of the engine's step that is assumed before the first one [s]."""
-TURNED, TURNED_BACK = np.array((1, 2, 0)), np.array((2, 0, 1))
-"""Components of (a x b)_k = a_(k+1) b_(k+2) - a_(k+2) b_(k+1)."""
+MOST_STEPS = 1000
+"""Steps of the engine in one of the snow, at most."""
+SUNK = 0.5
+"""Way that a body may sink in, over the smallest half extent of all bodies [1]."""
+LEFT = 0.1
+"""Share of that way which a contact has at least, however deep a body is [1]."""
 LARGEST = 1e10
 """Positions and velocities beyond this count as lost, as they do for the engine [m, m/s, rad/s]."""
 
@@ -65,88 +69,59 @@ class RigidBodies:
         self._assembly.attachments += [attachment for _, attachment in of_robots]
         self.solids = (*bodies, *(solid for solid, _ in of_robots))
         """The solids that the engine moves: all bodies, then those of all robots."""
-        held = self._assembly.attachments
-        self._carriers = [attachment.body for attachment in held]
-        axes = [np.column_stack((attachment.rotation, attachment.position)) for attachment in held]
-        self._frames = np.array(axes).reshape(-1, 3, 4)
-        """Axes and origin of each solid's frame, as the body that carries it has them."""
-        self._jacobian = np.zeros((6 * len(held), self._model.nv))
         self._data = self._mj.MjData(self._model)
+        # Robots have the contacts of their files.
+        self._rows = np.array([held.body for held in self._assembly.attachments[: len(bodies)]], dtype=int)
+        self._half = min((_half(solid) for solid in bodies), default=math.inf)
+        self._own_contacts = np.flatnonzero(self._model.geom_solref[:, 0] == TIME_CONSTANT)
+        self._contact_time = TIME_CONSTANT
         self._signature = int(self._mj.mjtState.mjSTATE_INTEGRATION)
+        self._paths = [
+            (path_of(collider), self._data.mocap_pos[mocap], self._data.mocap_quat[mocap])
+            for collider, mocap, _ in self._assembly.scripted
+        ]
         self._model.opt.timestep = FIRST_STEP
         self._data.qpos[:] = self._assembly.start
         self._data.qvel[:] = self._assembly.speeds
+        self._dynamics = dynamics_of(self._mj, self._model, self._data, self._assembly.attachments)
+        self.motion = self._dynamics.motion
+        """Where the solids are and how they move in the next step."""
+        self.hand = Hand()
+        """What somebody does to the bodies beside the scene: nothing at first."""
         self._refresh()
         require_movable(self._model, self._data)
         require_apart(self._model, self._data)
 
     def poses(self) -> list[Pose]:
         """Return where the frame of each solid is and how it moves."""
-        return [Pose(x, R, rate[:3], rate[3:]) for x, R, rate in zip(*self.placed(), strict=True)]
-
-    def placed(self) -> tuple[Array, Array, Array]:
-        """Return the same in arrays: positions (n, 3), rotations (n, 3, 3), both velocities (n, 6)."""
-        rates = times(self._jacobian, self._data.qvel).reshape(-1, 6)
-        return self._positions, self._rotations, rates
-
-    def mobility(self) -> Array:
-        """Return A (6 n, 6 n) in dU = A dP: how impulses on the solids change their velocities in a step.
-
-        U has six rows a solid: velocity of its frame's origin [m/s] and angular velocity [rad/s]; P: impulse
-        at the frame's origin [N s] and moment about it [N m s]. A = J (M + h D + K)^-1 J^T with the Jacobian
-        J of U and the mass matrix M of the joints; D is the damping of joints and motors, which the engine
-        takes implicitly, h the length of its last step. K is what contacts, limits and equalities add that
-        hold now (`constraint_inertia`): a body on the ground yields no more than the ground lets it.
-        """
-        J = self._jacobian
-        held = constraint_inertia(self._mj, self._model, self._data)
-        if self._damping is not None or held is not None:
-            inertia = self._damped_inertia() + (0.0 if held is None else held)
-            moved = solved(inertia, J)
-        else:
-            moved = np.zeros_like(J)
-            if J.size:
-                self._mj.mj_solveM(self._model, self._data, moved, J)
-        A = times_transposed(J, moved)
-        return np.asarray(0.5 * (A + A.T))
-
-    def free_acceleration(self) -> Array:
-        """Return the accelerations that all but the snow gives the solids now (n, 6) [m/s2, rad/s2].
-
-        Of frames' origins and of turning: gravity, contacts among bodies, motors as of the engine's next step
-        if that is as long as the last one.
-        """
-        mj, model, data = self._mj, self._model, self._data
-        rates = np.array(data.qacc)
-        if self._damping is not None:
-            forces = data.qfrc_smooth + data.qfrc_constraint
-            rates = solved(self._damped_inertia(), forces[None])[0]
-        change = np.empty_like(self._jacobian)
-        parts = change.reshape(len(self.solids), 2, 3, model.nv)
-        for (linear, angular), x, body in zip(parts, self._positions, self._carriers, strict=True):
-            mj.mj_jacDot(model, data, linear, angular, x, body)
-        return np.asarray((times(self._jacobian, rates) + times(change, data.qvel)).reshape(-1, 6))
+        now = self.motion
+        placed = zip(now.centres, now.rotations, now.rates, strict=True)
+        return [Pose(x, R, rate[:3], rate[3:]) for x, R, rate in placed]
 
     def advance(self, dt: float, exchanged: Array, time: float) -> None:
         """Move the bodies from `time` on by `dt` [s] under what they exchanged with the snow.
 
         exchanged: (n, 7), impulse of the snow on each solid [N s], its moment about the frame's origin
         [N m s], work [J] (not used). It acts as a constant force and torque. The engine takes equal steps of
-        at most MAX_STEP.
+        at most MAX_STEP, as much shorter as contacts are stiffer.
 
         Errors: LostBody if what was exchanged, or a position or a velocity afterwards, is not finite.
         """
         model, data = self._model, self._data
-        wrenches = np.asarray(exchanged, dtype=np.float64)[:, :6] / dt
-        if not np.isfinite(wrenches).all():
-            lost = self.solids[int(np.argmin(np.isfinite(wrenches).all(axis=1)))]
-            raise LostBody(f"the snow pushes {lost.name} without a finite force at t = {time:.6g} s")
         if abs(time - data.time) > 1e-9 * max(1.0, time):
             data.time = time
             self._refresh()
-        count = max(1, math.ceil(dt / MAX_STEP - 1e-9))
+        longest = MAX_STEP * self._contact_time / TIME_CONSTANT
+        count = min(max(1, math.ceil(dt / longest - 1e-9)), MOST_STEPS)
         model.opt.timestep = dt / count
-        self._apply(wrenches)
+        if self.hand.springs:
+            held = [attachment.body for attachment in self._assembly.attachments]
+            trees = model.body_subtreemass[model.body_rootid[held]]
+            exchanged = exchanged + self.hand.impulses(self.solids, self.poses(), self.mass, trees, dt)
+        lost = self._dynamics.apply(exchanged, dt)
+        if lost is not None:
+            name = self.solids[lost].name
+            raise LostBody(f"the snow pushes {name} without a finite force at t = {time:.6g} s")
         for i in range(count):
             if i:
                 data.time = time + i * model.opt.timestep
@@ -191,6 +166,7 @@ class RigidBodies:
 
         The engine's state also holds the colliders that a script moves, so it fits where those are as many.
         """
+        self.hand = other.hand
         state = other.save()
         if len(state["engine"]) == self._mj.mj_stateSize(self._model, self._signature) + 1:
             return self.restore(state)
@@ -199,6 +175,23 @@ class RigidBodies:
         self._data.time = other._data.time
         self._model.opt.timestep = other._model.opt.timestep
         self._refresh()
+
+    def controls(self) -> list[tuple[str, float, float, float]]:
+        """Return name, least and greatest value, and the value now of each motor and actuator.
+
+        The range is the engine's; without one, to twice the greatest value of the scene's, at least 1, on
+        both sides of 0.
+        """
+        scripted = {control.actuator: np.abs(control.values).max() for control in self._assembly.controls}
+        found = []
+        for i in range(self._model.nu):
+            low, high = self._model.actuator_ctrlrange[i]
+            if not self._model.actuator_ctrllimited[i]:
+                high = max(1.0, 2.0 * float(scripted.get(i, 0.0)))
+                low = -high
+            name = self._model.actuator(i).name
+            found.append((name, float(low), float(high), float(self._data.ctrl[i])))
+        return found
 
     @property
     def momentum(self) -> Array:
@@ -242,15 +235,6 @@ class RigidBodies:
             angular += np.cross(data.xipos[body], p) + product(axes, model.body_inertia[body] * spin)
         return momentum, angular
 
-    def _apply(self, wrenches: Array) -> None:
-        """Apply a force at each solid's frame and a torque about it, as they stand now [N, N m], (n, 6)."""
-        data = self._data
-        force, arm = wrenches[:, :3], self._positions - data.xipos[self._carriers]
-        whole = np.array(wrenches)
-        whole[:, 3:] += arm[:, TURNED] * force[:, TURNED_BACK] - arm[:, TURNED_BACK] * force[:, TURNED]
-        data.xfrc_applied[:] = 0.0
-        np.add.at(data.xfrc_applied, self._carriers, whole)
-
     def _begin_step(self) -> None:
         """Do the first half of a step of the engine: positions, velocities, contacts, and what these aim at.
 
@@ -258,15 +242,16 @@ class RigidBodies:
         of one surface past the other, is therefore corrected by the velocity of a moving collider's surface.
         """
         model, data = self._model, self._data
-        motions: dict[int, Pose] = {}
-        for collider, mocap, geom in self._assembly.scripted:
-            motions[geom] = now = pose(collider, data.time)
-            data.mocap_pos[mocap] = now.position
-            data.mocap_quat[mocap] = quaternion(now.rotation)
+        for path, position, orientation in self._paths:
+            path.place(data.time, position, orientation)
         self._mj.mj_step1(model, data)
-        for contact in data.contact if motions else ():
-            if contact.efc_address < 0:
-                continue
+        if not self._paths or not data.ncon:
+            return
+        motions = {geom: pose(collider, data.time) for collider, _, geom in self._assembly.scripted}
+        held = np.asarray(data.contact.efc_address) >= 0
+        moved = np.isin(data.contact.geom, list(motions)).any(axis=1)
+        for i in np.flatnonzero(held & moved).tolist():
+            contact = data.contact[i]
             surface = np.zeros(3)
             for geom, sign in zip(contact.geom, (-1.0, 1.0), strict=True):
                 if at := motions.get(int(geom)):
@@ -275,15 +260,34 @@ class RigidBodies:
             along = product(contact.frame.reshape(3, 3)[: min(contact.dim, 3)], surface)
             data.efc_aref[rows] -= data.efc_KBIP[rows, 1] * along
 
+    def _stiffen(self) -> bool:
+        """Choose the time of contacts such that no body sinks in too far; return whether it changed.
+
+        In TIME_CONSTANT a cannonball goes farther than the ground that it hits is thick. Where something
+        touches and the fastest body would use up what is left of SUNK of the smallest half extent, contacts
+        are as much faster.
+        """
+        data, rows, time = self._data, self._rows, TIME_CONSTANT
+        if data.ncon and len(rows):
+            offset = data.xipos[rows] - data.subtree_com[self._model.body_rootid[rows]]
+            speed = np.abs(data.cvel[rows, 3:] + np.cross(data.cvel[rows, :3], offset)).max()
+            for collider, _, _ in self._assembly.scripted:
+                speed += np.abs(pose(collider, data.time).velocity).max()
+            left = SUNK * self._half + min(0.0, float(np.min(data.contact.dist)))
+            left = max(left, LEFT * SUNK * self._half)
+            if speed * TIME_CONSTANT > left and np.isfinite(speed):
+                time = left / speed
+        if time == self._contact_time:
+            return False
+        self._contact_time = time
+        self._model.geom_solref[self._own_contacts, 0] = time
+        return True
+
     def _set_controls(self, time: float) -> None:
         for control in self._assembly.controls:
             self._data.ctrl[control.actuator] = np.interp(time, control.times, control.values)
-
-    def _damped_inertia(self) -> Array:
-        """Return M + h D (nv, nv), with which the engine's last step changed velocities."""
-        inertia = np.zeros((self._model.nv, self._model.nv))
-        self._mj.mj_fullM(self._model, self._data, inertia)
-        return inertia if self._damping is None else inertia + self._model.opt.timestep * self._damping
+        for name, value in self.hand.controls.items():
+            self._data.ctrl[self._model.actuator(name).id] = value
 
     def _require_finite(self, time: float) -> None:
         state = np.concatenate((self._data.qpos, self._data.qvel, self._data.act))
@@ -304,16 +308,18 @@ class RigidBodies:
         """Derive from the positions and velocities of the joints what the methods above need."""
         model, data = self._model, self._data
         self._begin_step()
+        if self._stiffen():
+            self._begin_step()
         self._set_controls(data.time)
         self._mj.mj_fwdActuation(model, data)
         kept = data.qacc_warmstart.copy()  # of the engine's own last step
         self._mj.mj_fwdAcceleration(model, data)
         self._mj.mj_fwdConstraint(model, data)
         data.qacc_warmstart[:] = kept
-        self._damping = damping(self._mj, model, data)
-        placed = product(data.xmat[self._carriers].reshape(-1, 3, 3), self._frames)
-        self._positions = data.xpos[self._carriers] + placed[..., 3]
-        self._rotations = np.ascontiguousarray(placed[..., :3])
-        parts = self._jacobian.reshape(len(self.solids), 2, 3, model.nv)
-        for (linear, angular), x, body in zip(parts, self._positions, self._carriers, strict=True):
-            self._mj.mj_jac(model, data, linear, angular, x, body)
+        self._dynamics.update(model.opt.timestep, constraints_of(self._mj, model, data))
+
+
+def _half(solid: Solid) -> float:
+    """Return half of the smallest extent of a body that is not flat [m]."""
+    half = 0.5 * np.ptp(solid.mesh.surface.vertices, axis=0) if solid.mesh else solid.half
+    return float(half[half > 0.0].min(initial=math.inf))

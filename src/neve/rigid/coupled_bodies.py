@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from neve._core import BodyMotion
     from neve.colliders.solid import Solid
     from neve.geometry.pose import Pose
+    from neve.rigid.hand import Hand
 
 Array = NDArray[np.float64]
 
@@ -27,6 +29,16 @@ class CoupledBodies(Protocol):
     """
 
     solids: tuple[Solid, ...]
+    hand: Hand
+
+    def controls(self) -> list[tuple[str, float, float, float]]:
+        """Return name, least and greatest value, and the value now of each motor and actuator."""
+        ...
+
+    @property
+    def motion(self) -> BodyMotion:
+        """Where the solids are, and how they move in the next step."""
+        ...
 
     @property
     def momentum(self) -> Array:
@@ -49,18 +61,6 @@ class CoupledBodies(Protocol):
 
     def poses(self) -> list[Pose]:
         """Return where the solids are now and how they move."""
-        ...
-
-    def placed(self) -> tuple[Array, Array, Array]:
-        """Return the same in arrays: positions (n, 3), rotations (n, 3, 3), both velocities (n, 6)."""
-        ...
-
-    def mobility(self) -> Array:
-        """Return A (6 n, 6 n): impulses and moments P [N s, N m s] change the velocities by A P."""
-        ...
-
-    def free_acceleration(self) -> Array:
-        """Return the accelerations that all but the snow gives them now [m/s2, rad/s2], (n, 6)."""
         ...
 
     def advance(self, dt: float, exchanged: Array, time: float) -> None:

@@ -19,6 +19,7 @@ from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import build, version
+from neve.ranks import launch
 from neve.run.interrupt import Interrupt
 from neve.run.large import in_words
 from neve.run.outputs.context import Begins, FrameContext, Output, Resumes, RunContext
@@ -84,16 +85,33 @@ def run_scene(
     force: bool = False,
     quiet: bool = False,
 ) -> Simulation:
-    """Run `scene` into `out` like `run`, and fill it with snow only once the folder is known to be right."""
+    """Run `scene` into `out` like `run`, and fill it with snow only once the folder is known to be right.
+
+    On the leader of several ranks (`neve.ranks`) it runs over all of them.
+    """
     RunFolder(out).check(resume, force)
-    from neve.simulation import Simulation
+    kind = _kind_of_simulation(out)
 
     def start(checkpoint: Checkpoint | None) -> Simulation:
         if checkpoint is None:
-            return Simulation(scene, threads=threads)
-        return Simulation.restore(scene, checkpoint.arrays, threads=threads)
+            return kind(scene, threads=threads)
+        return kind.restore(scene, checkpoint.arrays, threads=threads)
 
     return _run(scene, start, RunFolder(out), frames, resume, force, quiet, ())
+
+
+def _kind_of_simulation(out: Path | str) -> type[Simulation]:
+    """Return the class of the simulation that this process runs into `out`: on one rank, or over several."""
+    if launch.size() > 1:
+        from neve.ranks.simulation import RankSimulation
+        from neve.ranks.world import resumable
+
+        resumable(out)
+
+        return RankSimulation
+    from neve.simulation import Simulation
+
+    return Simulation
 
 
 def last_frame(scene: Scene, frames: int | None) -> int:

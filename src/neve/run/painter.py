@@ -64,7 +64,7 @@ class Painter:
         self.look(content)
         view = self.shot.at(content.time, ahead=False)
         poses = content.solid_position, content.solid_rotation
-        return self.draw_arrays(content.x, content.J_P, *poses, view, content.more.get("phase"))
+        return self.draw_arrays(content.x, content.J_P, *poses, view, content.more.get("phase"), content.time)
 
     def look(self, content: Frame) -> None:
         """Let the camera see a frame that is not drawn."""
@@ -84,14 +84,16 @@ class Painter:
         rotations: Iterable[NDArray[np.floating]],
         view: View | None = None,
         water: NDArray[np.float32] | None = None,
+        time: float = 0.0,
     ) -> NDArray[np.uint8]:
         """Return the image (height, width, 3) of particles at `x` [m], (n, 3), with J_P (n,), if it is known.
 
         positions, rotations: of each solid, (3,) [m] and (3, 3); those of further solids are left out.
         view: of the camera; without it that of the scene's at the start. water: share of each particle that
-        is liquid (n,), if it is known. What the scene must say of itself is written into the picture.
+        is liquid (n,), if it is known. time: of the frame [s]. What the scene must say of itself is written
+        into the picture.
         """
         places = zip(self._solids, positions, rotations, strict=False)
         solids = [(solid, Pose.at_rest(position, rotation)) for solid, position, rotation in places]
-        image = self._preview.draw(x, solids, J_P=J_P, view=view, water=water)
+        image = self._preview.draw(x, solids, J_P=J_P, view=view, water=water, time=time)
         return captioned(image, self._scene.caption)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,10 @@ class Samples:
         stiffness: factor on Young's modulus [1], (n,)
         strength: factor on the thresholds of plastic flow [1], (n,)
         density: factor on density [1], (n,)
+        temperature: [deg C], (n,); None: that of the scene's heat
+        liquid: share of the mass that is water [1], (n,); None: 0
+        growth: of strength by sintering [1], (n,); None: 1
+        J_P: plastic volume change, of which the rest volume is without [1], (n,); None: 1
     """
 
     x: Array
@@ -42,10 +46,15 @@ class Samples:
     stiffness: Array
     strength: Array
     density: Array
+    temperature: Array | None = None
+    liquid: Array | None = None
+    growth: Array | None = None
+    J_P: Array | None = None
 
     def only(self, chosen: NDArray[np.bool_]) -> Samples:
         """Return the particles that are `chosen` (n,)."""
-        return Samples(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(self, **{name: a[chosen] for name, a in columns.items() if a is not None})
 
 
 def fill(source: Source, numerics: Numerics, index: int, colliders: Sequence[Collider] = ()) -> Samples:

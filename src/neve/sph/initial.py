@@ -12,8 +12,9 @@ from neve.backend import backend
 from neve.build import (
     PlacedSolids,
     coupled,
+    has_water,
     material_table,
-    require_closed,
+    require_lasting_snows,
 )
 from neve.gridless.initial import fresh_snow, kernels_with, model_of
 from neve.sampling import Samples
@@ -21,7 +22,7 @@ from neve.scene.schema.scene import Scene, Snow
 from neve.scene.values.choices import DEFAULT_LAW
 from neve.solver import Field, fill_columns
 from neve.sph.boundary import Boundary
-from neve.sph.constants import SUPPORT, law_constants
+from neve.sph.constants import NUMERICAL_VISCOSITY, SUPPORT, law_constants
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
@@ -35,6 +36,8 @@ FIELDS = (
     Field("V0", (), "m3", "real", "volume at birth"),
     Field("rho_birth", (), "kg/m3", "real", "rest density at birth"),
     Field("J_P", (), "1", "real", "rest density at birth over that now"),
+    Field("p_last", (), "Pa", "real", "pressure of the last step, from which the next solve starts"),
+    Field("a_last", (3,), "m/s2", "real", "acceleration by shear of the last step, likewise"),
     Field("stiffness", (), "1", "real", "factor on E0"),
     Field("strength", (), "1", "real", "factor on the critical strains"),
     Field("material", (), "", "uint16", "row of the material table"),
@@ -59,7 +62,7 @@ def model(scene: Scene, precision: Precision) -> CoreModel:
 
 def place_solids(scene: Scene) -> PlacedSolids:
     """Return the scene's snows and solids in the core, the bodies where they start. Errors: SceneError."""
-    require_closed(scene)
+    require_lasting_snows(scene)
     solids, rigid = coupled(scene)
     native = model(scene, kernels(scene))
     return PlacedSolids(native, scene.colliders, solids, rigid, scene.numerics.dx)
@@ -79,7 +82,9 @@ def snow_of(scene: Scene, solids: PlacedSolids, indices: Sequence[int]) -> dict[
 
     def lying(s: Samples, snow: Snow) -> tuple[Samples, dict[str, NDArray[Any]]]:
         count = len(s.x)  # the density at birth comes from the first sums on
-        return s, {"F_E": np.broadcast_to(np.eye(3), (count, 3, 3)), "rho_birth": np.zeros(count)}
+        none = np.zeros(count)
+        first = {"rho_birth": none, "p_last": none, "a_last": np.zeros((count, 3))}
+        return s, {"F_E": np.broadcast_to(np.eye(3), (count, 3, 3)), **first}
 
     return fresh_snow(scene, solids, indices, FIELDS, lying)
 
@@ -88,4 +93,13 @@ def from_arrays(scene: Scene, arrays: Mapping[str, NDArray[Any]]) -> Sph:
     """Make particles from the arrays of FIELDS. Errors: ValueError for an array of another shape or kind."""
     particles = kernels(scene).Sph(len(arrays["m"]), SUPPORT * scene.numerics.spacing)
     fill_columns(particles, FIELDS, arrays)
+    set_water(scene, particles)
     return particles
+
+
+def set_water(scene: Scene, particles: Sph) -> None:
+    """Say which of the particles are water, and of which properties, if the scene has any."""
+    if has_water(scene):
+        row, water = material_table(scene).index(scene.water.material), scene.water
+        numerical = NUMERICAL_VISCOSITY * water.density * scene.numerics.spacing
+        particles.set_water(row, water.density, water.bulk_modulus, water.viscosity + numerical)

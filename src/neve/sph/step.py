@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from neve.sph.constants import MOST_PRESSURE, MOST_SHEAR, TOLERANCE
+from neve.sph.constants import LARGEST, MOST_PRESSURE, MOST_SHEAR, TOLERANCE
 from neve.stage_timer import StageTimer
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def attempt(snow: Sph, world: CoreModel, dt: float, way: float, strain: float, t
     with timer.stage("friction"):
         snow.find_given(world, dt)  # a_other, a_friction
     with timer.stage("pressure"):
-        pressure = snow.solve_pressure(dt, TOLERANCE, MOST_PRESSURE)  # a_lambda
+        pressure = snow.solve_pressure(world, dt, TOLERANCE, LARGEST, MOST_PRESSURE)  # a_lambda
     if not pressure.converged:
         return Attempt(_unsolved("pressure", pressure), pressure)
     with timer.stage("shear"):
@@ -59,7 +59,8 @@ def attempt(snow: Sph, world: CoreModel, dt: float, way: float, strain: float, t
 
 
 def _unsolved(what: str, report: SolveReport) -> str:
-    return f"{what} has not converged after {report.iterations} iterations (residual {report.residual:.2g})"
+    left = f"residual {report.residual:.2g}" + (f", {report.largest:.2g} at most" if report.largest else "")
+    return f"{what} has not converged after {report.iterations} iterations ({left})"
 
 
 def _too_far(end: SphReport, dt: float, way: float) -> str:

@@ -8,37 +8,46 @@ from typing import Any
 import numpy as np
 
 from neve.colliders.solid import Solid
+from neve.render import falling
 from neve.render.lighting import STEEL, density_cell, is_ground, sky_color, sun_color, sun_direction
 from neve.render.shot import Shot, View, opening
-from neve.scene.reading.files import own_files
 from neve.scene.reading.presets import preset_about, presets
-from neve.scene.schema.scene import Light, Scene
-from neve.scene.schema.tables import shapes
+from neve.scene.schema.scene import Light, Numerics, Scene
 from neve.viewer.modes import described
 from neve.viewer.players.player import Player
 from neve.viewer.protocol import messages
 from neve.viewer.tools.panel import lists, panel
+from neve.viewer.tools.placing import addable
 
 
 def describe(player: Player) -> messages.SceneMessage:
     """Return the message of kind "scene", all that a page needs beside the snapshots."""
-    scene = player.scene
+    scene, made = player.scene, player.running().numerics
+    shown = drawn(
+        player.name,
+        scene,
+        player.solids(),
+        described(player.color_modes(), player.running()),
+        player.radius(),
+        _first_view(player),
+        made,
+    )
+    jointed = {f"bodies.{i}" for i, body in enumerate(scene.bodies) if body.joint != "free"}
+    for solid in shown["solids"]:
+        solid["pulled"] = player.live and (solid["name"].startswith("robots.") or solid["name"] in jointed)
     return {
-        **drawn(
-            player.name,
-            scene,
-            player.solids(),
-            described(player.color_modes(), player.running()),
-            player.radius(),
-            _first_view(player),
-        ),
+        **shown,
         "kind": "scene",
         "number": player.number,
         "live": player.live,
+        "duration": scene.run.duration,
         "player": player.state(),
-        "panel": [section for section in panel(scene) if player.live or section["path"] == "light"],
-        "presets": {name: preset_about(name) for name in presets()} if player.live else {},
-        "addable": {key: _addable(key) for key in lists()} if player.live else {},
+        "panel": [
+            section for section in panel(scene, player.begun()) if player.live or section["path"] == "light"
+        ],
+        "presets": {name: preset_about(name) for name in presets()},
+        "controls": player.controls(),
+        "addable": {key: addable(key, made.dx) for key in lists()} if player.live else {},
     }
 
 
@@ -61,25 +70,29 @@ def drawn(
     modes: list[messages.Mode],
     radius: float,
     view: View | None = None,
+    numerics: Numerics | None = None,
 ) -> messages.Drawn:
     """Return what is drawn beside the particles: camera, light, solids, and how large a particle is.
 
     radius: of a particle [m]. view: of the camera; without it that of the scene's at the start.
+    numerics: with which the snow that is there was made; without it the scene's.
     Light is in the units of the film (neve.render), whose curve the page uses as well.
     """
     camera = view or opening(scene.camera)
+    made = numerics or scene.numerics
     return {
         "name": name,
         "about": scene.about,
         "fps": scene.run.fps,
-        "dx": scene.numerics.dx,
+        "dx": made.dx,
         "spacing": 2 * radius,
-        "cell": density_cell(scene.numerics, radius),
+        "cell": density_cell(made, radius),
         "camera": {
             "position": camera.position, "target": camera.target, "up": camera.up,
             "fov": camera.fov,
         },
         "light": light_of(scene.light),
+        "falling": falling_of(scene),
         "solids": [_solid(solid) for solid in solids],
         "modes": modes,
     }  # fmt: skip
@@ -92,6 +105,23 @@ def light_of(light: Light) -> messages.Light:
         "sun_color": sun_color(light),
         "sky_color": sky_color(light),
     }
+
+
+def falling_of(scene: Scene) -> messages.Falling | None:
+    """Return the law of the flakes in the air, and their light; None: there are none."""
+    law = falling.law_of(scene.light)
+    if law is None:
+        return None
+    return {
+        "count": law.count, "edge": law.edge, "around": falling.AROUND,
+        "velocity": law.velocity, "pace": falling.PACE,
+        "radius": law.radius, "spread": falling.SPREAD,
+        "sway": falling.SWAY, "period": falling.PERIOD, "second": falling.SECOND,
+        "numbers": [falling.HOME, falling.HASTE, falling.PHASE, falling.RADIUS],
+        "open": scene.camera.shutter / scene.run.fps,
+        "least": falling.LEAST, "faintest": falling.FAINTEST, "nearest": falling.NEAREST,
+        "light": falling.glow(sun_color(scene.light), sky_color(scene.light)),
+    }  # fmt: skip
 
 
 def _solid(solid: Solid) -> messages.Solid:
@@ -132,14 +162,3 @@ def _terrain(heights: Any, size: Any) -> tuple[Any, Any]:
     a, b, c, d = i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]
     faces = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
     return corners, faces
-
-
-def _addable(kind: str) -> list[str]:
-    """Return the shapes of a list that need nothing but a place, and the meshes that come with Neve."""
-    found = []
-    for shape, model in shapes(Scene.model_fields[kind].annotation).items():
-        if shape == "mesh":
-            found += [f"mesh:{name}" for name in own_files("meshes")]
-        elif "file" not in model.model_fields:
-            found.append(shape)
-    return found

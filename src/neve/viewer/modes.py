@@ -170,11 +170,34 @@ MODES: Mapping[str, Mode] = {
 """Name -> mode: an entry here is all that a new mode needs. "snow" is the lit look without figures."""
 
 
+@dataclass(frozen=True)
+class Colors:
+    """Hold what a page colours the snow by: a mode, the ends of its legend if chosen, and their spacing."""
+
+    mode: str = "snow"
+    limits: tuple[float, float] | None = None
+    log: bool = False
+
+
+DECADES = 1e-4
+"""Least value of a legend that is spaced by powers, as a share of the greatest, if no other is chosen."""
+
+
 class Scale:
     """Choose the ends of a legend: round numbers that span nearly all values and do not flicker."""
 
     def __init__(self) -> None:
         self._most: dict[str, float] = {}
+
+    def of(self, colors: Colors, values: Array) -> tuple[tuple[float, float], bool]:
+        """Return the values that get the first and the last colour, and whether powers are between them.
+
+        Only positive values have powers; names have none.
+        """
+        low, high = colors.limits or self.limits(colors.mode, values)
+        if not colors.log or high <= 0.0 or MODES[colors.mode].names is not None:
+            return (low, high), False
+        return (low if low > 0.0 else DECADES * high, high), True
 
     def limits(self, mode: str, values: Array) -> tuple[float, float]:
         """Return the values that get the first and the last colour."""

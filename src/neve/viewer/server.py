@@ -11,21 +11,26 @@ import asyncio
 import contextlib
 import json
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Coroutine
 from http import HTTPStatus
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from neve.io.errors import RunError
+from neve.scene.errors import SceneError
+from neve.scene.schema.scene import Scene
 from neve.serving import content_type
 from neve.viewer import safety
 from neve.viewer.describe import describe
 from neve.viewer.encode import encode
-from neve.viewer.exports.exports import Exports
-from neve.viewer.modes import MODES, WETNESS, Scale
-from neve.viewer.players.player import Player
+from neve.viewer.modes import MODES, WETNESS, Colors, Scale
+from neve.viewer.opening import Opener, Show
+from neve.viewer.players.player import Begin
 from neve.viewer.protocol import commands
 from neve.viewer.protocol.messages import Message
 from neve.viewer.protocol.state import finite
+from neve.viewer.tools import dropping
+from neve.viewer.tools.dropping import Upload
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import Server as Socket
@@ -33,8 +38,13 @@ if TYPE_CHECKING:
     from websockets.http11 import Request, Response
 
 PAGE = Path(__file__).parent / "page"
+PLAIN = "text/plain; charset=utf-8"
 WINDOW = 3
 """States that may be on their way to a page: enough for 30 a second over 100 ms."""
+
+
+MOST_TASKS = 4096
+"""Pieces of files and openings that may wait; more than the pieces of the largest file."""
 
 
 class Client:
@@ -42,7 +52,7 @@ class Client:
 
     def __init__(self, connection: ServerConnection) -> None:
         self.connection = connection
-        self.mode = "snow"
+        self.colors = Colors()
         self.sent = self.drawn = 0
         self.room = asyncio.Event()
         self.messages: asyncio.Queue[str] = asyncio.Queue(maxsize=256)
@@ -56,14 +66,18 @@ class Client:
 class Server:
     """Show one player to any number of pages."""
 
-    def __init__(self, player: Player, exports: Exports, host: str) -> None:
-        self.player, self.exports, self.host = player, exports, host
+    def __init__(self, show: Show, host: str, opener: Opener) -> None:
+        self.player, self.exports, self.host = show.player, show.exports, host
+        self._opener = opener
+        self._upload = Upload()
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._turn = asyncio.Lock()
         self.eager = False
         """Whether to play as soon as the first page has connected."""
         self._clients: set[Client] = set()
         self._version = 0
         self._begun = False
-        self._encoded: dict[str, tuple[int, asyncio.Future[bytes]]] = {}
+        self._encoded: dict[Colors, tuple[int, asyncio.Future[bytes]]] = {}
         self._scale = Scale()
         self._files = {p.relative_to(PAGE).as_posix(): p for p in PAGE.rglob("*") if p.is_file()}
 
@@ -72,12 +86,8 @@ class Server:
         """Open the socket and start the player; at the end close both. `failed` ends if the player does."""
         from websockets.asyncio.server import serve
 
-        loop = self._loop = asyncio.get_running_loop()
-        self.player.on_snapshot = lambda: self._from_thread(loop, self._wake)
-        self.player.on_scene = lambda: self._from_thread(loop, self._tell_scene)
-        self.player.on_message = lambda message: self._from_thread(loop, self._broadcast, message)
-        self.player.on_failure = lambda error: self._from_thread(loop, self._fail, error)
-        self.exports.on_message = self.player.on_message
+        loop = asyncio.get_running_loop()
+        self._listen(loop)
         self.failed: asyncio.Future[None] = loop.create_future()
         silent = logging.getLogger("neve.viewer.socket")
         silent.addHandler(logging.NullHandler())
@@ -100,6 +110,20 @@ class Server:
             finally:
                 await asyncio.to_thread(self.player.stop)
                 self.exports.close()
+
+    def _listen(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Hear what the player and the exports say, until there are others."""
+        player = self.player
+
+        def hear(call: Any, *arguments: Any) -> None:
+            if player is self.player:
+                call(*arguments)
+
+        player.on_snapshot = lambda: self._from_thread(loop, hear, self._wake)
+        player.on_scene = lambda: self._from_thread(loop, hear, self._tell_scene)
+        player.on_message = lambda message: self._from_thread(loop, hear, self._broadcast, message)
+        player.on_failure = lambda error: self._from_thread(loop, hear, self._fail, error)
+        self.exports.on_message = player.on_message
 
     @staticmethod
     def _from_thread(loop: asyncio.AbstractEventLoop, call: Any, *arguments: Any) -> None:
@@ -130,13 +154,18 @@ class Server:
         from websockets.datastructures import Headers
         from websockets.http11 import Response
 
-        def answer(status: HTTPStatus, body: bytes, kind: str = "text/plain; charset=utf-8") -> Response:
-            headers = Headers({**safety.HEADERS, "Content-Type": kind, "Content-Length": str(len(body))})
-            return Response(status.value, status.phrase, headers, body)
+        def answer(status: HTTPStatus, body: bytes, kind: str = PLAIN, **more: str) -> Response:
+            length = str(len(body))
+            headers = Headers({**safety.HEADERS, "Content-Type": kind, "Content-Length": length, **more})
+            return Response(status.value, status.phrase, headers, b"" if request.method == "HEAD" else body)
 
         hosts = request.headers.get_all("Host")
         if len(hosts) != 1 or not safety.host_allowed(hosts[0], self.host):
             return answer(HTTPStatus.FORBIDDEN, b"This host name is not the viewer's.\n")
+        if request.method not in ("GET", "HEAD"):
+            return answer(
+                HTTPStatus.METHOD_NOT_ALLOWED, b"Only GET and HEAD are answered.\n", Allow="GET, HEAD"
+            )
         path = request.path.partition("?")[0]
         if path == "/socket":
             if safety.same_origin(request.headers.get_all("Origin"), hosts[0]):
@@ -188,16 +217,97 @@ class Server:
                 client.room.set()
             case commands.ColorMode():
                 if command.mode in MODES:
-                    client.mode = command.mode
+                    client.colors = Colors(command.mode, command.limits, command.log)
                     self._update_modes()
                     self.player.submit(command)
+            case commands.Library():
+                self._work(client, self._list(client))
+            case commands.Open():
+                self._work(client, self._open(command.scene))
+            case commands.Piece():
+                self._work(client, self._take_piece(client, command))
             case commands.Picture() | commands.Film() | commands.Replay() | commands.Save():
                 self.exports.start(command)
             case _:
                 self.player.submit(command)
 
+    def _tell(self, client: Client, message: Message) -> None:
+        client.tell(json.dumps(finite(message)))
+
+    def _work(self, client: Client, work: Coroutine[Any, Any, None]) -> None:
+        """Do what takes longer than a command, one after the other; a refusal is told to who has asked."""
+        if len(self._tasks) >= MOST_TASKS:
+            work.close()
+            return
+
+        async def one() -> None:
+            async with self._turn:
+                try:
+                    await work
+                except (SceneError, RunError) as error:
+                    self._tell(client, {"kind": "refused", "sentence": str(error), "path": ""})
+
+        task = asyncio.create_task(one())
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _list(self, client: Client) -> None:
+        """Tell what can be opened."""
+        self._tell(client, {"kind": "library", "entries": await asyncio.to_thread(self._opener.entries)})
+
+    async def _open(self, name: str) -> None:
+        """Show another scene or run. Errors: SceneError, RunError; then all is as it was."""
+        if self.player.live and not await asyncio.to_thread(self._opener.is_run, name):
+            scene = await asyncio.to_thread(self._opener.scene_of, name)
+            self.player.submit(Begin(name=name, scene=scene))
+            return
+        await self._swap(await asyncio.to_thread(self._opener.show_of, name))
+
+    async def _swap(self, show: Show) -> None:
+        """End the player and start another for the same pages."""
+        old, files = self.player, self.exports
+        show.player.meshes = old.meshes
+        show.player.plots = old.plots
+        self.player, self.exports, self._begun = show.player, show.exports, False
+        self._encoded, self._scale = {}, Scale()
+        self._listen(asyncio.get_running_loop())
+        self._update_modes()
+        show.player.start()
+        await asyncio.to_thread(old.stop)
+        await asyncio.to_thread(files.close)
+
+    async def _take_piece(self, client: Client, piece: commands.Piece) -> None:
+        """Take a piece of a dropped file; after the last one, play the scene or offer what it is."""
+        content = self._upload.take(client, piece)
+        if content is None:
+            return
+        meshes = self.player.meshes
+        path = await asyncio.to_thread(dropping.kept, self._opener.folder, piece.name, content)
+        with dropping.refused_by_name(path, piece.name):
+            if path.suffix == ".toml":
+                scene = await asyncio.to_thread(dropping.scene_of, path, meshes)
+                await self._play(path.stem, scene)
+            elif not self.player.live:
+                raise SceneError(f"{piece.name}: nothing can be added to a finished run; open a scene first")
+            else:
+                what = await asyncio.to_thread(dropping.offered, path, self.player.scene.numerics.dx)
+                meshes[path.name] = path
+                self._tell(client, {"kind": "dropped", "what": what})
+
+    async def _play(self, name: str, scene: Scene) -> None:
+        """Play a scene that is no entry of the library. Errors: SceneError; then all is as it was."""
+        if self.player.live:
+            self.player.submit(Begin(name=name, scene=scene))
+            return
+        show = self._opener.live(name, scene)
+        await asyncio.to_thread(show.player.make_ready)
+        await self._swap(show)
+
     def _update_modes(self) -> None:
-        seen = {client.mode for client in self._clients}
+        colors = {client.colors for client in self._clients}
+        for unseen in set(self._encoded) - colors:
+            del self._encoded[unseen]
+        seen = {each.mode for each in colors}
         self.player.modes = seen - {"snow"} | ({WETNESS} if "snow" in seen else set())
 
     async def _send_messages(self, client: Client) -> None:
@@ -210,19 +320,20 @@ class Server:
         while True:
             await client.room.wait()
             client.room.clear()
-            while self._version > shown and client.sent - client.drawn < WINDOW:
+            while self.player.latest and self._version > shown and client.sent - client.drawn < WINDOW:
                 shown = self._version
-                message = await self._message(client.mode)
+                message = await self._message(client.colors)
                 client.sent += 1
                 await client.connection.send(message)
 
-    async def _message(self, mode: str) -> bytes:
-        """Return the latest snapshot in a colour mode, encoded once for all pages that ask."""
+    async def _message(self, colors: Colors) -> bytes:
+        """Return the latest snapshot in some colours, encoded once for all pages that ask."""
         version = self._version
-        found = self._encoded.get(mode)
+        found = self._encoded.get(colors)
         if found is None or found[0] != version:
             snapshot = self.player.latest
-            work = asyncio.to_thread(encode, snapshot, mode, self._scale, version)  # type: ignore[arg-type]
+            assert snapshot is not None  # who sends has looked
+            work = asyncio.to_thread(encode, snapshot, colors, self._scale, version)
             found = (version, asyncio.ensure_future(work))
-            self._encoded[mode] = found
+            self._encoded[colors] = found
         return await asyncio.shield(found[1])

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import parse_qs, urlsplit
 
 from neve.serving import address, is_local, port_error, ports
 from neve.system import stopping
+from neve.system.processors import free_threads
 
 if TYPE_CHECKING:
     from neve.viewer.server import Server
@@ -35,7 +36,7 @@ def view(
     """Show a scene live, or play a run folder that has frames, until Ctrl-C.
 
     It plays as soon as the first page is there. out: folder for what the pages save; the run itself, or
-    runs/NAME-live. threads: of the simulation; all but one by default, which is for the pages. browse: open
+    runs/NAME-live. threads: of the simulation; by default those that are free. browse: open
     the page in this machine's browser.
     Errors: ViewError, SceneError, RunError, one sentence each.
     """
@@ -68,32 +69,51 @@ def prepare(
     host: str = "127.0.0.1",
     threads: int | None = None,
 ) -> Server:
-    """Make the server of a scene or a run, not yet started. Errors: ViewError, SceneError, RunError."""
+    """Make the server of a scene or a run, not yet started.
+
+    what: a scene, a run folder, or the link of a page, which names one of them after `#scene=`.
+    Errors: ViewError, SceneError, RunError.
+    """
     from neve.io.run_folder import RunFolder
     from neve.scene.reading.load import load
     from neve.scene.reading.presets import presets
     from neve.viewer.exports.exports import Exports
-    from neve.viewer.players.live import Live
-    from neve.viewer.players.player import Player
+    from neve.viewer.opening import Opener, Show
     from neve.viewer.players.recorded import Recorded
-    from neve.viewer.players.recorder import Recorder
     from neve.viewer.server import Server
 
+    count = threads or free_threads()
+    if is_link(what):
+        what = Opener([Path(), Path("runs")], Path(), count).place_of(scene_of_link(what))
     run = RunFolder(what)
-    player: Player
     if what not in presets() and _is_run(run):
         if changes:
             raise ViewError(
                 f"{what} is a finished run, which --set cannot change: name its scene.toml to run it anew."
             )
         player = Recorded(run)
-        return Server(player, Exports(Path(out) if out else run.path, player, None), host)
+        own = Path(out) if out else run.path
+        beside = run.path.resolve().parent
+        return Server(Show(player, Exports(own, player, None)), host, Opener([beside], own, count))
     scene = load(what, changes)
     name = what if what in presets() else Path(what).resolve().stem
     folder = Path(out) if out else Path("runs") / f"{name}-live"
-    recorder = Recorder(folder)
-    player = Live(name, scene, threads or max(1, (os.cpu_count() or 1) - 1), recorder)
-    return Server(player, Exports(folder, player, recorder), host)
+    roots = [folder.parent] if what in presets() else [Path(what).resolve().parent, folder.parent]
+    opener = Opener(roots, folder, count)
+    return Server(opener.live(name, scene), host, opener)
+
+
+def is_link(what: str) -> bool:
+    """Return whether WHAT is a link, not the name of a file."""
+    return what.startswith(("http://", "https://", "#"))
+
+
+def scene_of_link(link: str) -> str:
+    """Return the name after `#scene=` of a link. Errors: ViewError: there is none."""
+    names = parse_qs(urlsplit(link).fragment).get("scene", [])
+    if len(names) != 1:
+        raise ViewError(f"{link[:200]} names no scene: copy the link of a page whose address has #scene=NAME")
+    return names[0]
 
 
 def _is_run(run: object) -> bool:

@@ -108,12 +108,12 @@ def test_both_sides_know_the_same_struct(precision):
 
 def test_every_field_has_a_column():
     """A field that the state gains has its columns on the GPU, too: sorting must not leave it behind. Snow
-    does not sleep there, and has no heat.
+    does not sleep there, has no heat, and has positions of float32 alone.
     """
     state = _core.f32.State(3)
     arrays = {name for name in dir(state) if isinstance(getattr(state, name), np.ndarray)}
     assert (
-        {*DEVICE_FIELDS, "rest", "enthalpy", "thermal"}
+        {*DEVICE_FIELDS, "rest", "enthalpy", "thermal", "beyond"}
         == arrays
         == {field.name for field in FIELDS} | {"tau"}
     )

@@ -2,21 +2,30 @@
 
 import csv
 import dataclasses
+import functools
 import io
 import json
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from patience import PATIENCE
 from scripts import script
 
 from neve.bench import run as bench
+from neve.bench.choices import measure_choices, scenes
 from neve.bench.compare import compared, read_earlier
+from neve.bench.competitor import Competitor, measure_competitor
+from neve.bench.heat import measure_heat
 from neve.bench.loose import DX, block, measure_loose, scatter
+from neve.bench.snowfall import measure_still
 from neve.bench.spread import Spread
 from neve.bench.walk import FPS, measure_walk
 from neve.io.errors import RunError
+from neve.render.path_tracing.picture import Choices
 from neve.scene.reading.load import load
+from neve.scene.values.choices import DEFAULT_LAW, DEFAULT_SPLINE, DEFAULT_TRANSFER, LAWS, SPLINES, TRANSFERS
 from neve.simulation import Simulation
 
 RESULTS = Path(__file__).parents[3] / "benchmarks/results"
@@ -113,6 +122,45 @@ def test_loose_snow_is_the_block_scattered():
     assert loose.diagnostics().blocks > 5 * dense.diagnostics().blocks
 
 
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs the times of another process")
+def test_a_competitor_computes_when_it_is_told_to():
+    """It takes processor time while it is busy, none while it rests, and is gone at the end."""
+
+    def ticks():
+        return int(Path(f"/proc/{competitor.pid}/stat").read_text().rpartition(")")[2].split()[11])
+
+    def wait_for(enough):
+        until = time.monotonic() + PATIENCE
+        while not enough() and time.monotonic() < until:
+            time.sleep(0.01)
+        assert enough()
+
+    def rests():
+        return Path(f"/proc/{competitor.pid}/stat").read_text().rpartition(")")[2].split()[0] == "T"
+
+    with Competitor() as competitor:
+        wait_for(rests)
+        begun = ticks()
+        competitor.compute(True)
+        wait_for(lambda: ticks() >= begun + 10)
+        competitor.compute(False)
+        wait_for(rests)
+        stopped = ticks()
+        time.sleep(0.2)
+        assert ticks() == stopped
+    assert not Path(f"/proc/{competitor.pid}").exists()
+
+
+def test_speed_beside_a_competitor():
+    """Both kinds of batches take steps, and what is kept is their ratio."""
+    sim = Simulation(bench.landing_block((2, 2, 2)))
+    found = measure_competitor(sim, bench.DT, steps=2, batches=1, seconds=0.01)
+    assert sim.steps >= 4
+    assert found.kept.median == pytest.approx(found.beside.median / found.alone.median)
+    assert "64 particles" in found.text()
+    assert f"{found.threads / (found.threads + 1):.0%}" in found.text()
+
+
 def test_loose_snow_is_measured_beside_dense_snow():
     """Each stage that took time, in pairs of batches; the text names both and their ratio."""
     found = measure_loose(per_cell=1.0, batches=2, steps=1)
@@ -121,6 +169,23 @@ def test_loose_snow_is_measured_beside_dense_snow():
     assert {"p2g", "grid", "g2p"} <= set(found.growth_ns)
     assert "1 a cell" in found.text()
     assert f"ratio {found.ratio.median:.2f}" in found.text()
+
+
+def test_each_choice_is_measured():
+    """Every transfer, spline, law and precision once, beside the defaults; the text names them all."""
+    small = functools.partial(bench.landing_block, (3, 3, 3))
+    found = measure_choices(small, bench.DT, batches=2, steps=2, warm=1)
+    names = [*TRANSFERS, *SPLINES, *LAWS]
+    usual = {DEFAULT_TRANSFER, DEFAULT_SPLINE, DEFAULT_LAW}
+    assert {"defaults", "float64", "polypic, 27 modes", *names} - usual == set(found.ns)
+    assert next(iter(found.ns)) == "defaults"
+    assert min(spread.least for spread in found.ns.values()) > 0
+    assert all(name in found.text() for name in found.ns)
+    made = scenes(small)
+    assert made["float64"].numerics.precision == "float64"
+    assert all(made[name].numerics.transfer == name for name in list(TRANSFERS)[1:])
+    assert all(made[name].numerics.spline == name for name in list(SPLINES)[1:])
+    assert all(made[name].snow.law == name for name in list(LAWS)[1:])
 
 
 @pytest.mark.filterwarnings("ignore::neve.scene.errors.SceneWarning")
@@ -136,3 +201,30 @@ def test_walk_counts_pictures():
     assert found.step_ns.median == pytest.approx(1e6 * found.cpu_ms.median / awake, rel=0.9)
     assert f"{found.particles:,} particles" in found.text()
     assert "material points 33 ns" in found.text()
+    whole = sum(found.stage_ms.values())
+    assert 0.999 * found.wall_ms.least <= whole <= 1.001 * found.wall_ms.largest
+    assert found.stage_ms["step"] > 0.0
+    assert all(stage in found.text() for stage in found.stage_ms)
+
+
+def test_heat_is_measured_by_each_method():
+    """A pass has rounds, lies some steps of the method after the last, and takes its share of the time."""
+    found = {cost.method: cost for cost in measure_heat(steps=2, batches=2)}
+    assert set(found) == {"mpm", "particles"}
+    for cost in found.values():
+        assert cost.particles == 20_000
+        assert cost.rounds >= 1
+        assert cost.steps > 1
+        a_pass, a_step = cost.pass_ns.median, cost.step_ns.median
+        assert cost.share == pytest.approx(a_pass / (a_pass + cost.steps * a_step))
+        assert f"{cost.rounds} rounds" in cost.text()
+
+
+def test_a_snowed_still_is_drawn_and_timed():
+    """Each cell of a height map has one place; the picture comes after the snow; threads add up."""
+    pytest.importorskip("mitsuba")
+    found = measure_still(16, 20, Choices("draft", samples=1, size=(64, 36), denoise=False))
+    assert (found.triangles, found.places) == (2 * 19 * 19, 256)
+    assert 0.0 < found.snow_s < found.wall_s
+    assert found.process_s > 0.0
+    assert "its picture is there after" in found.text()

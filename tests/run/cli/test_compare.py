@@ -82,9 +82,9 @@ def test_method_that_refuses_is_told(scene, tmp_path, capsys):
     Path(scene).write_text(SCENE + SINK)
     options = ("--quiet", "--threads", "1", "--frames", "1")
     assert neve("compare", scene, "--out", str(out), *options) in (0, None)
-    assert "particles" not in [line.split(",")[0] for line in (out / TABLE).read_text().splitlines()]
+    assert "sph" not in [line.split(",")[0] for line in (out / TABLE).read_text().splitlines()]
     assert "adds and removes no snow" in (out / PAGE).read_text()
-    assert neve("compare", scene, "--out", str(out), "--methods", "particles", "--force", *options) == 2
+    assert neve("compare", scene, "--out", str(out), "--methods", "sph", "--force", *options) == 2
 
 
 def test_bad_methods_are_refused():

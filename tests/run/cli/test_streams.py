@@ -89,11 +89,6 @@ def test_output_that_is_not_taken(line, code, words):
     assert (done.returncode, done.stderr) == (code, words)
 
 
-def hear_ctrl_c():
-    """Let a child hear SIGINT also where the tests run in the background of a shell, which ignores it."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def test_ctrl_c_while_a_module_is_imported(tmp_path):
     """Before the command line is ready an import ends with 130; then the exception waits for its end."""
     (tmp_path / "slow.py").write_text(
@@ -109,9 +104,7 @@ def test_ctrl_c_while_a_module_is_imported(tmp_path):
     told = {}
     for ready in (True, False):
         command = [sys.executable, "-c", script.format(ready=ready)]
-        done = subprocess.run(
-            command, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, preexec_fn=hear_ctrl_c
-        )
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
         told[ready] = done.returncode, done.stdout, done.stderr
     assert told == {True: (0, "whole\nstopped slow\n", ""), False: (130, "", "neve: stopped\n")}
 
@@ -119,9 +112,7 @@ def test_ctrl_c_while_a_module_is_imported(tmp_path):
 def test_a_library_does_not_touch_the_signals():
     """Only the command line hears Ctrl-C itself."""
     script = "import signal, neve; print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)"
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, preexec_fn=hear_ctrl_c
-    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout == "True\n"
     assert not stopping.is_command_line()
 
@@ -144,7 +135,6 @@ def test_a_signal_at_any_moment(scene_file, tmp_path, number, expected):
             text=True,
             env=env,
             start_new_session=True,
-            preexec_fn=hear_ctrl_c,
         )
         assert process.stdout.readline() == "up\n"
         time.sleep(random.uniform(0.0, 0.4))
@@ -167,7 +157,6 @@ def test_a_server_ends_at_any_moment(scene_file, number, codes):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            preexec_fn=hear_ctrl_c,
         )
         assert process.stdout.readline() == "up\n"
         if wait is None:

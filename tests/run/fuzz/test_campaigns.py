@@ -121,7 +121,6 @@ def test_a_signal_ends_with_what_was_seen(tmp_path, number, expected):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert process.stdout.readline().startswith("0/0 ")
     time.sleep(0.1)

@@ -10,6 +10,8 @@ from neve.io.frames import frame_numbers
 from neve.run import loop, run
 from neve.run.beside import DEPTH, Beside
 from neve.run.outputs import frames as frames_module
+from neve.run.outputs.picture import PictureOutput
+from neve.run.painter import Painter
 from neve.scene.reading.load import load
 
 
@@ -138,3 +140,21 @@ def test_an_output_of_a_user_finds_what_is_written_before(fake, scene_file, tmp_
     run(fake.Simulation(load(scene_file)), tmp_path / "run", quiet=True, outputs=[Looker()])
     assert len(seen) > 2
     assert all(seen)
+
+
+@pytest.mark.parametrize("device", ["cpu", "cuda"])
+def test_pictures_are_drawn_by_the_threads_of_the_steps(fake, scene, tmp_path, monkeypatch, device):
+    """On the processor the steps wait while all threads draw; beside those of a GPU another thread draws."""
+    numerics = scene.numerics.model_copy(update={"device": device})
+    scene, drawing = scene.model_copy(update={"numerics": numerics}), set()
+    real = Painter.draw
+
+    def draw(self, content):
+        drawing.add(threading.get_ident())
+        return real(self, content)
+
+    monkeypatch.setattr(Painter, "draw", draw)
+    monkeypatch.setattr(PictureOutput, "close", lambda self, context: None)
+    run(fake.Simulation(scene), tmp_path / "run", quiet=True)
+    here = {threading.get_ident()}
+    assert drawing == here if device == "cpu" else drawing and not drawing & here

@@ -5,8 +5,8 @@ import pytest
 
 from neve import Simulation
 from neve.export.run import Choices, export_run
+from neve.flow.births import Births
 from neve.io.frames import read_frame
-from neve.mpm.births import Births
 from neve.run import run_scene
 from neve.scene.reading.load import load
 

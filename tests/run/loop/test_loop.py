@@ -45,8 +45,7 @@ def start(out, scene_file, *words, pause=0.0):
     """Start the command line with the stand-in simulation in a process of its own."""
     environment = os.environ | {"NEVE_FAKE_PAUSE": str(pause)}
     command = [sys.executable, str(FAKE), "run", str(scene_file), "--out", str(out), *words]
-    hear = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731 (a job in the background ignores it)
-    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=hear)
+    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
 
 
 def end(process):

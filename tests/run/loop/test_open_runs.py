@@ -22,6 +22,7 @@ from neve.viewer.exports.replay import replay_of
 SCENE = """
 [numerics]
 dx = 0.1
+method = "METHOD"
 
 [run]
 duration = 0.5
@@ -64,10 +65,10 @@ def small_picture(monkeypatch):
     monkeypatch.setattr(painter, "SIZE", (64, 36))
 
 
-@pytest.fixture(scope="module")
-def path(tmp_path_factory):
+@pytest.fixture(scope="module", params=["mpm", "particles"])
+def path(request, tmp_path_factory):
     path = tmp_path_factory.mktemp("open") / "open.toml"
-    path.write_text(SCENE)
+    path.write_text(SCENE.replace("METHOD", request.param))
     return path
 
 
@@ -184,7 +185,7 @@ def test_the_film_is_drawn_with_and_without_snow(whole):
 
 def test_an_estimate_counts_what_will_come(path, whole):
     """The most particles at any time, and the largest frame, within a quarter."""
-    found = estimate(load(path), frames=3, seconds=60.0)
+    found = estimate(load(path), frames=3, seconds=3600.0)
     most = int(log(whole)[3]["particles"])
     assert found.particles.likely == pytest.approx(most, rel=0.25)
     size = (whole / "frames/000003.npz").stat().st_size

@@ -132,12 +132,10 @@ def test_a_signal_to_all_processes(snowball, tmp_path, number, expected):
     straight, out = tmp_path / "straight", tmp_path / "ball"
     command = [sys.executable, "-m", "neve.cli", "run", str(snowball), "--out", str(out)]
     command += ["--threads", "1"]
-    hear = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731 (a job in the background ignores it)
     process = subprocess.Popen(
         [*command, "--set", "run.duration=30"],
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=hear,
         start_new_session=True,
     )
     wait_until((out / "frames/000002.npz").exists, process)

@@ -20,10 +20,13 @@ CONTRACT = STUBS["_core"]
 TAU = Field("tau", (6,), "Pa", "real", "Kirchhoff stress, which FIELDS leaves out")
 ALIASES = {"Reals", "Array64", "Triple"}
 PARTS = {
+    "Heat": (),
+    "Ranks": (),
     "Geometry": ("TriangleMesh", "SdfGrid", "HeightField"),
-    "Precision": ("Model", "State", "Grid", "Particles", "Sph"),
+    "Snowfall": ("Columns",),
+    "Precision": ("Model", "State", "Grid", "ImplicitSolver", "Particles", "Sph"),
 }
-"""Types of `geometry`, `f32` and `f64`, and the classes that lie in them."""
+"""Types of the parts of the core, and the classes that lie in them."""
 
 
 def members(name):
@@ -100,16 +103,31 @@ def test_names_of_the_stub_are_those_of_the_module(module):
 
 
 @pytest.mark.parametrize(
-    ("part", "protocol"), [(_core.geometry, "Geometry"), (_core.f32, "Precision"), (_core.f64, "Precision")]
+    ("part", "protocol"),
+    [
+        (_core.geometry, "Geometry"),
+        (_core.heat, "Heat"),
+        (_core.f32.ranks, "Ranks"),
+        (_core.f64.ranks, "Ranks"),
+        (_core.snowfall, "Snowfall"),
+        (_core.f32, "Precision"),
+        (_core.f64, "Precision"),
+    ],
 )
 def test_names_of_the_contract_are_those_of_the_parts(part, protocol):
-    """So it is for `geometry`, `f32` and `f64`, and for the classes that lie in them."""
+    """So it is for the parts of the core, and for the classes that lie in them."""
     assert class_names(CONTRACT, protocol) == public(part)
     for name in PARTS[protocol]:
         assert class_names(CONTRACT, name) == public(getattr(part, name)), name
 
 
-LENGTHS = {"modes": ("more_modes", 0), "rest": ("4", 0), "enthalpy": ("1", 0), "thermal": ("3", 0)}
+LENGTHS = {
+    "beyond": ("3", 0),
+    "modes": ("more_modes", 0),
+    "rest": ("4", 0),
+    "enthalpy": ("1", 0),
+    "thermal": ("3", 0),
+}
 """Of fields whose length the scene chooses: its word in the contract, and what it is in a usual scene."""
 
 

@@ -22,7 +22,7 @@ from neve.scene.reading.load import load, scene_from, to_toml
 from neve.solver import Field, Solver, StepSummary
 from neve.viewer.encode import encode
 from neve.viewer.exports.replay import replay_page
-from neve.viewer.modes import Scale
+from neve.viewer.modes import Colors, Scale
 from neve.viewer.players.recorded import Recorded
 from neve.viewer.players.snapshot import of_simulation
 from neve.viewer.protocol.state import unframed
@@ -169,7 +169,7 @@ def test_it_is_viewed(tmp_path):
     sim = neve.Simulation(scene())
     sim.advance(0.05)
     snapshot = of_simulation(sim, {"speed"}, {}, 0, {}, 1)
-    head, body = unframed(encode(snapshot, "speed", Scale(), {}))
+    head, body = unframed(encode(snapshot, Colors("speed"), Scale(), 0))
     q = np.frombuffer(body, "<u2").reshape(-1, 4)
     seen = np.array(head["low"]) + np.array(head["step"]) * q[:, :3]
     np.testing.assert_allclose(seen, sim.state.x, atol=0.51 * max(head["step"]) + 1e-6)

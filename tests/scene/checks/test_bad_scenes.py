@@ -87,7 +87,10 @@ BAD_FILES: list[tuple[str, tuple[str, ...]]] = [
     ("", ("sources needs at least one entry", "[[sources]]")),
     ("sources = []", ("sources = []", "needs at least one entry")),
     ("sources = 5", ("sources = 5", "a list of tables", "[[sources]]")),
-    ("sources = [5]", ("sources.0 = 5", '"box", "sphere", "cylinder", "layer", "text" or "mesh"')),
+    (
+        "sources = [5]",
+        ("sources.0 = 5", '"box", "sphere", "cylinder", "layer", "text", "mesh", "snowfall" or "lying"'),
+    ),
     ('[sources]\nshape = "box"', ("sources = a table", "[[sources]]")),
     ("[[sources]]\nradius = 1", ("sources.0 has no shape", '"sphere"')),
     ('[[sources]]\nshape = "shere"', ('sources.0.shape = "shere"', 'did you mean "sphere"?')),

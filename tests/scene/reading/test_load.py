@@ -48,10 +48,15 @@ def test_written_scene_spells_out_every_default() -> None:
 
 def test_presets_are_all_there() -> None:
     """The scenes are there, each with one line that says what happens."""
-    bodies = ["avalanche", "ball_on_snow", "boot", "castle", "roll", "walk", "wheel"]
+    bodies = ["avalanche", "ball_on_snow", "boot", "castle", "roll", "walk", "wave", "wheel"]
     names = ["collide", "cube_on_snow", "plow", "snowball_wall", "snowballs_collide", "text_fall"]
+    thawing = ["thaw"]
     contacts = ["melt", "walk_live", "wall_plough"]
-    assert presets() == sorted([*bodies, *names, *contacts, "bridge", "throw_ball", "throw_cube"])
+    smoothed = ["bridge", "heap", "pressed", "weights"]
+    snowed = ["car_overnight", "pine", "porch", "village"]
+    assert presets() == sorted(
+        [*bodies, *names, *thawing, *contacts, *smoothed, *snowed, "throw_ball", "throw_cube"]
+    )
     for name in presets():
         about = preset_about(name)
         assert about == load(name).about

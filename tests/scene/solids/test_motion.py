@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from neve.colliders.motion import pose
+from neve.colliders.motion import path_of, pose
 from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
 from neve.scene.schema.scene import Collider, Keyframe
 
@@ -109,3 +109,25 @@ def test_default_plane_is_the_ground() -> None:
     ground: Pose = pose(Collider.of("plane"), 3.0)
     assert np.array_equal(ground.rotation, np.eye(3))
     assert np.array_equal(ground.position, np.zeros(3))
+
+
+def test_a_path_hands_the_engine_the_rotation_that_it_has() -> None:
+    """`place` writes the position of `at`, and a quaternion whose matrix is the rotation, to rounding.
+
+    Of half turns too, where its first component is 0.
+    """
+    turns = [(180.0, 0.0, 0.0), (0.0, 180.0, 0.0), (127.27922061357856, 127.27922061357856, 0.0)]
+    turns += [tuple(row) for row in RNG.uniform(-180.0, 180.0, (20, 3)).tolist()]
+    for turn in turns:
+        keys = (Keyframe(t=0.0, rotation=(0.0, 0.0, 0.0)), Keyframe(t=1.0, rotation=turn))
+        path = path_of(Collider.of("box", center=(1.0, 2.0, 3.0), keyframes=keys))
+        for t in (0.0, 0.3, 1.0):
+            position, rotation = path.at(t)[:2]
+            written, q = np.zeros(3), np.zeros(4)
+            path.place(t, written, q)
+            assert np.array_equal(written, position)
+            w, axis = q[0], q[1:]
+            assert w >= 0.0
+            across = np.cross(np.eye(3), axis)  # rows e_i x axis: minus the matrix of the cross product
+            matrix = (w * w - axis @ axis) * np.eye(3) + 2.0 * np.outer(axis, axis) - 2.0 * w * across.T
+            assert matrix == pytest.approx(rotation, abs=1e-14)

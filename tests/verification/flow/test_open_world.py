@@ -236,8 +236,8 @@ def test_a_view_of_old_particles_stays_as_it_was():
     ("numerics", "told"),
     [
         (
-            {"method": "particles"},
-            'emitters: numerics.method = "particles" adds and removes no snow; use "mpm"',
+            {"method": "sph"},
+            'emitters: numerics.method = "sph" adds and removes no snow; use "mpm" or "particles"',
         ),
         ({"device": "cuda"}, 'emitters: numerics.device = "cuda" adds and removes no snow; use "cpu"'),
     ],

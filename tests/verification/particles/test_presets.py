@@ -63,7 +63,10 @@ def test_boots_leave_prints():
 
 
 def test_prints_of_snow_that_sleeps_are_those_of_snow_that_does_not():
-    """Where the first boot stood the snow is as high, to half a radius, and as dense, to a tenth."""
+    """Where the first boot stood the snow is as high, to half a radius, and as dense, to a tenth.
+
+    Its height is that below which nine tenths lie: a loose particle that fell into the print is none of it.
+    """
     height, density = [], []
     for sleep in ("true", "false"):
         sim = start("walk_live", "numerics.dx=0.08", f"numerics.sleep={sleep}")
@@ -72,7 +75,7 @@ def test_prints_of_snow_that_sleeps_are_those_of_snow_that_does_not():
         assert (sim.diagnostics().asleep > 0.3 * sim.count) == (sleep == "true")
         x, J = np.asarray(sim.state.x), np.asarray(sim.state.J_P)
         print_ = (np.abs(x[:, 0] + 0.7) < 0.08) & (np.abs(x[:, 1] + 0.075) < 0.04)
-        height.append(x[print_, 2].max())
+        height.append(np.quantile(x[print_, 2], 0.9))
         density.append(1.0 / J[print_].mean())
     assert height[0] == pytest.approx(height[1], abs=0.5 * sim.radius)
     assert density[0] == pytest.approx(density[1], rel=0.1)

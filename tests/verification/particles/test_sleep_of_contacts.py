@@ -129,6 +129,42 @@ def test_a_moving_solid_wakes_what_it_comes_to():
     assert moved[0] == pytest.approx(moved[1], abs=0.05)
 
 
+TURNS = [
+    {"t": 1.0, "position": (-0.9, 0, 0.45), "rotation": (0, 0, 0)},
+    {"t": 1.06, "position": (-0.5, 0, 0.32), "rotation": (0, 70, 0)},
+    {"t": 1.1, "position": (-0.5, 0, 0.32), "rotation": (0, 70, 0)},
+    {"t": 1.16, "position": (-0.2, 0, 0.24), "rotation": (0, 200, 40)},
+]
+
+
+@pytest.mark.parametrize(
+    ("shape", "play"),
+    [({"shape": "box", "size": (0.4, 0.2, 0.06)}, 1.5), ({"shape": "mesh", "file": "neve:boot"}, 0.0)],
+)
+def test_no_snow_sleeps_beside_a_solid_that_moves(shape, play):
+    """After each step what sleeps is farther from a solid that moves, turns, rests and moves on than
+    1.5 radii; from a mesh it may be nearer by what its samples are coarse.
+    """
+    sim = settled(colliders=(GROUND, {**shape, "keyframes": TURNS}))
+    sim.advance(1.0 - sim.time)
+    slept = asleep(sim)
+    state, nearest, seen = sim.state, [], []
+
+    def look():
+        sleeps = np.isinf(np.asarray(state.rest)[:, 0])
+        gap = sim.solver.placed.distance(1, np.asarray(state.x)) - np.asarray(state.radius)
+        nearest.append(gap[sleeps].min())
+        seen.append(sleeps.sum())
+        return False
+
+    for begin, end in pairwise((1.0, 1.06, 1.1, 1.16)):
+        sim.advance(end - begin, look)
+        if begin != 1.06:  # while it rests snow may fall asleep beside it
+            assert min(nearest) > play * state.largest_radius * (1 - 1e-5)
+        nearest.clear()
+    assert min(seen) < slept - 0.05 * sim.count
+
+
 def test_a_body_that_falls_wakes_snow():
     body = {"shape": "sphere", "center": (0.3, 0, 0.7), "radius": 0.08, "density": 300.0}
     scene = {

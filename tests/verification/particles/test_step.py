@@ -67,6 +67,66 @@ def test_oracle():
     assert d.contacts == cluster.touching.sum() / 2
 
 
+def test_no_step_is_longer_than_is_stable():
+    """The step that the solver would take for lumps in contact makes no vibration grow.
+
+    K and C of all bonds and contacts that stick, with their dampers, are put together here: of steps
+    v += -dt M^-1 (K u + C v), u += dt v no eigenvalue is above 1, while with 1.6 times the bound some are:
+    which is longer than half the limit by the sum of all stiffness, 1 / sqrt(sum k / m).
+    """
+    lumps = [
+        {"shape": "sphere", "center": (-0.09, 0, 0), "radius": 0.08, "velocity": (3, 0, 0.5)},
+        {"shape": "sphere", "center": (0.09, 0.01, 0.03), "radius": 0.08, "velocity": (-3, 0, 0)},
+    ]
+    sim = particles(lumps, snow=SOFT, dt=2e-4)
+    sim.advance(0.012)
+    sim.solver.begin(sim.steps, sim.time)
+    state, n = sim.state, sim.count
+    begin, row, memory = (np.asarray(a) for a in state.contacts())
+    x, m, k, r = (np.asarray(getattr(state, name)) for name in ("x", "m", "k", "radius"))
+    damping = 2 * 0.1 * np.sqrt(np.min(m / (2 * k)))
+    K, C = np.zeros((n, 3, n, 3)), np.zeros((n, 3, n, 3))
+    kinds = set()
+    for i in range(n):
+        for e in range(begin[i], begin[i + 1]):
+            j, hold = row[e], memory[e, 0]
+            d = x[i] - x[j]
+            n_n = np.outer(d, d) / (d @ d)
+            pressed = hold < 0 and np.linalg.norm(d) < r[i] + r[j]
+            spring = 0.5 * (k[i] + k[j]) * (n_n if hold > 0 else n_n + 0.5 * (np.eye(3) - n_n))
+            damper = 0.5 * (k[i] + k[j]) * damping * (n_n if hold > 0 else pressed * np.eye(3))
+            for A, a in ((K, spring), (C, damper)):
+                A[i, :, i] += a
+                A[i, :, j] -= a
+            kinds.add(hold > 0)
+    assert kinds == {True, False}
+    K, C = (A.reshape(3 * n, 3 * n) / np.repeat(m, 3)[:, None] for A in (K, C))
+
+    def growth(dt):
+        """Return the largest eigenvalue of a step, by its size."""
+        one = np.eye(3 * n)
+        turned = np.hstack((-dt * K, one - dt * C))
+        return np.abs(np.linalg.eigvals(np.vstack((np.hstack((one, 0 * one)) + dt * turned, turned)))).max()
+
+    longest = 1 / sim.solver._report.rate
+    assert growth(longest) <= 1 + 1e-6  # the six motions of rigid bodies are double eigenvalues of 1
+    assert growth(1.6 * longest) > 1.1
+    assert longest > 1.2 / np.sqrt(sim.solver._report.stiffest)
+
+
+def test_what_landed_is_expected_to_stay():
+    """The drift that lists of neighbours allow for is that of the snow now: not that of its fall."""
+    sim = particles(
+        [{"shape": "box", "center": (0, 0, 0.13), "size": (0.2, 0.2, 0.2), "velocity": (0, 0, -4)}],
+        [{"shape": "plane", "mode": "sticky"}], gravity=(0, 0, -9.81), snow={"E0": 1e5},
+    )  # fmt: skip
+    sim.advance(1e-3)
+    np.testing.assert_allclose(sim.state.drift, (0, 0, -4), atol=0.05)
+    sim.advance(0.3)
+    sim.advance(1e-3)
+    assert np.linalg.norm(sim.state.drift) < 0.5
+
+
 def test_momentum():
     """Forces of pairs are opposite to the bit: momentum stays within the rounding of its sums."""
     lumps = [
@@ -86,7 +146,7 @@ def test_momentum():
     assert end.bonds < start.bonds
     scale = start.mass * 5
     np.testing.assert_allclose(end.momentum, start.momentum, rtol=0, atol=1e-12 * scale)
-    assert end.mass == start.mass
+    np.testing.assert_allclose(end.mass, start.mass, rtol=sim.count * 2.3e-16)  # sums in another order
 
 
 def test_spin_of_a_bonded_lump():
@@ -322,7 +382,6 @@ def test_a_gpu_is_refused_in_one_sentence(precision):
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        ({"sinks": [{"shape": "box", "size": (1, 1, 1)}]}, 'sinks: numerics.method = "particles" adds and'),
         (
             {"snow_keyframes": [{"t": 1.0, "E0": 1e5}]},
             'snow_keyframes: numerics.method = "particles" changes',
@@ -330,7 +389,7 @@ def test_a_gpu_is_refused_in_one_sentence(precision):
     ],
 )
 def test_what_only_the_grid_can_is_refused(more, told):
-    """Snow that goes, and snow that changes in time: one sentence each that names the key and the method."""
+    """Snow that changes in time: one sentence that names the key and the method."""
     with pytest.raises(SceneError, match=re.escape(told)) as error:
         particles([{"shape": "sphere", "radius": 0.1}], more=more)
     assert "\n" not in str(error.value)

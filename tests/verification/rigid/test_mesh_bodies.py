@@ -49,7 +49,7 @@ def test_frame_is_the_origin_of_the_file(tmp_path):
     P = np.array([0.3, -0.2, 0.5])
     omega = np.linalg.solve(I, np.cross(-arm, P))
     expected = np.concatenate([P / mass + np.cross(omega, -arm), omega])
-    assert rigid.mobility() @ [*P, 0, 0, 0] == pytest.approx(expected, abs=1e-5)
+    assert rigid.motion.mobility @ [*P, 0, 0, 0] == pytest.approx(expected, abs=1e-5)
 
 
 def test_push_at_the_origin_of_the_file(tmp_path):

@@ -86,11 +86,11 @@ def test_mobility_is_the_response():
     rng = np.random.default_rng(1)
     P = rng.normal(size=18)
     before = np.concatenate([[*p.velocity, *p.omega] for p in rigid.poses()])
-    expected = rigid.mobility() @ P
+    expected = rigid.motion.mobility @ P
     after = run(rigid, 1e-7, 1, exchange(*P.reshape(3, 6)))
     change = np.concatenate([[*p.velocity, *p.omega] for p in after]) - before
     assert change == pytest.approx(expected, abs=2e-5 * np.abs(expected).max())
-    assert rigid.mobility() == pytest.approx(rigid.mobility().T, abs=0)
+    assert rigid.motion.mobility == pytest.approx(rigid.motion.mobility.T, abs=0)
 
 
 def test_mobility_of_a_free_body():
@@ -100,7 +100,7 @@ def test_mobility_of_a_free_body():
     expected = np.zeros((6, 6))
     expected[:3, :3] = np.eye(3) / 4.0
     expected[3:, 3:] = R @ np.linalg.inv(box_inertia(4.0, BOX["size"])) @ R.T
-    assert rigid.mobility() == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
+    assert rigid.motion.mobility == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
 
 
 def hinged(**more):
@@ -115,7 +115,7 @@ INERTIA = 2.0 * (0.4**2 + 0.02**2) / 12.0 + 2.0 * 0.2**2
 
 def test_mobility_of_a_hinge():
     """Only the turn about the axis yields: A = u u^T / I, u = (n x r, n), r from the hinge to the frame."""
-    A = bodies_of([hinged()]).mobility()
+    A = bodies_of([hinged()]).motion.mobility
     n, r = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -0.2])
     u = np.concatenate([np.cross(n, r), n])
     assert pytest.approx(np.outer(u, u) / INERTIA, abs=1e-13) == A
@@ -236,7 +236,7 @@ def test_free_acceleration_is_what_happens():
     rigid, silent = bodies_of(tables, [ground]), bodies_of(tables, [ground])
     run(rigid, 1e-6, 1), run(silent, 1e-6, 1)
     before = np.array([[*p.velocity, *p.omega] for p in rigid.poses()])
-    expected = rigid.free_acceleration()
+    expected = rigid.motion.acceleration
     sizes = np.abs(expected).max(axis=1)
     assert np.all(sizes > [1.0, 1e5, 0.5, 9.0, 10.0])  # all are at work
     after = np.array([[*p.velocity, *p.omega] for p in run(rigid, 1e-6, 1, done=1)])
@@ -251,7 +251,7 @@ def test_mobility_knows_of_motors():
     rigid = bodies_of([hinged(motor={"target": 0.0, "gain": 3.0 * INERTIA / 1e-4})], gravity=[0, 0, 0])
     bare = bodies_of([hinged()], gravity=[0, 0, 0])
     run(rigid, 1e-4, 1)
-    assert rigid.mobility() == pytest.approx(bare.mobility() / 4.0, rel=1e-9, abs=1e-12)
+    assert rigid.motion.mobility == pytest.approx(bare.motion.mobility / 4.0, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -281,7 +281,7 @@ def test_ground_bears_a_light_body():
     pushed, alone = bodies_of([box], ground), bodies_of([box], ground)
     for rigid in (pushed, alone):
         run(rigid, 1e-4, 200)
-    expected = pushed.mobility() @ P
+    expected = pushed.motion.mobility @ P
     for rigid, push in ((pushed, P), (alone, 0 * P)):
         rigid.advance(1e-4, exchange(push), 0.02)
     change = pushed.poses()[0].velocity - alone.poses()[0].velocity

@@ -36,6 +36,21 @@ def test_falls_to_rest_on_every_shape():
         assert pose.position == pytest.approx([0, 0, 1.1], abs=SINK), top["shape"]
 
 
+@pytest.mark.parametrize("speed", [10.0, 300.0, 5000.0])
+@pytest.mark.parametrize("ground", [FLOOR, {"shape": "box", "size": [2, 2, 0.3], "center": [0, 0, -0.15]}])
+def test_no_body_is_too_fast_for_the_ground(speed, ground):
+    """However fast, a ball sinks in by less than half of its radius, and comes to rest there: a contact takes
+    no longer than the ball to go what is left of that. It is stopped in v T / e, and pushed out with 1 / e
+    of that in T: with v / e^2 at most.
+    """
+    ball = {"shape": "sphere", "radius": 0.1, "center": [0, 0, 0.3], "velocity": [0, 0, -speed]}
+    rigid = bodies_of([ball], [ground], gravity=[0, 0, 0])
+    dt = min(1e-4, 0.02 / speed)  # the way of a solid in a step is bounded
+    path = [run(rigid, dt, 1)[0] for _ in range(int(3.0 / speed / dt))]
+    assert 0.05 < min(at.position[2] for at in path) <= 0.1
+    assert -2e-3 < path[-1].velocity[2] / speed < np.exp(-2)
+
+
 def test_friction_holds_and_slides():
     """On a slope of tan = 0.4 a box with friction 0.5 stays, one with 0.3 slides.
 
@@ -139,7 +154,7 @@ def test_goes_on_with_the_same_bits():
     run(whole, 7e-4, 200, push)
     run(first, 7e-4, 90, push)
     second.restore(first.save())
-    assert np.array_equal(second.mobility(), first.mobility())
+    assert np.array_equal(second.motion.mobility, first.motion.mobility)
     run(second, 7e-4, 110, push, done=90)
     assert all(
         np.array_equal(a, b) for a, b in zip(whole.save().values(), second.save().values(), strict=True)

@@ -157,7 +157,7 @@ def test_goes_on_with_the_same_bits(car):
     run(whole, 7e-4, 150)
     run(first, 7e-4, 70)
     second.restore(first.save())
-    assert np.array_equal(second.free_acceleration(), first.free_acceleration())
+    assert np.array_equal(second.motion.acceleration, first.motion.acceleration)
     run(second, 7e-4, 80, done=70)
     assert np.array_equal(whole.save()["engine"], second.save()["engine"])
 

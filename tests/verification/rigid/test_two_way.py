@@ -73,7 +73,7 @@ def test_sticky_body_in_snow():
     cross = np.array([[[0, -z, y], [z, 0, -x], [-y, x, 0]] for x, y, z in a])
     B = np.concatenate([np.broadcast_to(np.eye(3), (len(a), 3, 3)), -cross], axis=2)
     K = np.einsum("n,nki,nkj->ij", m, B, B)
-    A = sim.solver.model.rigid.mobility()
+    A = sim.solver.model.rigid.motion.mobility
     expected = np.linalg.solve(np.eye(6) + A @ K, np.array([0, 0, -3.0, 0, 0, 0]))
     core.grid_update(native, sim.solver.grid, 1e-9)
     _, _, v = sim.solver.grid.nodes()

@@ -45,11 +45,14 @@ def block(counts, spacing=0.05, jitter=0.0, seed=0, low=(0.0, 0.0, 0.0), core=_c
     return snow
 
 
-def add_floor(snow, model, extent=0.6, mode="separate", mu_c=0.3, height=0.0):
-    """Put a plane into the model, and a lattice of boundary particles half a spacing below it."""
+def add_floor(snow, model, extent=0.6, mode="separate", mu_c=0.3, velocity=(0, 0, 0), spin=(0, 0, 0)):
+    """Put a plane at z = 0 into the model, and a lattice of boundary particles half a spacing below it.
+
+    velocity, spin: how it moves [m/s], and turns about the origin [1/s].
+    """
     spacing = snow.support / 2
     model.add_solid("plane", np.zeros(3), mode, mu_c)
-    model.place_solid(0, np.array([0.0, 0.0, height]), np.eye(3), np.zeros(3), np.zeros(3))
+    model.place_solid(0, np.zeros(3), np.eye(3), np.array(velocity, float), np.array(spin, float))
     along = np.arange(-extent, extent + 1e-9, spacing)
     at = np.stack(np.meshgrid(along, along, indexing="ij"), axis=-1).reshape(-1, 2)
     x = np.c_[at, np.full(len(at), -spacing / 2)]
@@ -66,7 +69,7 @@ def prepare(snow, model):
 def solve(snow, model, dt, tolerance=1e-9, most=2000):
     """Take the stages of a step up to its end; return the reports of both solves."""
     snow.find_given(model, dt)
-    return snow.solve_pressure(dt, tolerance, most), snow.solve_shear(dt, tolerance, most)
+    return snow.solve_pressure(model, dt, tolerance, 1.0, most), snow.solve_shear(dt, tolerance, most)
 
 
 def kernel(x, h):
@@ -81,7 +84,7 @@ def kernel(x, h):
 class Oracle:
     """The sums over all pairs of `snow` as it is, in double precision, by the equations as printed.
 
-    gravity (3,); v_b: velocity of all boundary particles (3,).
+    gravity (3,).
     """
 
     def __init__(self, snow, gravity=(0.0, 0.0, 0.0), **constants):
@@ -103,8 +106,7 @@ class Oracle:
         self.lam = hard * c["E0"] * c["nu"] / ((1 + c["nu"]) * (1 - 2 * c["nu"]))
         self.G = hard * c["E0"] / (2 * (1 + c["nu"]))
         A = np.einsum("j,ija,ijb->iab", self.V, self.g, self.x[None] - self.x[:, None])
-        A += np.einsum("j,ija,ijb->iab", self.V_b, self.g_b, self.x_b[None] - self.x[:, None])
-        self.L = np.linalg.inv(A)
+        self.L = np.linalg.pinv(A)
 
     def divergence(self, u, u_b):
         """div u of vectors of snow and boundary."""
@@ -117,34 +119,40 @@ class Oracle:
         return own + PSI * p[:, None] * np.einsum("j,ija->ia", self.V_b, self.g_b)
 
     def gradient(self, u, u_b):
-        """D[u] of equations 17 and 18."""
+        """D[u] of equations 17 and 18, L over the snow alone."""
         D_s = np.einsum("j,ija,ijb->iab", self.V, u[None] - u[:, None], self.g)
         D_b = np.einsum("j,ija,ijb->iab", self.V_b, u_b[None] - u[:, None], self.g_b)
-        turned = np.swapaxes(self.L, 1, 2)
         eye, third = np.eye(3), 1 / 3
-        D = D_s @ turned + third * _trace(D_b @ turned)[:, None, None] * eye
-        flipped = np.swapaxes(D, 1, 2)
-        even = 0.5 * (D + flipped) - third * _trace(D)[:, None, None] * eye
-        return third * _trace(D_s + D_b)[:, None, None] * eye + 0.5 * (D - flipped) + even
+        D = D_s @ np.swapaxes(self.L, 1, 2)
+        return D + third * _trace(D_s + D_b - D)[:, None, None] * eye
 
-    def stress_divergence(self, s):
-        """div s, corrected on both sides."""
-        Q = s @ self.L
+    def stress_divergence(self, s, leaves=()):
+        """div s: Q = tr s / 3 + dev s L on both sides. leaves: particles on which no boundary acts."""
+        third = _trace(s)[:, None, None] / 3 * np.eye(3)
+        Q = third + (s - third) @ self.L
         own = np.einsum("iab,j,ijb->ia", Q, self.V, self.g) + np.einsum("jab,j,ijb->ia", Q, self.V, self.g)
         walls = np.einsum("j,ijb->ib", self.V_b, self.g_b)
-        return own + _trace(s)[:, None] / 3 * np.einsum("iab,ib->ia", self.L, walls)
+        walls[list(leaves)] = 0.0
+        return own + _trace(s)[:, None] / 3 * walls
+
+    def strained(self, F, u, u_b, dt):
+        """(1 + dt S[u]) F, its symmetric part."""
+        D = self.gradient(u, u_b)
+        grown = F + dt * 0.5 * (D + np.swapaxes(D, 1, 2)) @ F
+        return 0.5 * (grown + np.swapaxes(grown, 1, 2))
 
     def stress(self, F):
         """G (F + F^T - 2)."""
         return self.G[:, None, None] * (F + np.swapaxes(F, 1, 2) - 2 * np.eye(3))
 
-    def friction(self, dt, mu_b):
-        """The acceleration of A.3, and the denominator d."""
+    def friction(self, dt, mu_b, spin=(0.0, 0.0, 0.0)):
+        """The acceleration of A.3, and the denominator d. spin: of the solid, whose velocity counts at x."""
         x = self.x[:, None] - self.x_b[None]
         k = mu_b * self.V_b * np.sum(x * self.g_b, axis=2) / (np.sum(x * x, axis=2) + 0.01 * self.h**2)
         d = 1 - dt * k.sum(axis=1)
         fallen = self.v + dt * self.gravity
-        return ((fallen - dt * k @ self.v_b) / d[:, None] - fallen) / dt, d
+        carried = np.einsum("ij,ija->ia", k, self.v_b[None] + np.cross(np.array(spin), x))
+        return ((fallen - dt * carried) / d[:, None] - fallen) / dt, d
 
 
 def _trace(a):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from verification.sph.common import SNOW, block, prepare, smoothed, solve, world
+from verification.sph.common import SNOW, add_floor, block, prepare, smoothed, solve, world
 
 FAR = 1e9
 BALL = {"shape": "sphere", "radius": 0.2}
@@ -71,6 +71,84 @@ def test_a_rigid_rotation_strains_nothing():
         assert snow.advance(model, dt, FAR, FAR).taken
         snow.x[...] = (x @ turn.T)[np.argsort(order)][np.array(snow.id)]
     np.testing.assert_allclose(snow.F_E, np.broadcast_to(np.eye(3), (snow.count, 3, 3)), rtol=0, atol=1e-12)
+
+
+def test_a_rotation_with_a_wall_strains_nothing():
+    """Snow that turns with a wall that it touches: S is zero to rounding, and F stays the identity.
+
+    With boundaries in L, but not in the gradient that it corrects, S would be 0.3 of the spin there.
+    """
+    model = world()
+    snow = block((6, 6, 4), low=(-0.125, -0.125, 0.025))
+    spin = np.array([3.0, -4.0, 12.0])
+    add_floor(snow, model, spin=spin)
+    snow.v[...] = np.cross(spin, np.array(snow.x))
+    prepare(snow, model)
+    snow.find_given(model, 1e-3)
+    np.testing.assert_allclose(snow.given, 0.0, atol=1e-9)  # it does not rub on what it turns with
+    for name in ("given", "pressed", "sheared"):
+        getattr(snow, name)[...] = 0.0
+    assert snow.advance(model, 1e-3, FAR, FAR).taken
+    np.testing.assert_allclose(snow.F_E, np.broadcast_to(np.eye(3), (snow.count, 3, 3)), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("counts", [(2, 1, 1), (5, 1, 1), (4, 4, 1), (2, 2, 2)])
+def test_lines_and_sheets_turn_without_strain(counts):
+    """Where particles have no neighbours in some direction a rotation strains nothing either.
+
+    So their angular momentum holds, too: a stress s gives the moment sum V (P dev s P), which is symmetric.
+    """
+    model = world()
+    snow = block(counts, jitter=0.2)
+    rng = np.random.default_rng(4)
+    snow.v[...] = 0.2 * rng.standard_normal((snow.count, 3))
+    prepare(snow, model)
+    D = snow.velocity_gradient(np.cross([3.0, -4.0, 12.0], np.array(snow.x)))
+    np.testing.assert_allclose(D + np.swapaxes(D, 1, 2), 0.0, atol=1e-11)
+    before = momenta(snow)[1]
+    for _ in range(10):
+        advance(snow, model, 1e-3, 1e-6)
+    np.testing.assert_allclose(momenta(snow)[1], before, rtol=0, atol=1e-12 * float(np.sum(snow.m)))
+
+
+def power_lost(A, dt, nu=0.2):
+    """(d kinetic + d elastic) over |d kinetic| in a short step of a cube strained by A, which flows."""
+    model = world(plasticity="none", xi=0.0, nu=nu)
+    snow = block((7, 7, 7), jitter=0.1)
+    snow.F_E[...] = np.eye(3) + A
+    flow = np.random.default_rng(7).standard_normal((3, 3))
+    snow.v[...] = (np.array(snow.x) - 0.15) @ (flow + 3.0 * np.eye(3))
+    prepare(snow, model)
+    first = snow.totals(model)
+    solve(snow, model, dt, 1e-12)
+    assert snow.advance(model, dt, FAR, FAR).taken
+    prepare(snow, model)
+    now = snow.totals(model)
+    kinetic, elastic = now.kinetic - first.kinetic, now.elastic - first.elastic
+    assert elastic * kinetic < 0
+    return (kinetic + elastic) / abs(kinetic)
+
+
+SHEARED = np.array([[1.0, 0.3, 0.0], [0.3, -0.5, 0.2], [0.0, 0.2, 0.4]])
+
+
+@pytest.mark.parametrize("strain", [1e-2, 1e-3])
+def test_the_log_has_the_energy_of_the_forces(strain):
+    """What the forces take from the motion the elastic energy gains, to the order of the strains, dt -> 0.
+
+    Of order dt is what backward Euler damps: twice the half step less the whole leaves it out.
+    """
+    whole, half = (power_lost(strain * SHEARED, dt) for dt in (2e-7, 1e-7))
+    assert abs(2 * half - whole) < strain
+
+
+def test_the_energy_of_pressure_is_exact():
+    """lam (J - 1 - ln J): of snow with nu = 0.49, pressed by 2 % along each axis, 0.03 % is left.
+
+    With lam (J - 1)^2 / 2, of the pressure lam (1 - J), six per cent would be; lam is 49 G.
+    """
+    whole, half = (power_lost(-0.02 * np.eye(3), dt, nu=0.49) for dt in (2e-7, 1e-7))
+    assert abs(2 * half - whole) < 4e-3
 
 
 def test_a_stretch_turns_with_the_snow():

@@ -57,6 +57,25 @@ def test_threads_choose_the_same_steps(precision):
     compare_threads(busy(precision, "quadratic", "apic", dt="auto"), 50)
 
 
+@pytest.mark.parametrize("cells", [(8, 8, 300), (300, 8, 8), (70, 70, 5)], ids=["tower", "row", "field"])
+def test_threads_by_shape(cells):
+    """Homes take turns in pieces of columns, cut otherwise for any number of threads; here with gaps."""
+    runs = []
+    for threads in (1, 2, 5):
+        sim = neve.Simulation(scene([box(size=(0.5, 0.5, 1.25))]), threads=threads)
+        x, v = sim.state.x, sim.state.v
+        x[...] = np.random.default_rng(1).uniform(-0.5, 0.5, x.shape) * np.array(cells) * 0.05
+        v[...] = np.sin(40 * np.array(x))
+        before = columns(sim)
+        sim.advance(20e-4)
+        runs.append(sim)
+    for other in runs[1:]:
+        same(runs[0], other)
+    after = columns(runs[0])
+    gained = (after["m"][:, None] * (after["v"] - before["v"])).sum(axis=0)
+    assert np.abs(gained).max() < 1e-10 * after["m"].sum()
+
+
 def compare_threads(description, steps):
     runs = []
     for threads in (1, 2, 3):

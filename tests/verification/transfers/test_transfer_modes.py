@@ -167,11 +167,11 @@ def test_affine_energy(core, precision, eps, spline, transfer, count):
     assert (t.affine > 0) == (transfer not in ("pic", "flip"))
 
 
-def test_a_state_of_another_model_is_refused(core):
+def test_a_state_of_another_model_is_refused(core, precision):
     """A state without the model's modes, or with others, would be read past its end: ValueError."""
     with pytest.raises(ValueError, match="more_modes"):
         core.State(3, -1)
-    lab = lab_of(core, "float32" if core.lanes == 16 else "float64", "quadratic", 8, cloud())
+    lab = lab_of(core, precision, "quadratic", 8, cloud())
     core.sort(lab.model, lab.state, lab.grid)
     state = core.State(lab.state.count, 23)
     state.m[:] = 1.0

@@ -5,7 +5,7 @@ import type { Wheel } from "./snow/law";
 import type { SnowType } from "./snow/types";
 import { SNOW_TYPES } from "./snow/types";
 import { LEVEL_GROUND } from "./world/ground_source";
-import type { Terrain } from "./world/terrain_type";
+import { LEVEL } from "./world/terrain_type";
 
 /** One wheel that rolls straight over level snow: for experiments from the console and for docs/contrast.md. */
 export interface Roll {
@@ -28,7 +28,6 @@ export interface Rut {
   readonly seconds: number; // all updates together, until the GPU has done them
 }
 
-const FLAT: Terrain = { height: () => 0, slope: () => [0, 0], cover: () => 1, kinds: () => [1, 0, 0] };
 const HALF_WAY = 3; // m
 const STEP = 1 / 60; // s
 
@@ -41,7 +40,7 @@ export async function rollWheel(roll: Roll): Promise<Rut> {
     resolution: 256,
     texel: 0.03125,
     ground: LEVEL_GROUND,
-    terrain: FLAT,
+    terrain: LEVEL,
     settings,
   });
   const sinkage: number[] = [];

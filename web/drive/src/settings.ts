@@ -65,6 +65,12 @@ export const CHOICES = {
     among: ["map", "powder", "packed", "ice"],
     meaning: "type of snow: by the map, or the same everywhere",
   },
+  others: {
+    group: "snow",
+    value: "all",
+    among: ["all", "none"],
+    meaning: "trails of people and animals, and another car that leaves its ruts",
+  },
   drive: { group: "car", value: "all", among: ["all", "front", "rear"], meaning: "driven wheels" },
   detail: {
     group: "picture",
@@ -72,6 +78,12 @@ export const CHOICES = {
     among: ["auto", "high", "low"],
     meaning:
       "how fine the ground is drawn; auto is low where the processor draws; acts when the page is loaded",
+  },
+  photo: {
+    group: "picture",
+    value: "3840",
+    among: ["1920", "3840", "7680"],
+    meaning: "longer side of pictures that photo mode saves, in pixels",
   },
   resolution: {
     group: "picture",

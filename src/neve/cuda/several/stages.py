@@ -20,8 +20,9 @@ from neve.cuda.several.state import DomainState
 from neve.cuda.stages import STEPPED, CudaStages
 from neve.cuda.state import DeviceState
 from neve.cuda.steps import picture
-from neve.cuda.steps.reports import DeviceGridReport, DeviceReport, grid_report_of, report_of
+from neve.cuda.steps.reports import grid_report_of, report_of
 from neve.cuda.sums import DeviceTotals, densest_of, totals_of
+from neve.domains.reports import NodeReport, ParticleReport
 from neve.solver import Device, Quantised
 
 if TYPE_CHECKING:
@@ -77,7 +78,9 @@ class SeveralStages:
         ]
         return DomainModel(native, dx, parts)
 
-    def State(self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False) -> DomainState:
+    def State(
+        self, count: int, more_modes: int = 0, sleeps: bool = False, heat: bool = False, fine: bool = False
+    ) -> DomainState:
         """Make `count` particles at rest. Errors: DeviceError."""
         return DomainState(self._drivers, self._core.State(count, more_modes))
 
@@ -102,7 +105,7 @@ class SeveralStages:
         grid.lay_out(state.partition, self._peers)
         grid.count, grid.current = state.count, True
 
-    def refresh(self, model: DomainModel, state: DomainState) -> DeviceReport:
+    def refresh(self, model: DomainModel, state: DomainState) -> ParticleReport:
         """Write the stress, and report."""
         state.upload(model.dx)
         for stages, m, s in zip(self._stages, model.parts, state.parts, strict=True):
@@ -122,7 +125,7 @@ class SeveralStages:
         for stages, m, s, g in self._each(model, state, grid):
             stages.volumes_from_grid(m, s, g)
 
-    def grid_update(self, model: DomainModel, grid: DomainGrid, dt: float) -> DeviceGridReport:
+    def grid_update(self, model: DomainModel, grid: DomainGrid, dt: float) -> NodeReport:
         """Turn momenta into velocities, with gravity and contact; a node of several domains in each."""
         each = list(zip(self._stages, model.parts, grid.parts, strict=True))
         for stages, m, g in each:
@@ -153,7 +156,7 @@ class SeveralStages:
 
     def g2p(
         self, model: DomainModel, state: DomainState, grid: DomainGrid, dt: float, commit: bool = True
-    ) -> DeviceReport:
+    ) -> ParticleReport:
         """Deform and move the particles; without `commit` the state is left as it is. Errors: ValueError."""
         self._require_sorted(state, grid)
         for stages, m, s, g in self._each(model, state, grid):

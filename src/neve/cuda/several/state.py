@@ -95,7 +95,7 @@ class DomainState:
         return getattr(self.host, name)
 
     def __getattr__(self, name: str) -> Any:
-        if name in ("rest", "enthalpy", "thermal"):
+        if name in ("beyond", "rest", "enthalpy", "thermal"):
             return getattr(self.host, name)  # no columns: nothing sleeps or has heat here
         if name not in FIELDS:
             raise AttributeError(name)

@@ -3,37 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from neve.cuda.layout import EXTREMES, RATES, decoded
+from neve.domains.reports import NodeReport, ParticleReport
 
 NOBODY = 0xFFFFFFFF
 """No particle's birth number."""
-
-
-class DeviceReport(NamedTuple):
-    """What g2p or refresh found; see `neve._core.Report`."""
-
-    wave: float
-    speed: float
-    fastest: float
-    strain_rate: float
-    compression_rate: float
-    max_displacement: float
-    min_volume_ratio: float
-    ice_room: float
-    finite: bool
-    drifted: bool
-    offending_id: int
-
-
-class DeviceGridReport(NamedTuple):
-    """What grid_update found; see `neve._core.GridReport`."""
-
-    speed: float
-    max_velocity_difference: float
-    max_velocity_change: float
-    finite: bool
 
 
 def extremes(results: dict[str, Any]) -> dict[str, float]:
@@ -41,10 +17,10 @@ def extremes(results: dict[str, Any]) -> dict[str, float]:
     return dict(zip(EXTREMES, decoded(results["most"]).tolist(), strict=True))
 
 
-def report_of(results: dict[str, Any], stepped: bool) -> DeviceReport:
+def report_of(results: dict[str, Any], stepped: bool) -> ParticleReport:
     """Return what was found in the particles; stepped: in a step, not in the state as it was."""
     most = extremes(results)
-    return DeviceReport(
+    return ParticleReport(
         wave=most["wave"],
         speed=most["speed"],
         fastest=most["fastest"],
@@ -59,10 +35,10 @@ def report_of(results: dict[str, Any], stepped: bool) -> DeviceReport:
     )
 
 
-def grid_report_of(results: dict[str, Any]) -> DeviceGridReport:
+def grid_report_of(results: dict[str, Any]) -> NodeReport:
     """Return what was found in the nodes."""
     most = extremes(results)
-    return DeviceGridReport(
+    return NodeReport(
         math.sqrt(most["node_speed"]),
         math.sqrt(most["node_difference"]),
         math.sqrt(3.0) * most["node_change"],
@@ -70,9 +46,9 @@ def grid_report_of(results: dict[str, Any]) -> DeviceGridReport:
     )
 
 
-def last_report(control: Any) -> DeviceReport:
+def last_report(control: Any) -> ParticleReport:
     """Return what was found in the particles by the last step that the GPU took by itself."""
-    return DeviceReport(
+    return ParticleReport(
         **{name: float(control[name]) for name in (*RATES, "max_displacement", "min_volume_ratio")},
         finite=not control["broken"],
         drifted=bool(control["drifted"]),

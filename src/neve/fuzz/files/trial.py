@@ -163,7 +163,7 @@ def _robot(path: Path) -> None:
 
     robot = {"file": str(path), "position": [0.0, 0.0, 1.0]}
     bodies = RigidBodies(scene_from({"sources": [{"shape": "sphere"}], "robots": [robot]}), ())
-    bodies.mobility()
+    _ = bodies.motion.mobility
 
 
 READERS: dict[str, Callable[[Path], object]] = {

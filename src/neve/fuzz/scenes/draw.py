@@ -38,12 +38,24 @@ LONGEST_FIXED = 3.0
 TILES = 4
 """Seeds of scenes with Poisson-disk samples: each means half a second to make its tile."""
 
-STEPS = 150
-"""About so many steps of its first dt a scene lasts."""
+STEPS, SMOOTHED_STEPS = 150, 500
+"""About so many steps of its first dt a scene lasts; the second of smoothed particles, whose are longer."""
 
 
 PARTICLES = 0.25
 """Share of the scenes that are run as particles in contact."""
+
+SMOOTHED = 0.15
+"""Share of the scenes that are run as smoothed particles."""
+
+SMOOTHED_PER_CELL = 8
+"""Most smoothed particles per cell: their steps cost hundreds of times as much as those of other methods."""
+
+WET = 0.35
+"""Share of the scenes of smoothed particles with water."""
+
+WARM, OPEN = 0.25, 0.3
+"""Shares of the scenes of the material point method with heat, and of particles with emitters and a sink."""
 
 MOST_SPREAD = 30.0
 """How far heat spreads between two passes, squared, over the spacing squared: more takes as many rounds."""
@@ -56,7 +68,8 @@ def draw(seed: int, number: int, method: str | None = None) -> tuple[Scene, str]
     """Return scene `number` of the campaign `seed`, and the name of its situation.
 
     The situations take turns; everything else is random. Equal arguments give the equal scene. method: draws
-    for one numerics.method alone; what the scene is besides does not depend on it.
+    for one numerics.method alone; what the scene is besides does not depend on it, but for "sph", whose cells
+    hold few particles.
     """
     rng = np.random.default_rng([seed, number])
     names = sorted(SITUATIONS)
@@ -66,6 +79,9 @@ def draw(seed: int, number: int, method: str | None = None) -> tuple[Scene, str]
     c = _wave_speed(snow)
     fast = min(_log(rng, 0.01, 5.0) * c, 5e3)  # [m/s]
     numerics = _numerics(rng, dx)
+    method = method or _drawn_method(seed, number)
+    if method == "sph":
+        numerics["particles_per_cell"] = min(numerics["particles_per_cell"], SMOOTHED_PER_CELL)
     spacing = dx * numerics["particles_per_cell"] ** (-1 / 3)
     lists = SITUATIONS[name](rng, dx, fast, spacing)
     sources = lists["sources"]
@@ -96,7 +112,7 @@ def draw(seed: int, number: int, method: str | None = None) -> tuple[Scene, str]
     fixed = step * _log(rng, 0.1, LONGEST_FIXED)
     if rng.random() < 0.1 and fixed >= SHORTEST:
         numerics["dt"] = min(fixed, 1.0)
-    duration = STEPS * step
+    duration = (SMOOTHED_STEPS if method == "sph" else STEPS) * step
     pull = rng.standard_normal(3) * _log(rng, 1e-3, 1.0) * dx / duration**2  # about a cell or so of fall
     tables: dict[str, Any] = {
         "about": f"fuzz {seed}/{number}: {name}",
@@ -106,11 +122,53 @@ def draw(seed: int, number: int, method: str | None = None) -> tuple[Scene, str]
         **lists,
         "run": {"duration": float(np.clip(duration, SHORTEST, 86400)), "film": False},
     }
-    own = np.random.default_rng([seed, number, ON_ITS_OWN])
-    drawn = "particles" if own.random() < PARTICLES else "mpm"
-    if (method or drawn) == "particles":
-        _as_particles(own, tables, fast)
+    _run_by(method, seed, number, tables, fast)
     return scene_from(tables, where=f"fuzz scene {seed}/{number}"), name
+
+
+def _drawn_method(seed: int, number: int) -> str:
+    drawn = np.random.default_rng([seed, number, ON_ITS_OWN]).random()
+    if drawn < PARTICLES:
+        return "particles"
+    return "sph" if drawn < PARTICLES + SMOOTHED else "mpm"
+
+
+def _run_by(method: str, seed: int, number: int, tables: dict[str, Any], fast: float) -> None:
+    """Let a scene be run by `method`, with what only some methods have."""
+    own = np.random.default_rng([seed, number, ON_ITS_OWN])
+    own.random()  # which drew the method
+    if method == "sph":
+        _keep_numerics(tables, method, "strain_max")
+        more = np.random.default_rng([seed, number, ON_ITS_OWN, 0])
+        if more.random() < WET:
+            _let_run(more, tables)
+    elif method == "particles":
+        _as_particles(own, tables, fast)
+        more = np.random.default_rng([seed, number, ON_ITS_OWN, 0])
+        if more.random() < OPEN:
+            tables |= _coming_and_going(more, tables["numerics"]["dx"], fast, tables["run"]["duration"])
+    elif own.random() < WARM:
+        tables["heat"] = _heat(own, tables)
+
+
+def _keep_numerics(tables: dict[str, Any], method: str, *more: str) -> None:
+    """Let a scene be run by a method without a grid: keep what it knows of `numerics`, and `more` keys."""
+    kept = ("dx", "precision", "particles_per_cell", "sampling", "cfl", "dt", "dt_max", "seed", *more)
+    numerics = tables["numerics"]
+    tables["numerics"] = {"method": method} | {key: numerics[key] for key in kept if key in numerics}
+
+
+def _let_run(rng: Random, tables: dict[str, Any]) -> None:
+    """Let one of the sources be water."""
+    source = tables["sources"][int(rng.integers(len(tables["sources"])))]
+    for key in ("snow", "variation", "profile"):
+        source.pop(key, None)
+    source["phase"] = "water"
+    tables["water"] = {
+        "density": _log(rng, 300.0, 3e3),
+        "bulk_modulus": _log(rng, 1e5, 1e10),
+        "viscosity": float(rng.choice([0.0, _log(rng, 1e-3, 1e2)])),
+    }
 
 
 def _as_particles(rng: Random, tables: dict[str, Any], fast: float) -> None:
@@ -118,30 +176,61 @@ def _as_particles(rng: Random, tables: dict[str, Any], fast: float) -> None:
 
     fast: speed of what moves [m/s].
     """
-    kept = ("dx", "precision", "particles_per_cell", "sampling", "cfl", "dt", "dt_max", "seed")
-    numerics = tables["numerics"]
-    tables["numerics"] = {"method": "particles"} | {key: numerics[key] for key in kept if key in numerics}
+    _keep_numerics(tables, "particles")
     if rng.random() < 0.5:
-        conductivity = _log(rng, 1e-3, 1e3)
-        spacing = numerics["dx"] * numerics["particles_per_cell"] ** (-1 / 3)
-        capacity = 2100.0 * tables["snow"]["rho0"] * spacing**2  # over conductivity and time, of a particle
-        most = MOST_SPREAD * capacity / max(conductivity, 1.0) / 0.01
-        tables["heat"] = {
-            "snow_temperature": float(rng.choice([0.0, rng.uniform(-40, 0)])),
-            "air_temperature": float(rng.uniform(-40, 40)),
-            "air_exchange": float(rng.choice([0.0, _log(rng, 1.0, 1e3)])),
-            "sun": float(rng.choice([0.0, _log(rng, 10.0, 1e4)])),
-            "albedo": float(rng.uniform(0, 1)),
-            "conductivity": "density" if rng.random() < 0.5 else conductivity,
-            "heat_speed": max(min(_log(rng, 1e-3, 1e6), most), 1e-3),
-            "sintering": bool(rng.random() < 0.5),
-        }
+        tables["heat"] = _heat(rng, tables)
     if rng.random() < 0.25:
         tables["numerics"] |= {
             "sleep": True,
             "sleep_speed": min(_log(rng, 1e-3, 0.3) * fast, 1.0),
             "sleep_after": min(float(rng.uniform(0.02, 0.3)) * tables["run"]["duration"], 10.0),
         }
+
+
+def _heat(rng: Random, tables: dict[str, Any]) -> dict[str, Any]:
+    """Draw heat that goes no faster than takes some hundred rounds a pass."""
+    numerics = tables["numerics"]
+    conductivity = _log(rng, 1e-3, 1e3)
+    spacing = numerics["dx"] * numerics["particles_per_cell"] ** (-1 / 3)
+    capacity = 2100.0 * tables["snow"]["rho0"] * spacing**2  # over conductivity and time, of a particle
+    most = MOST_SPREAD * capacity / max(conductivity, 1.0) / 0.01
+    return {
+        "snow_temperature": float(rng.choice([0.0, rng.uniform(-40, 0)])),
+        "air_temperature": float(rng.uniform(-40, 40)),
+        "air_exchange": float(rng.choice([0.0, _log(rng, 1.0, 1e3)])),
+        "sun": float(rng.choice([0.0, _log(rng, 10.0, 1e4)])),
+        "albedo": float(rng.uniform(0, 1)),
+        "conductivity": "density" if rng.random() < 0.5 else conductivity,
+        "heat_speed": max(min(_log(rng, 1e-3, 1e6), most), 1e-3),
+        "sintering": bool(rng.random() < 0.5),
+    }
+
+
+def _coming_and_going(rng: Random, dx: float, fast: float, duration: float) -> dict[str, Any]:
+    """Draw one or two emitters, wherever they are, the sources included, and a sink."""
+    emitters = []
+    for _ in range(int(rng.integers(1, 3))):
+        direction = rng.standard_normal(3)
+        speed = float(np.clip(_log(rng, 0.01, 1.0) * fast, 1e-3, 5e3))
+        emitter = {
+            "shape": "box",
+            "size": [float(a) for a in rng.uniform(1.5, 3.0, 3) * dx],
+            "center": [float(a) for a in rng.uniform(-3, 3, 3) * dx + np.array([0, 0, 4.0]) * dx],
+            "velocity": [float(a) for a in direction / np.linalg.norm(direction) * speed],
+            "spread": float(rng.choice([0.0, rng.uniform(1, 60)])),
+            "start": float(rng.uniform(0, 0.3)) * duration,
+        }
+        if rng.random() < 0.5:
+            emitter["volume_rate"] = float(_log(rng, 0.01, 0.5)) * speed * dx * dx
+        emitters.append(emitter)
+    sink = {
+        "shape": str(rng.choice(["box", "sphere"])),
+        "center": [float(a) for a in rng.uniform(-3, 3, 3) * dx],
+        "start": float(rng.uniform(0, 0.5)) * duration,
+    }
+    size = float(rng.uniform(1, 4)) * dx
+    sink |= {"radius": 0.5 * size} if sink["shape"] == "sphere" else {"size": [size] * 3}
+    return {"emitters": emitters, "sinks": [sink]}
 
 
 def _numerics(rng: Random, dx: float) -> dict[str, Any]:

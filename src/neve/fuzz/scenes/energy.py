@@ -56,7 +56,8 @@ class Moment(NamedTuple):
 class Budget:
     """The energy that was put into the snow of a run, and the largest rises that nothing accounts for.
 
-    Put in are the energy at the start, the work of colliders, and what the snow fell. gain: largest rise of
+    Put in are the energy at the start, the work of colliders, what the snow fell, and what snow brought that
+    came, less what left with it. gain: largest rise of
     both the shadow energy and the plain sum, each from its lowest before, over all that was put in until then
     [1]; surge: largest rise over the largest sum of kinetic and elastic energy since then [1]; swing: largest
     sum of kinetic and elastic energy over all that was put in, less 1 [1].
@@ -73,13 +74,16 @@ class Budget:
         """Take in one step."""
         before, after = moment.before, moment.after
         shadow = moment.shared + before.elastic + before.potential - 0.5 * (before.work + after.work)
-        plain = before.kinetic_and_elastic + before.potential - before.work
+        shadow -= before.came
+        plain = before.kinetic_and_elastic + before.potential - before.work - before.came
         if self._start is None:
             self._start, self._lowest, self._lowest_sum = before, shadow, plain
         start = self._start
         for now in (before, after):
             put_in = (
-                start.kinetic_and_elastic + max(now.work, 0.0) + max(start.potential - now.potential, 0.0)
+                start.kinetic_and_elastic
+                + max(now.work, 0.0)
+                + max(start.potential + now.came - start.came - now.potential, 0.0)
             )
             self._put_in = max(self._put_in, put_in)
         self._alive = max(self._alive, before.kinetic_and_elastic)

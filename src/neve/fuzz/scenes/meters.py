@@ -15,6 +15,7 @@ from neve.simulation import Simulation
 if TYPE_CHECKING:
     from neve.mpm.solver import MpmSolver
     from neve.particles.solver import ParticleSolver
+    from neve.sph.solver import SphSolver
 
 Columns = dict[str, NDArray[Any]]
 
@@ -33,7 +34,7 @@ class Meter(ABC):
         self._sim = sim
         self.exchanged = np.zeros((len(sim.solver.solids), 7))
         self._eps = float(np.finfo(sim.state.x.dtype).eps)
-        self._put_in = self._noise = 0.0
+        self._put_in = self._noise = self._released = 0.0
         self._steps = 0
         self._before = self._seen()
 
@@ -49,6 +50,8 @@ class Meter(ABC):
         self._steps += 1
         self.exchanged += self._sim.solver.take_exchanged()  # with bodies, Simulation has taken it
         (before, old), (after, new) = self._before, self._seen()
+        self._released += self._release(old, new)
+        after = after._replace(emitted_energy=after.emitted_energy + self._released)
         self._before = after, new
         g, x = np.abs(self._sim.scene.world.gravity), np.abs(new["x"].astype(np.float64))
         scale = float(np.sum(new["m"] * (x @ g)))
@@ -60,6 +63,10 @@ class Meter(ABC):
     @abstractmethod
     def _shared(self, old: Columns, new: Columns) -> float:
         """Return half the inner product of two velocities by the kinetic energy [J]."""
+
+    def _release(self, old: Columns, new: Columns) -> float:
+        """Return the energy that the law of the snow is known to have made in the step, or taken [J]."""
+        return 0.0
 
     @abstractmethod
     def _energy_of_rounding(self, now: Columns) -> float:
@@ -74,7 +81,7 @@ class MpmMeter(Meter):
     def __init__(self, sim: Simulation) -> None:
         self._solver: MpmSolver = sim.solver  # type: ignore[assignment]
         state = self._solver.state
-        self._pair = self._solver.model.core.State(int(state.count), state.modes.shape[1])
+        self._pair = self._solver.model.particles(int(state.count))
         self._pair.F_E[:] = np.eye(3)
         self._mass = float(np.sum(state.m, dtype=np.float64))
         super().__init__(sim)
@@ -114,10 +121,15 @@ class MpmMeter(Meter):
 class ParticleMeter(Meter):
     """Read the moments of particles in contact."""
 
-    columns = ("x", "m", "v", "radius")
+    columns = ("x", "m", "v", "radius", "id")
 
     def _shared(self, old: Columns, new: Columns) -> float:
-        return 0.5 * float(np.sum(new["m"].astype(np.float64)[:, None] * old["v"] * new["v"]))
+        v = old["v"].copy()  # of what has gone since
+        at = np.searchsorted(new["id"], old["id"])
+        there = at < len(new["id"])
+        there[there] = new["id"][at[there]] == old["id"][there]
+        v[there] = new["v"][at[there]]
+        return 0.5 * float(np.sum(old["m"].astype(np.float64)[:, None] * old["v"] * v))
 
     def _energy_of_rounding(self, now: Columns) -> float:
         """Return at most how much a step's rounding of places adds to the elastic energy on average [J].
@@ -130,3 +142,32 @@ class ParticleMeter(Meter):
         x = now["x"].astype(np.float64)
         way = np.sqrt(np.sum(x * x, axis=1)) + 2.0 * now["radius"]
         return 0.125 * self._eps**2 * solver.stiffest * float(np.sum(now["m"] * way * way))
+
+
+class SphMeter(Meter):
+    """Read the moments of smoothed particles, whose implicit steps have no swing: 1/2 <v_n, v_n>."""
+
+    columns = ("x", "m", "v", "p", "rho", "J_P")
+
+    def _release(self, old: Columns, new: Columns) -> float:
+        """Return the work of the pressure in plastic changes of volume, p V dJ_P / J_P.
+
+        At the same F_E no elastic energy pays for it, nor takes it: pressed snow that yields sideways pushes,
+        as J_P grows, and stretched snow pulls, as it falls. The other way round the work is lost.
+        """
+        grown = np.log(new["J_P"].astype(np.float64) / old["J_P"])
+        return float(np.sum(new["p"] * (new["m"] / new["rho"]) * grown))
+
+    def _shared(self, old: Columns, new: Columns) -> float:
+        v = old["v"].astype(np.float64)
+        return 0.5 * float(np.sum(old["m"].astype(np.float64)[:, None] * v * v))
+
+    def _energy_of_rounding(self, now: Columns) -> float:
+        """Return at most how much a step's rounding of F_E adds to the elastic energy on average [J].
+
+        As of `MpmMeter`, with the modulus of each particle.
+        """
+        solver: SphSolver = self._sim.solver  # type: ignore[assignment]
+        state = solver.state
+        modulus = np.asarray(state.lam, dtype=np.float64) + 2.0 * np.asarray(state.G)
+        return 0.375 * self._eps**2 * float(np.sum(np.asarray(state.m) / np.asarray(state.rho0) * modulus))

@@ -76,6 +76,11 @@ def endure_particles(seed: int, number: int) -> Outcome:
     return endure(seed, number, "particles")
 
 
+def endure_sph(seed: int, number: int) -> Outcome:
+    """Run a scene as smoothed particles."""
+    return endure(seed, number, "sph")
+
+
 def unclear(sentence: str, where: str) -> str:
     """Return what is wrong with the sentence of a refusal, "" if it is one that names what it is about."""
     if "\n" in sentence or not sentence.strip() or len(sentence) > MOST_SENTENCE:
@@ -158,8 +163,25 @@ def _fault(sim: Simulation, mass: np.ndarray[tuple[int], np.dtype[np.float64]]) 
         value = np.asarray(getattr(state, field.name))
         if np.any(np.isnan(value) if field.name == "rest" else ~np.isfinite(value)):  # infinite in sleep
             return f"{field.name} is not finite"
+    if sim.scene.is_open:
+        return _fault_of_open(sim, mass)
     if not np.array_equal(np.sort(state.id), np.arange(len(mass))):
         return "a particle was lost"
     if not np.array_equal(_mass_by_id(sim), mass):
         return "a particle changed its mass"
+    return ""
+
+
+def _fault_of_open(sim: Simulation, mass: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+    """Return what is wrong where particles come and go, "" if nothing is; `mass`: of those at the start."""
+    ids, m = np.asarray(sim.state.id), np.asarray(sim.state.m, dtype=np.float64)
+    if len(np.unique(ids)) != len(ids):
+        return "two particles have one number"
+    old = ids < len(mass)
+    if not np.array_equal(m[old], mass[ids[old]]):
+        return "a particle changed its mass"
+    books = sim.diagnostics()
+    expected = float(mass.sum()) + books.emitted_mass - books.removed_mass
+    if abs(books.mass - expected) > 1e-12 * (float(mass.sum()) + books.emitted_mass):
+        return f"{books.mass:.17g} kg are there, where the books have {expected:.17g} kg"
     return ""

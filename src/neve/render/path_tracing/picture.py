@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.backend import Cpu
+from neve.render.falling import draw_falling
 from neve.render.melt_water import Water, mean_at, melt_water
 from neve.render.path_tracing.develop import develop
 from neve.render.path_tracing.engine import RenderError
 from neve.render.path_tracing.lens import Lens
 from neve.render.path_tracing.looks import KINDS, QUALITIES, Quality
 from neve.render.path_tracing.metaball_light import metaballs_before, together
-from neve.render.path_tracing.shutter import Instant, Moment, Motion, exposures, mean
+from neve.render.path_tracing.shutter import Instant, Moment, Motion, exposures, mean, velocities
 from neve.render.path_tracing.snow import (
     NOTHING,
     SnowGeometry,
@@ -27,7 +28,9 @@ from neve.render.path_tracing.snow import (
     snow_geometry,
 )
 from neve.render.path_tracing.tracer import Layers, Tracer
+from neve.render.pools import pool_of
 from neve.surface.carry import Origin, carried
+from neve.surface.mesh import SurfaceMesh
 from neve.surface.metaballs import snow_balls
 
 if TYPE_CHECKING:
@@ -170,29 +173,32 @@ class PathTracer:
         F_E: NDArray[Any] | None = None,
         water: NDArray[Any] | None = None,
         J_P: NDArray[Any] | None = None,
+        time: float = 0.0,
     ) -> Floats:
         """Return exposed linear light (height, width, 3), 1 is white.
 
         x (n, 3) [m]; v (n, 3) [m/s]; id (n,); at: tells of a time after the frame [s] where the solids are
         and the view of the camera; open_for: how long the shutter is open [s]; F_E (n, 3, 3): deformation
         gradients that carry the grains; None: those that neighbours tell. water (n,): liquid shares, None: no
-        particle is wet; J_P (n,): volumes over those at birth, which water has less of than snow.
+        particle is wet; J_P (n,): volumes over those at birth, which water has less of than snow. time:
+        of the frame [s], for flakes that fall.
         """
-        wet = None if water is None else melt_water(at(0.0)[0], x, water, J_P, self._scene.numerics.spacing)
-        if wet is not None:  # what lies on the ground is drawn with it
-            x, v, id = x[wet.rows], v[wet.rows], id[wet.rows]
-            F_E = None if F_E is None else F_E[wet.rows]
 
         def seen(dt: float) -> Moment:
             solids, view = at(dt)
             return solids, self._lens(view)
 
         times = exposures(x, v, seen, open_for, self.quality.samples) if open_for else [0.0]
+        wet, pool = None, None
+        if water is not None:
+            wet, rows, pool = self._water(x, v, water, J_P, at(0.0)[0])
+            x, v, id = x[rows], v[rows], id[rows]
+            F_E = None if F_E is None else F_E[rows]
         if len(times) == 1:
-            layers = self._layers(x, id, seen(0.0), F_E, wet)
+            layers = self._layers(x, id, seen(0.0), F_E, wet, pool)
         else:
-            layers = self._blurred(x, v, id, seen, open_for, times, F_E, wet)
-        return develop(
+            layers = self._blurred(x, v, id, seen, open_for, times, F_E, wet, pool)
+        out = develop(
             layers,
             seen(0.0)[1],
             self._tracer.light,
@@ -202,6 +208,31 @@ class PathTracer:
             self._choices.denoise,
             spacing=self._scene.numerics.spacing,
         )
+        if self._scene.light.falling > 0.0:
+            half = 0.5 * open_for
+            lenses = seen(-half)[1], seen(half)[1]
+            out = draw_falling(out, self._scene.light, lenses, time, open_for, layers.depth)
+        return out
+
+    def _water(
+        self,
+        x: NDArray[Any],
+        v: NDArray[Any],
+        water: NDArray[Any],
+        J_P: NDArray[Any] | None,
+        solids: Sequence[tuple[Solid, Pose]],
+    ) -> tuple[Water | None, NDArray[np.int64], SurfaceMesh | None]:
+        """Return what melting has made of a frame, the rows of what is drawn as snow or drops, and the pool.
+
+        What stands in a pool, or lies on the ground, is drawn with these.
+        """
+        spacing = self._scene.numerics.spacing
+        inside, pool = pool_of(x, water, spacing)
+        if pool is not None:
+            pool = replace(pool, velocity=velocities(pool.vertices, x[inside], v[inside], spacing))
+        rows = np.flatnonzero(~inside)
+        wet = melt_water(solids, x[rows], water[rows], None if J_P is None else J_P[rows], spacing)
+        return wet, rows if wet is None else rows[wet.rows], pool
 
     def _layers(
         self,
@@ -210,13 +241,14 @@ class PathTracer:
         moment: Moment,
         F_E: NDArray[Any] | None = None,
         wet: Water | None = None,
+        pool: SurfaceMesh | None = None,
     ) -> Layers:
         """Return what is seen at one moment."""
         samples = self.quality.samples
         if self.quality.look != "metaballs":
-            snow = self._own.submit(self.geometry, x, id, F_E, wet)
+            snow = self._own.submit(self.geometry, x, id, F_E, wet, pool)
             return self._tracer.trace(snow, *moment, samples, puddles=wet.puddles if wet else {})
-        return self._metaballs(x, moment, samples)
+        return self._metaballs(x, moment, samples, pool=pool)
 
     def _blurred(
         self,
@@ -228,14 +260,16 @@ class PathTracer:
         times: Sequence[float],
         F_E: NDArray[Any] | None,
         wet: Water | None = None,
+        pool: SurfaceMesh | None = None,
     ) -> Layers:
         """Return the mean of what is seen at several times, with as many paths together as a still has."""
         samples = max(1, round(self.quality.samples / len(times)))
         if self.quality.look == "metaballs":
             return mean(
-                self._metaballs(x + np.float32(dt) * v, seen(dt), samples, k) for k, dt in enumerate(times)
+                self._metaballs(x + np.float32(dt) * v, seen(dt), samples, k, pool)
+                for k, dt in enumerate(times)
             )
-        motion = Motion(self.geometry(x, id, F_E, wet), x, v, self._scene.numerics.spacing)
+        motion = Motion(self.geometry(x, id, F_E, wet, pool), x, v, self._scene.numerics.spacing)
         puddles = wet.puddles if wet else {}
         rays, middle = max(1, round(self.quality.rays / len(times))), seen(0.0)[1]
         layers = mean(
@@ -245,8 +279,10 @@ class PathTracer:
         half = 0.5 * open_for
         return replace(layers, flakes=motion.sharp(seen(-half)[1], seen(half)[1], open_for))
 
-    def _metaballs(self, x: NDArray[Any], moment: Moment, samples: int, part: int = 0) -> Layers:
-        behind = self._tracer.trace(NOTHING, *moment, samples, part)
+    def _metaballs(
+        self, x: NDArray[Any], moment: Moment, samples: int, part: int = 0, pool: SurfaceMesh | None = None
+    ) -> Layers:
+        behind = self._tracer.trace(replace(NOTHING, pool=pool), *moment, samples, part)
         spacing = self._scene.numerics.spacing
         balls = snow_balls(together(x, spacing), spacing)
         return metaballs_before(behind, balls, self._tracer.medium(), self._tracer.light, moment[1])
@@ -257,14 +293,16 @@ class PathTracer:
         id: NDArray[Any],
         F_E: NDArray[Any] | None = None,
         wet: Water | None = None,
+        pool: SurfaceMesh | None = None,
     ) -> SnowGeometry:
-        """Return the snow of a frame as it is drawn."""
+        """Return the snow of a frame, and a pool of water, as they are drawn."""
         first, spacing = self._first.result(), self._scene.numerics.spacing
         F = first.origin.gradients(id, x) if F_E is None else F_E
         size = FLAKE_SIZE["diffuse" if self.quality.look == "diffuse" else "other"] * self._kind.flake_size
         weights = first.weights_of(id)
         if wet is None:
-            return snow_geometry(x, id, weights, spacing, self.count, self._flakes, size, carried(F))
+            snow = snow_geometry(x, id, weights, spacing, self.count, self._flakes, size, carried(F))
+            return replace(snow, pool=pool)
         own = ~(wet.flies | wet.soaks)
         snow = snow_geometry(
             x[own],
@@ -279,7 +317,7 @@ class PathTracer:
         )
         near = ~wet.flies  # water among snow is no body of its own: it wets what is around
         film = mean_at(snow.surface.vertices, x[near], wet.share[near], spacing)
-        return replace(snow, wet=film, drops=np.asarray(x[wet.flies], np.float32))
+        return replace(snow, wet=film, drops=np.asarray(x[wet.flies], np.float32), pool=pool)
 
 
 def _use_threads(count: int) -> None:

@@ -84,7 +84,7 @@ def velocities(places: NDArray[Any], x: NDArray[Any], v: NDArray[Any], spacing: 
 
 
 class Motion:
-    """Move the snow of a frame: its surface and its flakes, each vertex at the velocity of the snow there."""
+    """Move the snow of a frame, surface and flakes, each vertex at the velocity there, and water."""
 
     def __init__(self, snow: SnowGeometry, x: NDArray[Any], v: NDArray[Any], spacing: float) -> None:
         """Prepare. x (n, 3) [m], v (n, 3) [m/s]: of the particles; spacing of these at rest [m]."""
@@ -94,12 +94,15 @@ class Motion:
 
     def after(self, dt: float) -> SnowGeometry:
         """Return the snow as it is `dt` [s] later."""
-        surface, flakes = self._snow.surface, self._snow.flakes
+        surface, flakes, pool = self._snow.surface, self._snow.flakes, self._snow.pool
         step = np.float32(dt)
+        if pool is not None and pool.velocity is not None:
+            pool = replace(pool, vertices=pool.vertices + step * pool.velocity)
         return replace(
             self._snow,
             surface=replace(surface, vertices=surface.vertices + step * self._surface),
             flakes=replace(flakes, centres=flakes.centres + step * self._flakes),
+            pool=pool,
         )
 
     def sharp(self, before: Lens, after: Lens, open_for: float) -> Flakes:

@@ -59,7 +59,7 @@ class SnowGeometry:
     """Hold the surface and the flakes of a frame; size: of a grain [m].
 
     wet (n,): how wet the snow is at each vertex of the surface, 0 dry, 1 water; None: all dry. drops (m, 3):
-    places of water that flies [m]
+    places of water that flies [m]; pool: surface of water that stands together
     """
 
     surface: SurfaceMesh
@@ -67,6 +67,7 @@ class SnowGeometry:
     size: float
     wet: Floats | None = None
     drops: Floats | None = None
+    pool: SurfaceMesh | None = None
 
 
 NOTHING = SnowGeometry(

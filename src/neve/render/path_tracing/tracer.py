@@ -31,6 +31,7 @@ from neve.render.path_tracing.looks import (
 from neve.render.path_tracing.optics import cornette_shanks, slab_reflectance
 from neve.render.path_tracing.snow import Flakes, SnowGeometry
 from neve.render.path_tracing.solids import Materials, loaded, solid_shape
+from neve.render.pools import COLOR
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid
@@ -52,6 +53,8 @@ ANGLES = 512
 BLOCK = 32
 """Side of the blocks of pixels that threads draw [px]: by itself Mitsuba takes it from the number of threads,
 and random numbers from the block."""
+CLEAR = 0.6
+"""Share of light that goes through the surface of water, of what is not mirrored: our choice."""
 PARTS = 7919
 """Step of the seed from one exposure of a blurred frame to the next."""
 
@@ -209,6 +212,9 @@ class Tracer:
             vertices, faces = flakes.triangles()
             flake = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb(self._flake_color())}}
             out["flakes"] = triangles("flakes", vertices, faces, {"bsdf": self._load("flake", flake)})
+        if (pool := snow.pool) is not None:
+            held = {"bsdf": self._load("water", water())}
+            out["pool"] = triangles("pool", pool.vertices, pool.faces, held, pool.normals)
         return out
 
     def _slush(self) -> dict[str, Any]:
@@ -275,6 +281,21 @@ class Tracer:
 
     def _render(self, scene: Any, seed: int) -> Floats:
         return finite(self._mi.render(scene, seed=seed))
+
+
+def water() -> dict[str, Any]:
+    """Return the material of water that stands together: it mirrors, and what is below it is seen darkly.
+
+    Where a path goes through the surface it bends; the rest ends in deep water, as no path finds the sun
+    through a surface that bends it.
+    """
+    deep = {"type": "principled", "base_color": rgb(COLOR), "roughness": 0.05, "eta": 1.33}
+    return {
+        "type": "blendbsdf",
+        "weight": CLEAR,
+        "deep": {"type": "twosided", "bsdf": deep},
+        "clear": {"type": "dielectric", "int_ior": 1.33},
+    }
 
 
 def paths_in(medium: Medium) -> dict[str, Any]:

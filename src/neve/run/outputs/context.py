@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import functools
 import logging
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, runtime_checkable
 
 from neve.io.errors import RunError
 from neve.io.frames import (
@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from neve.schedule import Schedule
     from neve.simulation import Simulation
     from neve.stage_timer import StageTimer
+
+
+Made = TypeVar("Made")
 
 
 class Output(Protocol):
@@ -189,6 +192,8 @@ class FrameContext:
         self.last = last
         self.timer = timer
         self.run = run
+        self._made: dict[str, Any] = {}
+        self._making = threading.RLock()
 
     @property
     def finished(self) -> bool:
@@ -212,22 +217,36 @@ class FrameContext:
         """Copy the particles now, so that `stored` and `content` can be made of them beside the steps."""
         _ = self._moment
 
-    @functools.cached_property
+    @property
     def _moment(self) -> Frame:
         """A copy of the particles and solids now, in the order of their id."""
+        return self._once("moment", self._copy)
+
+    @property
+    def stored(self) -> dict[str, Any]:
+        """The arrays of the frame file."""
+        return self._once("stored", lambda: stored(self._moment, block_edge(self.run.scene)))
+
+    @property
+    def content(self) -> Frame:
+        """The particles and solids of this frame as its file says, so that all that shows them agrees."""
+        return self._moment if "x" in self.stored else self._once("content", self._read_back)
+
+    def _copy(self) -> Frame:
         poses = [(pose.position, pose.rotation) for _, pose in self.sim.solids()]
         columns = self.sim.columns()
         return frame_of(columns, poses, self.sim.time, fields_of(self.run.scene, columns))
 
-    @functools.cached_property
-    def stored(self) -> dict[str, Any]:
-        """The arrays of the frame file."""
-        return stored(self._moment, block_edge(self.run.scene))
+    def _read_back(self) -> Frame:
+        return frame_of_stored(self.stored)
 
-    @functools.cached_property
-    def content(self) -> Frame:
-        """The particles and solids of this frame as its file says, so that all that shows them agrees."""
-        return self._moment if "x" in self.stored else frame_of_stored(self.stored)
+    def _once(self, name: str, make: Callable[[], Made]) -> Made:
+        """Return what `make` returned the first time, in whatever thread that was."""
+        with self._making:
+            if name not in self._made:
+                self._made[name] = make()
+            made: Made = self._made[name]
+        return made
 
     def add_row(self, name: str, values: Mapping[str, object]) -> None:
         """Append a row to the CSV file `name` in the run folder: `frame`, `time` [s], then `values`.

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self
 
+import numpy as np
 from numpy.typing import NDArray
 
 from neve.io.atomic import replacing, writing
@@ -37,6 +38,9 @@ SEEN = "seen.npz"
 """What the camera of an unfinished film has seen, where the run does not keep all frames."""
 COPIES = 60
 """Frames that ffmpeg may still hold when a process is killed: a segment of `neve.render.film`."""
+
+
+_Drawn = tuple[NDArray[np.uint8], dict[str, NDArray[Any]] | None]
 
 
 class FilmOptions(Scheduled):
@@ -83,18 +87,30 @@ class FilmOutput:
         self._look_back(earlier)
 
     def write(self, context: FrameContext) -> None:
-        """Add the frame to the film."""
-        with context.timer.stage("film"):
-            context.take()
-            context.beside(lambda: self._film_frame(context.frame, context.content))
+        """Draw the frame and add it to the film.
 
-    def _film_frame(self, frame: int, content: Frame) -> None:
-        self._add_lost()
-        self._frames.keep(frame, content)
-        self._add(content, self._next)
+        Where the processor takes the steps, all its threads draw before they go on: of a picture that was
+        drawn beside the steps each of them would wait for those that share their core with it.
+        """
+        with context.timer.stage("film"):
+            self._add_lost()
+            context.take()
+            drawn = None if context.run.scene.numerics.device != "cpu" else self._drawn(context.content)
+            context.beside(lambda: self._film_frame(context, drawn))
+
+    def _film_frame(self, context: FrameContext, drawn: _Drawn | None) -> None:
+        image, seen = drawn or self._drawn(context.content)
+        self._frames.keep(context.frame, lambda: context.content)
+        assert self._film is not None
+        self._film.add(image, index=self._next)
         self._next += 1
-        if self._painter.shot.follows and self._frames.sparse:
-            self._frames.write_seen(self._painter.shot.state())
+        if seen and self._frames.sparse:
+            self._frames.write_seen(seen)
+
+    def _drawn(self, content: Frame) -> _Drawn:
+        """Return the picture of a frame, and what a camera that follows something has seen by then."""
+        image, shot = self._painter.draw(content), self._painter.shot
+        return image, shot.state() if shot.follows else None
 
     def close(self, context: FrameContext) -> None:
         """Finish the film file; a stopped run leaves the film of what is done."""
@@ -124,11 +140,8 @@ class FilmOutput:
     def _add_lost(self) -> None:
         while self._lost:
             index, frame = self._lost.pop(0)
-            self._add(self._frames.read(frame), index)
-
-    def _add(self, content: Frame, index: int) -> None:
-        assert self._film is not None
-        self._film.add(self._painter.draw(content), index=index)
+            assert self._film is not None
+            self._film.add(self._painter.draw(self._frames.read(frame)), index=index)
 
 
 class _Frames:
@@ -142,13 +155,13 @@ class _Frames:
         """Whether the run keeps no file of some frame that was filmed."""
         return bool(frame_numbers(self._copies))
 
-    def keep(self, frame: int, content: Frame) -> None:
+    def keep(self, frame: int, content: Callable[[], Frame]) -> None:
         """Copy the frame unless the run has its file; drop copies that are in complete pieces of the film."""
         if frame_path(self._folder, frame).exists():
             return
         with writing(self._copies):
             disk.make_folder(self._copies)
-            write_frame(self._copies, frame, content)
+            write_frame(self._copies, frame, content())
             old = frame_numbers(self._copies)[: -2 * COPIES]
             disk.remove_files(self._copies, [frame_path(self._copies, number).name for number in old])
 

@@ -151,6 +151,24 @@ def count_run(path: Path | str, limits: Limits | None = None, out: Path | None =
     return found
 
 
+def last_of(path: Path | str) -> Fragments:
+    """Return the fragments of the last frame of the run in the folder `path`, and write nothing.
+
+    Errors: RunError if the folder holds no frames or no checkpoint, or a method without J_P made them.
+    """
+    from neve.scene.reading.load import load
+
+    folder = RunFolder(path)
+    scene = load(folder.scene)
+    _require_columns(scene)
+    numbers = frame_numbers(folder.frames)
+    if not numbers:
+        raise RunError(f"{folder.frames} holds no frames, so there is nothing to count.")
+    arrays = read_checkpoint(folder.checkpoint).arrays
+    content = read_frame(folder.frames, numbers[-1])
+    return of_frame(content, arrays["id"], arrays["m"], arrays["V0"], scene.numerics.spacing)
+
+
 def of_frame(
     content: Frame,
     id: NDArray[Any],

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal
 
 from neve.diagnostics import Balance, row_of
-from neve.io.log import FLOW, HEAT, columns, stages
+from neve.io.log import FLOW, HEAT, IMPLICIT, columns, stages
+from neve.registry import METHODS
 from neve.run.outputs.context import FrameContext, RunContext
 from neve.run.outputs.registry import register_output
 from neve.scene.schema.outputs import Need, Scheduled, Sizes
@@ -44,8 +45,12 @@ class EnergyWatch:
     SHARE = 0.01
     """Growth from row to row that is reported, as a share of the kinetic and elastic energy."""
 
-    def __init__(self, last_row: Mapping[str, str] | None) -> None:
-        """Start at the beginning of a run, or after the last row of the log of a resumed run."""
+    def __init__(self, last_row: Mapping[str, str] | None, advice: str) -> None:
+        """Start at the beginning of a run, or after the last row of the log of a resumed run.
+
+        advice: what to do about such growth, the end of the sentence
+        """
+        self._advice = advice
         self._before = None if last_row is None else Balance.of_row(last_row)
         self._reported = False
 
@@ -59,11 +64,11 @@ class EnergyWatch:
         if excess > self.SHARE * moving and not self._reported:
             self._reported = True
             logging.getLogger("neve").warning(
-                "in frame %d the energy of the snow grew by %.2g J (%.2g %% of what moves) without work: "
-                "lower numerics.cfl or numerics.strain_max, or check xi, theta_c and theta_s",
+                "in frame %d the energy of the snow grew by %.2g J (%.2g %% of what moves) without work: %s",
                 frame,
                 excess,
                 100.0 * excess / moving,
+                self._advice,
             )
         return excess
 
@@ -80,11 +85,12 @@ class LogOutput:
         method = run.scene.numerics.method
         self._stages = stages(method)
         open_, heated = run.scene.is_open, run.scene.heat is not None
-        self._more = (*(FLOW if open_ else ()), *(HEAT if heated else ()))
-        names = columns(method, open_, heated)
+        implicit = run.scene.numerics.is_implicit
+        self._more = (*(FLOW if open_ else ()), *(HEAT if heated else ()), *(IMPLICIT if implicit else ()))
+        names = columns(method, open_, heated, implicit)
         self._log = run.table(run.folder.log.name, names, run.frames_done(schedule))
         watched = "excess" in self._log.columns and not run.scene.is_keyed
-        self._watch = EnergyWatch(self._log.last) if watched else None
+        self._watch = EnergyWatch(self._log.last, METHODS.get(method).when_energy_grows) if watched else None
 
     def write(self, context: FrameContext) -> None:
         """Add the row of this frame."""

@@ -76,7 +76,9 @@ class PictureOutput:
         frame = best_frame(kept, read, self._painter.fresh_shot())
         if frame is None:
             heated = scene.heat is not None
-            rows = read_log(folder.log, scene.numerics.method, scene.is_open, heated)
+            rows = read_log(
+                folder.log, scene.numerics.method, scene.is_open, heated, scene.numerics.is_implicit
+            )
             wanted = telling_frame(rows) if rows else context.frame // 2
             frame = min(kept, key=lambda k: abs(k - wanted))
         draw_still(folder.path / self.name, self._painter, kept, frame, read)

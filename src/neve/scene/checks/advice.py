@@ -109,7 +109,7 @@ def _thin_seam(scene: Scene, source: Source, name: str) -> Iterator[str]:
 def _long_step(scene: Scene) -> Iterator[str]:
     """Compare a fixed dt with dx / (c + |v|) of the source or emitter where that is least."""
     numerics = scene.numerics
-    if numerics.dt == "auto":
+    if numerics.dt == "auto" or numerics.is_implicit:
         return
     speeds = {f"sources.{i}": fastest(scene, source) for i, source in enumerate(scene.sources)}
     for i, emitter in enumerate(scene.emitters):

@@ -32,6 +32,7 @@ def unused(scene: Scene) -> Iterator[str]:
             yield from _without_effect(
                 scene.numerics, "numerics", key, "sleep = false", "numerics.sleep = true"
             )
+    yield from _of_integrator(scene.numerics)
     for i, source in enumerate(scene.sources):
         if source.variation:
             yield from _of_variation(source.variation, f"sources.{i}.variation")
@@ -60,6 +61,27 @@ def unused(scene: Scene) -> Iterator[str]:
             yield from _without_effect(body, name, "axis", 'joint = "free"', joints)
         if not body.contacts:
             yield from _without_effect(body, name, "friction", "contacts = false", f"{name}.contacts = true")
+
+
+IMPLICIT_KEYS = {
+    "implicit_beta": ("semi_implicit",),
+    "implicit_rule": ("semi_implicit", "implicit"),
+    "implicit_system": ("semi_implicit",),
+    "implicit_tolerance": ("semi_implicit", "implicit"),
+    "implicit_iterations": ("semi_implicit", "implicit"),
+    "implicit_strain": ("semi_implicit", "implicit"),
+    "implicit_plasticity": ("implicit",),
+    "strain_max": ("explicit",),
+}
+"""Keys of [numerics] that some integrators alone use."""
+
+
+def _of_integrator(numerics: Numerics) -> Iterator[str]:
+    for key, users_of_key in IMPLICIT_KEYS.items():
+        if numerics.integrator not in users_of_key:
+            why = f'integrator = "{numerics.integrator}"'
+            counts = f"numerics.integrator = {words(users_of_key)}"
+            yield from _without_effect(numerics, "numerics", key, why, counts)
 
 
 def _of_camera(camera: Camera) -> Iterator[str]:

@@ -14,6 +14,7 @@ from neve.scene.values.fields import (
     Fraction,
     Part,
     Point3,
+    Rate3,
     Real,
     Switch,
     check_times,
@@ -85,7 +86,8 @@ class Camera(Part):
     shutter: Fraction = entry(
         0.0,
         "Share of the time from frame to frame for which the shutter is open, half before and half after the "
-        "frame: 0.5 is the 180 degrees that films mostly have, 0 is no motion blur. Only in `neve render`.",
+        "frame: 0.5 is the 180 degrees that films mostly have, 0 is no motion blur. In `neve render`, and "
+        "of flakes that fall everywhere.",
         "1",
     )
 
@@ -165,6 +167,17 @@ class Light(Part):
     )
     sun_color: Color = entry((1.0, 0.94, 0.85), "Red, green and blue of the sun.", "1")
     sky_color: Color = entry((0.62, 0.76, 1.0), "Red, green and blue of the sky.", "1")
+    falling: Real = entry(
+        0.0,
+        "Flakes that fall in a cubic metre of air, in films, pictures and the viewer; 50 is light snowfall.",
+        "1/m3",
+        ge=0,
+        le=10000,
+    )
+    flake_radius: Real = entry(0.004, "Radius of a flake that falls, on average.", "m", ge=1e-4, le=0.1)
+    flake_velocity: Rate3 = entry(
+        (0.2, 0.1, -1.0), "Velocity of flakes that fall, on average: with the wind, and down.", "m/s"
+    )
 
     @property
     def towards_sun(self) -> tuple[float, float, float]:

@@ -1,4 +1,4 @@
-"""Shapes that are read from files: layers with masks, letters, meshes and height maps."""
+"""Shapes that no formula gives: layers with masks, letters, meshes and height maps."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from neve.scene.schema.shapes import ROTATION, Array, Shape, Vector
+from neve.scene.schema.snowfall import Lying, Snowfall
 from neve.scene.values.allowed import words
 from neve.scene.values.fields import (
     ZERO,
@@ -269,5 +270,5 @@ class Text(Shape):
         return self
 
 
-FROM_FILES: tuple[type[Shape], ...] = (Layer, Text, Mesh, Terrain)
-"""The shapes that are read from files, or may be."""
+FROM_FILES: tuple[type[Shape], ...] = (Layer, Text, Mesh, Terrain, Snowfall, Lying)
+"""The shapes that are read from files, or may be, or follow from the others."""

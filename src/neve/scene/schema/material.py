@@ -292,6 +292,32 @@ def _filled(given: Mapping[str, Any]) -> dict[str, Any]:
     return {"law": law} | {name: value for name, value in defaults.items() if name in here} | dict(given)
 
 
+class Fluid(Snow):
+    """Stand for a fluid in the material table: `rho0` is its own, the other constants mean nothing."""
+
+
+class Water(Part):
+    """Describe the water of sources of `phase = "water"`: a fluid that takes no shape of its own."""
+
+    density: Real = entry(1000.0, "Density.", "kg/m3", ge=1, le=2e4)
+    bulk_modulus: Real = entry(
+        2.2e9, "Resistance to being pressed together.", "Pa", "from memory", ge=1e2, le=1e12
+    )
+    viscosity: Real = entry(
+        1.8e-3,
+        "Viscosity; that of water at 0 deg C, 1e-3 at 20 deg C, 1 to 10 of honey.",
+        "Pa s",
+        "from memory",
+        ge=0,
+        le=1e6,
+    )
+
+    @property
+    def material(self) -> Fluid:
+        """Return its row of the material table."""
+        return Fluid.model_construct(**{**Snow().model_dump(), "rho0": self.density})
+
+
 CONDUCTIVITY = Annotated[float, Strict(), Field(ge=1e-3, le=1e3), NoTrace]
 
 

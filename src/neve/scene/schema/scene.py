@@ -7,18 +7,13 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import model_validator
 
-from neve.registry import DEVICES, FIRST, METHODS
+from neve.learned.shipped import untrained
 from neve.scene.schema.bodies import AnyBody, Body, Control, Motor, Robot, Target
 from neve.scene.schema.camera import Camera, CameraKeyframe, Light, unknown
 from neve.scene.schema.colliders import AnyCollider, Collider, Keyframe
 from neve.scene.schema.file_shapes import Layer
-from neve.scene.schema.material import (
-    Heat,
-    Overrides,
-    Snow,
-    SnowKeyframe,
-    problem,
-)
+from neve.scene.schema.material import Heat, Overrides, Snow, SnowKeyframe, Water, problem
+from neve.scene.schema.numerics import Numerics
 from neve.scene.schema.outputs import OutputEntry, conflict
 from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.schema.sources import (
@@ -34,32 +29,15 @@ from neve.scene.schema.sources import (
     too_strong,
 )
 from neve.scene.values.allowed import words
-from neve.scene.values.choices import (
-    DEFAULT_SPLINE,
-    DEFAULT_TRANSFER,
-    SPLINES,
-    TRANSFERS,
-    SplineWord,
-    TransferWord,
-    listed,
-    meanings,
-    sources,
-    users,
-)
+from neve.scene.values.choices import TRANSFERS, users
 from neve.scene.values.curves import monotone
 from neve.scene.values.fields import (
     CURVES,
     FRITSCH,
     SHORTEST,
-    Damping,
-    Device,
-    DeviceNumbers,
-    Method,
-    Modes,
     Part,
     Rate3,
     Real,
-    Step,
     Switch,
     Whole,
     check_times,
@@ -97,137 +75,6 @@ class World(Part):
         return self
 
 
-class Numerics(Part):
-    """Choose how the equations are solved."""
-
-    method: Method = entry(METHODS.names()[0], f"How snow is simulated. {METHODS.meaning()}.", "")
-    device: Device = entry(DEVICES.names()[0], f"Where the step is computed. {DEVICES.meaning()}.", "")
-    devices: DeviceNumbers = entry(
-        FIRST,
-        "Numbers of the GPUs that share the run, as `neve info` lists them: each has a part of the snow.",
-        "",
-    )
-    deterministic: Switch = entry(
-        False,
-        "Whether runs on GPUs repeat bit for bit, on one or several: all sums are made in a fixed order, "
-        "which takes time. On the processor runs always repeat.",
-        "",
-    )
-    dx: Real = entry(
-        0.05, "Grid spacing; half of it means eight times as many particles.", "m", ge=SHORTEST, le=1000
-    )
-    spline: SplineWord = entry(
-        DEFAULT_SPLINE,
-        f"B-spline that weights the nodes around a particle. {meanings(SPLINES)}.",
-        "",
-        sources(SPLINES),
-    )
-    transfer: TransferWord = entry(
-        DEFAULT_TRANSFER,
-        f"How velocities are transferred between particles and grid. {meanings(TRANSFERS)}.",
-        "",
-        sources(TRANSFERS),
-    )
-    polypic_modes: Modes = entry(
-        8,
-        "Velocity modes per particle: 1 is its velocity alone, 4 are an affine velocity, 8 the multilinear "
-        f"modes, 27 the modes up to degree 2 along each axis; used by {listed(users('polypic_modes'))}.",
-        "1",
-        "Fu et al. 2017 name the choices; 8: ours",
-    )
-    flip_alpha: Real = entry(
-        0.95,
-        f"Share of FLIP in the velocity update of one step; used by {listed(users('flip_alpha'))}.",
-        "1",
-        "Stomakhin et al. 2013 (as quoted in public codes)",
-        ge=0,
-        le=1,
-    )
-    flip_damping: Literal["off"] | Damping = entry(
-        "off",
-        "Decay rate of motion that the grid cannot resolve, in place of flip_alpha: alpha = "
-        "exp(-flip_damping dt), so that the damping does not depend on the time step.",
-        "1/s",
-    )
-    aflip_damping: Real = entry(
-        0.5,
-        "Decay rate of motion that the grid cannot resolve, times the time in which the fastest elastic wave "
-        "of the snows before they harden crosses a cell: alpha = exp(-aflip_damping c dt / dx); used by "
-        f"{listed(users('aflip_damping'))}.",
-        "1",
-        ge=0,
-        le=1000,
-    )
-    dt: Literal["auto"] | Step = entry(
-        "auto", 'Time step, or "auto" for the largest good one; shortened where it would be unstable.', "s"
-    )
-    cfl: Real = entry(
-        0.4,
-        "Fraction of a cell that a wave or a particle may cross in one automatic step; above 0.6 snow can "
-        "gain energy.",
-        "1",
-        ge=1e-3,
-        le=0.6,
-    )
-    strain_max: Real = entry(
-        0.25,
-        "Largest change of deformation, dt |grad v|, in one automatic step.",
-        "1",
-        ge=1e-3,
-        le=1,
-    )
-    dt_max: Real = entry(1e-2, "Largest automatic time step.", "s", ge=SHORTEST, le=1)
-    precision: Literal["float32", "float64"] = entry(
-        "float32", "Floating-point format of particles and grid.", ""
-    )
-    particles_per_cell: Whole = entry(
-        8,
-        "Number of particles in a cell full of snow.",
-        "1",
-        "8 is two along each axis; our choice",
-        ge=1,
-        le=512,
-    )
-    sampling: Literal["jittered", "poisson", "regular"] = entry(
-        "jittered",
-        'How particles are placed: "jittered" moves each point of a lattice at random; "poisson" places '
-        'them at random with a least distance between any two; "regular" leaves the lattice as it is, for '
-        "comparison with exact solutions.",
-        "",
-        "poisson: Bridson 2007 names the goal; the algorithm is ours",
-    )
-    seed: Whole = entry(0, "Seed of all random numbers.", "1", ge=0, lt=2**32)
-    initial_volume: Literal["sampled", "grid"] = entry(
-        "sampled",
-        'Volume of a particle: "sampled" divides the volume of the shape among its particles; "grid" '
-        "measures the density on the grid in the first step, which comes out too low at the surface; steps "
-        "are then a quarter to a third shorter.",
-        "",
-        "grid: Stomakhin et al. 2013, step 2 (as quoted in public codes); sampled: our choice, measured",
-    )
-
-    sleep: Switch = entry(
-        False,
-        "Whether snow at rest is left out of the step, block by block, until something moves it: cost then "
-        "follows the snow that moves.",
-        "",
-    )
-    sleep_speed: Real = entry(
-        0.01,
-        "Snow rests if its mean velocity over the time sleep_after is smaller; a neighbour that gets away "
-        "twice as fast wakes it.",
-        "m/s",
-        gt=0,
-        le=10,
-    )
-    sleep_after: Real = entry(0.2, "Time at rest after which snow sleeps.", "s", gt=0, le=10)
-
-    @property
-    def spacing(self) -> float:
-        """Return the mean distance of particles in snow at rest [m]."""
-        return float(self.dx / self.particles_per_cell ** (1.0 / 3.0))
-
-
 class Run(Part):
     """Say how long to simulate and what to keep."""
 
@@ -256,6 +103,7 @@ class Scene(Part):
     world: World = entry(World(), "Surroundings.", "")
     numerics: Numerics = entry(Numerics(), "Grid, time step and particles.", "")
     snow: Snow = entry(Snow(), "Snow of all sources.", "")
+    water: Water = entry(Water(), 'Water of the sources of phase = "water".', "")
     heat: Heat | None = entry(None, "Heat: warming, melting, freezing, sintering; left out, none.", "")
     snow_keyframes: tuple[SnowKeyframe, ...] = entry(
         (), f"Constants of [snow] at increasing times. {CURVES}", "", FRITSCH
@@ -270,6 +118,13 @@ class Scene(Part):
     light: Light = entry(Light(), "Light of the film.", "")
     run: Run = entry(Run(), "Length of the run.", "")
     outputs: tuple[OutputEntry, ...] = entry((), "What a run writes, and how often.", "")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fallen(cls, values: Any) -> Any:
+        if isinstance(values, dict) and "snowfall" in values:
+            raise wrong("snowfall", 'is a source: write [[sources]] with shape = "snowfall"')
+        return values
 
     @model_validator(mode="after")
     def _parents(self) -> Scene:
@@ -287,6 +142,69 @@ class Scene(Part):
                     raise wrong(
                         "numerics.sleep", f'cannot be true with numerics.{key} = "{word}": set {words(only)}'
                     )
+        return self
+
+    @model_validator(mode="after")
+    def _integrator(self) -> Scene:
+        if self.numerics.is_implicit:
+            word = self.numerics.integrator
+            able = [name for name, found in TRANSFERS.items() if not found.separate_position_velocity]
+            for key, only in (("method", ("mpm",)), ("device", ("cpu", "auto")), ("transfer", able)):
+                if (other := getattr(self.numerics, key)) not in only:
+                    raise wrong(
+                        "numerics.integrator",
+                        f'cannot be "{word}" with numerics.{key} = "{other}": set {words(only)}',
+                    )
+            if self.numerics.sleep:
+                raise wrong(
+                    "numerics.integrator",
+                    f'cannot be "{word}" with numerics.sleep = true: set "explicit", or sleep = false',
+                )
+            if self.heat:
+                raise wrong(
+                    "numerics.integrator", f'cannot be "{word}" with heat: set "explicit", or leave heat out'
+                )
+            if self.numerics.implicit_rule == "midpoint":
+                self._midpoint()
+        return self
+
+    def _midpoint(self) -> None:
+        beta = self.numerics.implicit_beta
+        if self.numerics.integrator == "semi_implicit" and beta != 1:  # each step would add energy
+            raise wrong(
+                "numerics.implicit_rule",
+                f'cannot be "midpoint" with numerics.implicit_beta = {beta}: set implicit_beta = 1',
+            )
+        for name in ("bodies", "robots"):
+            if getattr(self, name):
+                raise wrong(
+                    "numerics.implicit_rule",
+                    f'cannot be "midpoint" with {name}: set "end", or leave {name} out',
+                )
+        with_modes = users("polypic_modes")
+        if (word := self.numerics.transfer) in with_modes:
+            able = [name for name, found in TRANSFERS.items() if not found.separate_position_velocity]
+            others = words([name for name in able if name not in with_modes])
+            raise wrong(
+                "numerics.implicit_rule",
+                f'cannot be "midpoint" with numerics.transfer = "{word}": set transfer to {others}',
+            )
+
+    @model_validator(mode="after")
+    def _learned(self) -> Scene:
+        if self.numerics.integrator != "implicit" or self.numerics.implicit_plasticity != "learned":
+            return self
+        times = sorted({0.0, *(key.t for key in self.snow_keyframes)})
+        for snow in (self.snow_at(t).but(bearer.snow) for t in times for bearer in self.bearers):
+            if found := untrained(snow.law, snow.plasticity, snow.constants()):
+                key, allowed = found
+                value = getattr(snow, key)
+                shown = f'"{value}"' if isinstance(value, str) else f"{value:g}"
+                raise wrong(
+                    "numerics.implicit_plasticity",
+                    f'cannot be "learned" with {key} = {shown}, which no network was trained for: {allowed}, '
+                    'or set implicit_plasticity = "return_map"',
+                )
         return self
 
     @model_validator(mode="after")
@@ -333,6 +251,8 @@ class Scene(Part):
             lies = isinstance(source, Layer) and source.on == "terrain"
             if lies and not any(collider.endless for collider in self.colliders):
                 raise wrong(f"sources.{i}.on", "needs ground: a collider that is a terrain or a plane")
+            if source.is_water:
+                continue
             found = problem(self.snow_of(source), source.snow.given())
             if found:
                 raise wrong(f"sources.{i}.snow.{found[0]}", found[1])
@@ -355,8 +275,8 @@ class Scene(Part):
         return f"heat x {self.heat.heat_speed:g} real time"
 
     def snow_of(self, source: Source | Emitter) -> Snow:
-        """Return the snow of `source`: the scene's snow with the overrides of the source (see `Snow.but`)."""
-        return self.snow.but(source.snow)
+        """Return the snow of `source`, the scene's with its overrides (see `Snow.but`); of water its row."""
+        return self.water.material if source.is_water else self.snow.but(source.snow)
 
     def snow_at(self, t: float) -> Snow:
         """Return the scene's snow with the constants that it has at time `t` [s]."""

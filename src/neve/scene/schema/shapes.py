@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from neve.reproducible import norms, product
-from neve.scene.schema import surfaces
+from neve.scene.values import surfaces
 from neve.scene.values.fields import (
     ZERO,
     Angle3,

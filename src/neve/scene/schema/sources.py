@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import model_validator
 
@@ -128,6 +128,11 @@ class Source(Role):
     velocity: Rate3 = entry((0.0, 0.0, 0.0), "Velocity at the start.", "m/s")
     spin: Rate3 = entry((0.0, 0.0, 0.0), "Angular velocity at the start, about the source's centre.", "rad/s")
     snow: Overrides = entry(Overrides(), "Snow properties of this source alone: any key of [snow].", "")
+    phase: Literal["snow", "water"] = entry(
+        "snow",
+        'What it holds. "water": that of [water], on a regular lattice, with numerics.method = "sph".',
+        "",
+    )
     overlap: Literal["add", "cut"] = entry(
         "add",
         'Where sources before it in the list fill the same space. "add": both are there, with the sum of '
@@ -153,6 +158,18 @@ class Source(Role):
     profile: Profile | None = entry(
         None, "Differences with depth or height; left out, those of the snow's kind, or none.", ""
     )
+
+    @model_validator(mode="after")
+    def _dry(self) -> Source:
+        for name in ("snow", "structure", "variation", "profile"):
+            if self.is_water and getattr(self, name) not in (None, Overrides()):
+                raise wrong(name, 'is of snow: leave it out with phase = "water"')
+        return self
+
+    @property
+    def is_water(self) -> bool:
+        """Whether it holds water, not snow."""
+        return self.phase == "water"
 
     @property
     def strongest(self) -> float:
@@ -194,6 +211,7 @@ class Emitter(_Timed):
     """An emitter: snow leaves it through its section across `velocity`, at its middle."""
 
     role = "emitter"
+    is_water: ClassVar[bool] = False
 
     velocity: Rate3 = entry((0.0, 0.0, -1.0), "Velocity with which snow leaves.", "m/s")
     mass_rate: Real | None = entry(

@@ -79,6 +79,7 @@ def vibrate(
     periods: float = 2.0,
     slender: int = 0,
     law: str = "stomakhin2013",
+    courant: float = CFL,
     **numerics: Any,
 ) -> Vibration:
     """Let a bar of `cells` cells from its fixed to its free end vibrate in its first mode.
@@ -86,13 +87,14 @@ def vibrate(
     The bar is one half of a bar of twice the length with two free ends and a velocity that is odd about the
     middle: the middle stays where it is, to the bit of a sum, and no wall has a say. It fills a smooth duct
     of one cell by one (uniaxial strain), or is free at its sides and `slender` cells thick (uniaxial stress).
+    courant: cells that a wave crosses in a step, or a little less.
 
     v^0 = v0 cos(omega dt / 2) sin(k z): in symplectic Euler the velocity v^n stands at t_n - dt / 2.
     """
     h = LENGTH / cells
     modulus = E0 if slender else moduli(E0, NU)[2]
     omega = 0.5 * np.pi / LENGTH * np.sqrt(modulus / RHO)
-    steps_per_period = int(np.ceil(4 * LENGTH / (CFL * h) * np.sqrt(moduli(E0, NU)[2] / modulus)))
+    steps_per_period = int(np.ceil(4 * LENGTH / (courant * h) * np.sqrt(moduli(E0, NU)[2] / modulus)))
     dt = 2 * np.pi / omega / steps_per_period
     thick = 0.5 * h * (slender or 1)
     low, high = (-thick, -thick, -LENGTH), (thick, thick, LENGTH)

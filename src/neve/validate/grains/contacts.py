@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,8 +22,24 @@ STAYS = (20.0, 0.5)
 
 HEAPS = (20.0, 30.0)
 """Friction angles of heaps [degrees]."""
-STEEPER = 8.0
-"""By so much at least heaps are steeper [degrees]: less than half of what was measured."""
+
+
+def flattest(degrees: float) -> float:
+    """Return the friction angle of grains that slide without rolling and keep their volume [degrees].
+
+    tan phi = pi/2 tan phi_mu, with phi_mu = `degrees` between two grains: Caquot 1934, from memory.
+    """
+    return math.degrees(math.atan(0.5 * math.pi * math.tan(math.radians(degrees))))
+
+
+def steepest(degrees: float) -> float:
+    """Return the largest friction angle of such grains, where they lie as densely as they can [degrees].
+
+    (1 + sin phi) / (1 - sin phi) = D tan(45 deg + phi_cv / 2)^2, where D is 1 at constant volume and at most
+    2, phi_cv that of `flattest`: stress and dilatancy in plane strain, Rowe 1962, from memory.
+    """
+    ratio = 2.0 * math.tan(math.radians(45.0 + 0.5 * flattest(degrees))) ** 2
+    return math.degrees(math.asin((ratio - 1.0) / (ratio + 1.0)))
 
 
 def heap(degrees: float, cells: int = 10) -> Slope:
@@ -42,8 +60,12 @@ def case(cells: int = 10) -> Result:
         "0.2 m/s and leaves a slope.",
         equations=(
             "<i>a</i> = <i>g</i> (sin <i>&theta;</i> &minus; <i>&mu;</i> cos <i>&theta;</i>), or rest",
+            "tan <i>&phi;</i><sub>cv</sub> = <i>&pi;</i>/2 tan <i>&phi;<sub>&mu;</sub></i>, "
+            "(1 + sin <i>&phi;</i>) / (1 &minus; sin <i>&phi;</i>) &le; "
+            "2 tan<sup>2</sup>(45&deg; + <i>&phi;</i><sub>cv</sub> / 2)",
         ),
-        source="Coulomb. The slopes of the heaps are no known answer.",
+        source="Coulomb. Bounds of the slopes: grains that slide and do not roll (Caquot 1934), and stress "
+        "and dilatancy (Rowe 1962), both from memory.",
         checks=_checks(slides, stays, heaps),
         plots=_plots(slides, stays, heaps),
         verdict="Blocks slide as Coulomb says. Heaps rest 15 to 22&deg; steeper than the angle of friction "
@@ -74,8 +96,8 @@ def _checks(
     )
     for phi, r in heaps.items():
         name = f"slope of a heap, friction angle {phi:g}&deg;"
-        reason = "particles that cannot roll: no agreement, but how this method is"
-        checks.append(at_least(name, r.angle, phi + STEEPER, reason, "°"))
+        checks.append(at_least(name, r.angle, flattest(phi), "sliding at constant volume, no rolling", "°"))
+        checks.append(at_most(name, r.angle, steepest(phi), "the densest packing, D = 2", "°"))
         checks.append(at_most(f"speed left, {phi:g}&deg;", r.speed, 0.02, "at rest", "m/s"))
     return tuple(checks)
 

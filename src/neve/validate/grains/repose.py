@@ -32,12 +32,18 @@ class Slope:
 
 
 def repose(
-    degrees: float, cells: int = 16, pace: float = 0.2, drag: float = 0.0, thick: int = 1, **numerics: Any
+    degrees: float,
+    cells: int = 16,
+    pace: float = 0.2,
+    drag: float = 0.0,
+    thick: int = 1,
+    snow: dict[str, Any] | None = None,
+    **numerics: Any,
 ) -> Slope:
     """Draw back the wall before a heap of `cells` cells height by `pace` [m/s], and measure the slope.
 
     With `drag` [1/s] all velocities decay at that rate, so that nothing falls faster than g / drag. thick: of
-    the slab [cells].
+    the slab [cells]; snow: in place of loose grains whose friction angle is `degrees`.
     """
     height, length = 0.2, 0.36
     h = height / cells
@@ -50,7 +56,7 @@ def repose(
             plane((0, 0, 0), (0, 0, 1), "sticky"),
             plane((length, 0, 0), (-1, 0, 0), "separate", velocity=[pace, 0.0, 0.0]),
         ],
-        snow={"law": "drucker_prager", "rho0": 400.0, "E0": 1e5, "nu": 0.3, "friction_angle": degrees},
+        snow=_grains(degrees) if snow is None else snow,
         gravity=(0.0, 0.0, -G),
         dx=h,
         precision="float32",
@@ -66,6 +72,10 @@ def repose(
     tilt = -np.polyfit(x[inside], top[inside], 1)[0]
     angle = float(np.degrees(np.arctan(tilt)))
     return Slope(x, top, angle, restless(sim), int(sim.state.count), sim.steps)
+
+
+def _grains(degrees: float) -> dict[str, Any]:
+    return {"law": "drucker_prager", "rho0": 400.0, "E0": 1e5, "nu": 0.3, "friction_angle": degrees}
 
 
 def _crawl(sim: Simulation, seconds: float, drag: float) -> None:

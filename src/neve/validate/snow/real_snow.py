@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from neve import _core
 from neve.scene.schema.material import Snow
 from neve.validate.elastic.bar import LENGTH, vibrate
 from neve.validate.result import Check, Curve, Plot, Result, near
@@ -12,7 +13,7 @@ from neve.validate.snow.oedometer import E0, NU, RHO, Compression, compress
 
 Array = NDArray[np.float64]
 
-ICE = 917.0
+ICE = _core.ice_density
 """Density of ice [kg/m3]."""
 KINDS = ("powder", "fresh", "reference", "packed", "wet", "icy")
 CAPELLI = (300.0, 950.0)

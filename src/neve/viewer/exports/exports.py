@@ -14,7 +14,7 @@ from neve.io.run_folder import RunFolder
 from neve.render.film import Film, FilmError
 from neve.run.painter import Painter
 from neve.scene.errors import SceneError
-from neve.scene.reading.load import to_toml
+from neve.scene.reading.short_toml import short_toml
 from neve.scene.schema.scene import Camera, Scene
 from neve.system import disk
 from neve.viewer.exports.replay import replay_page
@@ -105,7 +105,12 @@ class Exports:
         positions, rotations = [p for p, _ in snapshot.poses], [R for _, R in snapshot.poses]
         values = snapshot.values
         image = painter.draw_arrays(
-            snapshot.x, values.get("J_P"), positions, rotations, water=values.get("phase")
+            snapshot.x,
+            values.get("J_P"),
+            positions,
+            rotations,
+            water=values.get("phase"),
+            time=snapshot.time,
         )
         path = free_name(self._folder, "picture", ".png")
         write_png(path, image)
@@ -147,7 +152,7 @@ class Exports:
     def _save(self, camera: commands.PageCamera | None) -> Path:
         scene = self._player.scene
         path = free_name(self._folder, "scene", ".toml")
-        write_text(path, to_toml(seen_from(scene, camera) if camera else scene))
+        write_text(path, short_toml(seen_from(scene, camera) if camera else scene))
         return path
 
 

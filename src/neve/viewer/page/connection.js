@@ -1,6 +1,7 @@
 // The connection to the server: states come as bytes, messages as text; commands go out as text.
 
-/** @import { Command, Message, StateHead } from "./protocol.js" */
+/** @import { Command } from "./commands.js" */
+/** @import { Message, StateHead } from "./protocol.js" */
 /** @import { State } from "./draw/snow_cloud.js" */
 
 const IS_LITTLE_ENDIAN = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;

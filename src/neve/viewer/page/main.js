@@ -1,22 +1,36 @@
 // Put the page together.
 
-/** @import { Command, Field, Message, ProgressMessage, SceneMessage } from "./protocol.js" */
+/** @import { Command } from "./commands.js" */
+/** @import { Message, Mode, ProgressMessage, SceneMessage } from "./protocol.js" */
 /** @import { State } from "./draw/snow_cloud.js" */
 
 import { Connection } from "./connection.js";
 import { Bar } from "./controls/bar.js";
+import { ColorsSection } from "./controls/colors_section.js";
 import { byId, make, say } from "./controls/dom.js";
-import { Gizmo } from "./controls/gizmo.js";
+import { Drop } from "./tools/drop.js";
+import { Gizmo } from "./tools/gizmo.js";
+import { Drive } from "./controls/drive.js";
+import { Library } from "./controls/library.js";
+import { Plots } from "./controls/plots.js";
 import { Panel } from "./controls/panel.js";
-import { TOOLS, Tools } from "./controls/tools.js";
+import { listenToKeys } from "./controls/keys.js";
+import { Measure } from "./tools/measure.js";
+import { Placing } from "./tools/placing.js";
+import { Pull } from "./tools/pull.js";
+import { Tools } from "./tools/tools.js";
 import { OrbitCamera } from "./draw/camera.js";
 import { Stage } from "./draw/stage.js";
+import { resolutionOf } from "./address.js";
+
+const NARROW = 720; // px below which the panel is hidden at first
 
 export class App {
   constructor() {
     /** @type {HTMLCanvasElement} */
     this.canvas = byId("view");
     this.stage = new Stage(this.canvas);
+    this.stage.resolution = resolutionOf(location.hash);
     this.camera = new OrbitCamera();
     this.mode = "snow";
     this.selected = "";
@@ -30,17 +44,29 @@ export class App {
     this.progressLine = null;
     /** @type {HTMLElement | null} */
     this.lostLine = null;
+    /** @type {HTMLElement | null} */
+    this.lostCard = null;
+    this.colors = new ColorsSection(this);
+    this.plots = new Plots(this);
+    this.library = new Library(this);
+    this.drive = new Drive(this);
+    this.pull = new Pull(this);
+    this.drop = new Drop(this);
     this.panel = new Panel(this);
+    this.panel.root.hidden = window.innerWidth < NARROW;
     this.gizmo = new Gizmo(this);
+    this.placing = new Placing(this);
+    this.measure = new Measure(this);
     this.tools = new Tools(this, this.canvas);
     this.bar = new Bar(this);
-    this.listenToKeys();
+    listenToKeys(this);
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     this.resize();
     this.canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
-      say("the graphics card has let go of the page: reload it", true, 60);
+      this.lostCard ??= say("the graphics card has let go of the page; waiting for it …", true, 600);
     });
+    this.canvas.addEventListener("webglcontextrestored", () => this.restore());
     this.connection = new Connection({
       onState: (state) => this.take(state),
       onMessage: (message) => this.hear(message),
@@ -58,6 +84,7 @@ export class App {
 
   redraw() {
     this.dirty = true;
+    this.stage.detail.move(performance.now());
   }
 
   resize() {
@@ -69,21 +96,34 @@ export class App {
     const now = performance.now();
     const seconds = Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
-    if (now >= this.rest && this.connection.take()) this.dirty = true;
-    if (this.camera.fly(seconds)) this.dirty = true;
+    const { detail } = this.stage;
+    if (detail.due(now)) this.dirty = true;
+    if (now >= this.rest && this.connection.take()) this.redraw();
+    if (this.camera.fly(seconds)) this.redraw();
     this.tools.tick();
+    this.pull.tick();
+    this.drive.tick(seconds);
     this.bar.tick();
+    this.plots.tick();
     if (this.dirty && now >= this.rest && this.scene && this.state) {
       this.dirty = false;
       this.camera.update(this.canvas.width, this.canvas.height, this.covered());
       this.stage.draw(this.camera);
-      if (this.selected) this.stage.drawOverlay(this.camera, this.gizmo.triangles());
+      this.stage.drawOverlay(this.camera, this.overlay());
       this.rest = performance.now() + 0.5 * this.stage.finish();
+      detail.learn(performance.now());
       this.bar.pictures.add();
       this.drawn += 1;
       document.body.dataset.drawn = String(this.drawn);
     }
     requestAnimationFrame(() => this.loop());
+  }
+
+  /** What is drawn over the picture. */
+  overlay() {
+    const figures = [...this.placing.triangles(), ...this.measure.triangles(), ...this.tools.triangles()];
+    figures.push(...this.pull.triangles());
+    return this.selected ? [...figures, ...this.gizmo.triangles()] : figures;
   }
 
   /** @param {State} state */
@@ -92,6 +132,7 @@ export class App {
     if (!this.scene) return;
     this.stage.show(state);
     this.bar.showState(state);
+    this.plots.stale = true;
     document.body.dataset.time = String(state.time);
     document.body.dataset.particles = String(state.n);
     byId("cover").classList.add("gone");
@@ -105,10 +146,23 @@ export class App {
         break;
       case "player":
         this.bar.show(message, this.scene?.live ?? true);
+        this.panel.showHistory(message);
         break;
       case "refused":
         if (message.path) this.panel.refuse(message.path, message.sentence);
         else say(message.sentence, true, 9);
+        break;
+      case "note":
+        say(message.sentence, false, 9);
+        break;
+      case "figures":
+        this.plots.hear(message);
+        break;
+      case "library":
+        this.library.hear(message.entries);
+        break;
+      case "dropped":
+        this.drop.offer(message.what);
         break;
       case "progress":
         this.showProgress(message);
@@ -137,10 +191,17 @@ export class App {
     const isOther = this.scene?.name !== scene.name;
     this.scene = scene;
     if (isOther) this.goHome();
+    if (isOther && this.selected) this.select("");
+    this.library.show(scene);
     this.stage.setScene(scene);
+    for (const mode of scene.modes) this.stage.setPalette(mode.name, this.stops(mode));
+    this.plots.show(scene);
+    this.drive.show(scene);
     this.panel.show(scene);
     this.tools.show(scene.live);
+    this.bar.duration = scene.live ? scene.duration : 0;
     this.bar.show(scene.player, scene.live);
+    this.panel.showHistory(scene.player);
     document.title = `${scene.name} · Neve`;
     if (this.state) this.take(this.state);
     this.dirty = true;
@@ -151,14 +212,20 @@ export class App {
     if (open) {
       this.lostLine?.remove();
       this.lostLine = null;
-      this.send({ do: "color_mode", mode: this.mode });
+      this.colors.send();
+      if (this.plots.asked) this.plots.begin();
     } else this.lostLine ??= say("the connection to Neve is lost; trying again …", true, 1e6);
   }
 
   /** @param {string} mode */
   setMode(mode) {
     this.mode = mode;
-    this.send({ do: "color_mode", mode });
+    this.colors.send();
+  }
+
+  /** @param {Mode} mode */
+  stops(mode) {
+    return this.colors.stops(mode);
   }
 
   /** @param {number} size of a particle, 1 as in the film */
@@ -171,6 +238,28 @@ export class App {
   setQuality(quality) {
     this.stage.setQuality(quality);
     this.redraw();
+  }
+
+  /** @param {boolean} on */
+  setSurface(on) {
+    try {
+      this.stage.setSurface(on);
+    } catch (error) {
+      say(`${error instanceof Error ? error.message : error}: the snow stays as grains`, true);
+    }
+    this.redraw();
+  }
+
+  /** @param {boolean} on whether flakes in the air are drawn */
+  setFlakes(on) {
+    this.stage.flakes = on;
+    this.redraw();
+  }
+
+  /** @param {number} resolution */
+  setResolution(resolution) {
+    this.stage.resolution = resolution;
+    this.resize();
   }
 
   goHome() {
@@ -211,50 +300,25 @@ export class App {
     return this.tools.hit(0.5 - 0.5 * this.camera.covered, 0.5).point;
   }
 
-  /** @param {Field} field */
-  changed(field) {
-    if (!field.live) say(`${field.path} acts when the scene begins again (r)`);
+  /** Delete the chosen solid; a robot's part stands for its robot. */
+  deleteSelected() {
+    const name = this.selected.split(".").slice(0, 2).join(".");
+    if (name && this.scene?.live) this.send({ do: "delete", name });
+    this.select("");
   }
 
-  listenToKeys() {
-    const { keys } = this.camera;
-    window.addEventListener("keydown", (event) => {
-      if (isTyping(event.target) || event.ctrlKey || event.metaKey) return;
-      const key = event.key.toLowerCase();
-      this.press(key, event);
-      if (event.shiftKey) keys.add("shift");
-      keys.add(key);
-    });
-    window.addEventListener("keyup", (event) => {
-      keys.delete(event.key.toLowerCase());
-      if (!event.shiftKey) keys.delete("shift");
-    });
-    window.addEventListener("blur", () => keys.clear());
+  /** Draw again what the graphics card has lost, and has room for now. */
+  restore() {
+    const { size, quality, clip, resolution, surface, flakes } = this.stage;
+    this.stage = new Stage(this.canvas);
+    Object.assign(this.stage, { size, quality, resolution, flakes, selected: this.selected });
+    this.stage.setClip(clip);
+    if (surface) this.setSurface(true);
+    if (this.scene) this.setScene(this.scene);
+    this.lostCard?.remove();
+    this.lostCard = null;
+    this.redraw();
   }
-
-  /**
-   * @param {string} key
-   * @param {KeyboardEvent} event
-   */
-  press(key, event) {
-    const tool = Object.keys(TOOLS)[Number(key) - 1];
-    if (key === " ") {
-      event.preventDefault();
-      if (event.target instanceof HTMLElement) event.target.blur();
-      this.bar.toggle();
-    } else if (key === "r") this.send({ do: "restart" });
-    else if (key === ".") this.send({ do: "frame" });
-    else if (key === "h") this.goHome();
-    else if (key === "p") this.togglePanel();
-    else if (tool) this.tools.choose(tool);
-    else if (key.startsWith("arrow")) event.preventDefault();
-  }
-}
-
-/** @param {EventTarget | null} target */
-function isTyping(target) {
-  if (target instanceof HTMLInputElement) return target.type !== "range" && target.type !== "checkbox";
-  return target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
 }
 
 try {

@@ -1,4 +1,4 @@
-// What the page and the server say to each other.
+// What the server says to the page.
 // Made from src/neve/viewer/protocol by `python -m neve.viewer.protocol.document`; do not edit it by hand.
 
 /** Greatest number of a position or a value in a state; a particle with three of them has no position. */
@@ -8,177 +8,6 @@ export const MOST = 65535;
 export const PARTICLE_BYTES = 8;
 
 /**
- * Hold a page's camera: points [m], vertical angle [degrees], size of the picture [px].
- * @typedef {object} PageCamera
- * @property {[number, number, number]} position
- * @property {[number, number, number]} target
- * @property {[number, number, number]} [up]
- * @property {number} [fov]
- * @property {number} [width]
- * @property {number} [height]
- */
-
-/**
- * Say that the state number `version` has been drawn.
- * @typedef {object} AcknowledgeCommand
- * @property {"acknowledge"} do
- * @property {number} version
- */
-
-/**
- * Choose the colour mode of this page.
- * @typedef {object} ColorModeCommand
- * @property {"color_mode"} do
- * @property {string} mode
- */
-
-/**
- * Play.
- * @typedef {object} PlayCommand
- * @property {"play"} do
- */
-
-/**
- * Pause.
- * @typedef {object} PauseCommand
- * @property {"pause"} do
- */
-
-/**
- * Play one frame, and pause.
- * @typedef {object} FrameCommand
- * @property {"frame"} do
- */
-
-/**
- * Begin again; a live run, with all changes to the scene.
- * @typedef {object} RestartCommand
- * @property {"restart"} do
- */
-
-/**
- * Set how many simulated seconds pass in one second at most.
- * @typedef {object} SpeedCommand
- * @property {"speed"} do
- * @property {number} factor
- */
-
-/**
- * Show frame number `frame` of a recorded run.
- * @typedef {object} SeekCommand
- * @property {"seek"} do
- * @property {number} frame
- */
-
-/**
- * Play another scene that comes with Neve.
- * @typedef {object} OpenCommand
- * @property {"open"} do
- * @property {string} scene
- */
-
-/**
- * Change a value of the scene: `path` as in --set.
- * @typedef {object} SetCommand
- * @property {"set"} do
- * @property {string} path
- * @property {boolean | number | string | number[] | null} value
- */
-
-/**
- * Add a body or snow of one `shape` at a point [m]; `kind` is a list of the scene.
- * @typedef {object} AddCommand
- * @property {"add"} do
- * @property {string} kind
- * @property {string} shape
- * @property {[number, number, number]} at
- */
-
-/**
- * Add a table that is left out, or one more entry to a list of tables: "colliders.1.keyframes".
- * @typedef {object} EnlargeCommand
- * @property {"enlarge"} do
- * @property {string} path
- */
-
-/**
- * Delete an entry of the scene, or a table in one: "colliders.1", "sources.0.variation".
- * @typedef {object} DeleteCommand
- * @property {"delete"} do
- * @property {string} name
- */
-
-/**
- * Put the solid `name` at a position [m] with a rotation vector [degrees]; `done` ends the drag.
- * @typedef {object} MoveCommand
- * @property {"move"} do
- * @property {string} name
- * @property {[number, number, number]} position
- * @property {[number, number, number] | null} [rotation]
- * @property {boolean} [done]
- */
-
-/**
- * Throw a ball of snow from a point [m] along a direction, with a speed [m/s]; radius [m].
- * @typedef {object} ThrowCommand
- * @property {"throw"} do
- * @property {[number, number, number]} origin
- * @property {[number, number, number]} direction
- * @property {number} [speed]
- * @property {number} [radius]
- */
-
-/**
- * Push or grab the snow within `radius` [m] of a point [m] that moves with a velocity [m/s].
- * @typedef {object} TouchCommand
- * @property {"touch"} do
- * @property {"push" | "grab"} tool
- * @property {[number, number, number]} point
- * @property {[number, number, number]} velocity
- * @property {number} radius
- * @property {boolean} [done]
- */
-
-/**
- * Begin or end the recording of a live run.
- * @typedef {object} RecordCommand
- * @property {"record"} do
- * @property {boolean} on
- */
-
-/**
- * Draw a PNG with the page's camera.
- * @typedef {object} PictureCommand
- * @property {"picture"} do
- * @property {PageCamera} camera
- */
-
-/**
- * Make a film of all frames of the run, or of the last recording, with the page's camera.
- * @typedef {object} FilmCommand
- * @property {"film"} do
- * @property {PageCamera} camera
- */
-
-/**
- * Make a page that plays the run by itself.
- * @typedef {object} ReplayCommand
- * @property {"replay"} do
- */
-
-/**
- * Write the scene as TOML; with `camera`, with the page's camera.
- * @typedef {object} SaveCommand
- * @property {"save"} do
- * @property {PageCamera | null} [camera]
- */
-
-/**
- * What a page may ask for.
- * @typedef {AcknowledgeCommand | ColorModeCommand | PlayCommand | PauseCommand | FrameCommand | RestartCommand | SpeedCommand | SeekCommand | OpenCommand | SetCommand | AddCommand | EnlargeCommand | DeleteCommand | MoveCommand | ThrowCommand | TouchCommand | RecordCommand | PictureCommand | FilmCommand | ReplayCommand | SaveCommand} Command
- */
-
-/**
  * Whether it plays, and how fast.
  * @typedef {object} PlayerState
  * @property {boolean} playing
@@ -186,6 +15,8 @@ export const PARTICLE_BYTES = 8;
  * @property {number} frames frames to seek in; 0 for a live run
  * @property {boolean} recording
  * @property {number} recorded frames of the recording
+ * @property {string} undo what can be taken back, in words, or empty
+ * @property {string} redo what can be done again, in words, or empty
  */
 
 /**
@@ -206,6 +37,27 @@ export const PARTICLE_BYTES = 8;
  */
 
 /**
+ * Flakes in the air: the constants of their law, neve.render.falling, which the page computes, too.
+ * @typedef {object} Falling
+ * @property {number} count flakes of a cube of air, which is repeated without end
+ * @property {number} edge of the cube [m]
+ * @property {number} around how far from the camera flakes are, in distances to its target
+ * @property {[number, number, number]} velocity on average [m/s]
+ * @property {[number, number]} pace least speed and range of speeds over the average
+ * @property {number} radius on average [m]
+ * @property {[number, number]} spread least radius and range of radii over the average
+ * @property {number} sway how far a flake swings aside [m]
+ * @property {number} period of a swing along x, on average [s]
+ * @property {number} second swings along y over those along x
+ * @property {number[]} numbers numbers of the random numbers of place, pace, phase and radius
+ * @property {number} open how long the shutter is open [s]
+ * @property {number} least radius of the image of a flake that is drawn smaller than it is [px]
+ * @property {number} faintest share of a pixel below which a flake is not drawn
+ * @property {number} nearest distance from the camera [m]
+ * @property {[number, number, number]} light
+ */
+
+/**
  * Triangles, in base64.
  * @typedef {object} Mesh
  * @property {string} vertices corners [m], float32, little endian
@@ -221,6 +73,7 @@ export const PARTICLE_BYTES = 8;
  * @property {[number, number, number]} color
  * @property {boolean} visible
  * @property {boolean} ground drawn as ground
+ * @property {boolean} [pulled] hangs on a joint, or is part of a robot: is pulled, not moved
  * @property {Mesh} [mesh]
  */
 
@@ -253,6 +106,7 @@ export const PARTICLE_BYTES = 8;
  * @property {number} cell size of a cell of the film's density grid [m]
  * @property {Camera} camera
  * @property {Light} light
+ * @property {Falling | null} falling null: no flakes are in the air
  * @property {Solid[]} solids
  * @property {Mode[]} modes
  */
@@ -292,6 +146,7 @@ export const PARTICLE_BYTES = 8;
  * @property {any} default
  * @property {any} value
  * @property {boolean} live a change acts at once; else when the scene begins anew
+ * @property {any} [now] what the run goes on with until then, where that differs from value
  */
 
 /**
@@ -306,6 +161,22 @@ export const PARTICLE_BYTES = 8;
  */
 
 /**
+ * A shape that can be added.
+ * @typedef {object} Addable
+ * @property {string} shape "mesh:rock", "terrain:alps.tif"
+ * @property {[number, number, number]} half half of the edges of the box that stands on its place [m]; zeros if endless
+ */
+
+/**
+ * A control of a motor or a robot.
+ * @typedef {object} RobotControl
+ * @property {string} name
+ * @property {number} low
+ * @property {number} high
+ * @property {number} value
+ */
+
+/**
  * All that a page needs beside the states; sent again when it changes.
  * @typedef {object} SceneMessage
  * @property {string} name
@@ -316,15 +187,18 @@ export const PARTICLE_BYTES = 8;
  * @property {number} cell size of a cell of the film's density grid [m]
  * @property {Camera} camera
  * @property {Light} light
+ * @property {Falling | null} falling null: no flakes are in the air
  * @property {Solid[]} solids
  * @property {Mode[]} modes
  * @property {"scene"} kind
  * @property {number} number counts the changes
  * @property {boolean} live
+ * @property {number} duration run.duration [s]
  * @property {PlayerState} player
  * @property {Section[]} panel
  * @property {Record<string, string>} presets scenes that can be opened, and what they show
- * @property {Record<string, string[]>} addable list of the scene -> shapes that can be added to it
+ * @property {RobotControl[]} controls of motors and robots
+ * @property {Record<string, Addable[]>} addable list of the scene -> shapes that can be added to it
  */
 
 /**
@@ -335,6 +209,8 @@ export const PARTICLE_BYTES = 8;
  * @property {number} frames frames to seek in; 0 for a live run
  * @property {boolean} recording
  * @property {number} recorded frames of the recording
+ * @property {string} undo what can be taken back, in words, or empty
+ * @property {string} redo what can be done again, in words, or empty
  * @property {"player"} kind
  */
 
@@ -344,6 +220,13 @@ export const PARTICLE_BYTES = 8;
  * @property {"refused"} kind
  * @property {string} sentence
  * @property {string} path of the value that was refused, or empty
+ */
+
+/**
+ * Something that a user should know, and no fault.
+ * @typedef {object} NoteMessage
+ * @property {"note"} kind
+ * @property {string} sentence
  */
 
 /**
@@ -363,6 +246,43 @@ export const PARTICLE_BYTES = 8;
  * @property {string} url
  * @property {string} place path on the server's machine
  * @property {number} bytes
+ */
+
+/**
+ * A figure that can be plotted.
+ * @typedef {object} FigureColumn
+ * @property {string} name
+ * @property {string} unit
+ */
+
+/**
+ * Figures over time: rows from number `first` on; from 0 on, all.
+ * @typedef {object} FiguresMessage
+ * @property {"figures"} kind
+ * @property {number} first
+ * @property {FigureColumn[]} columns
+ * @property {((number | null)[])[]} rows number of the frame, then a value for each column
+ */
+
+/**
+ * A scene or a run that can be opened.
+ * @typedef {object} LibraryEntry
+ * @property {string} name
+ * @property {"scene" | "run"} kind
+ */
+
+/**
+ * What lies in the served folders.
+ * @typedef {object} LibraryMessage
+ * @property {"library"} kind
+ * @property {LibraryEntry[]} entries
+ */
+
+/**
+ * A mesh or a height map that this page has dropped is there, and can be added.
+ * @typedef {object} DroppedMessage
+ * @property {"dropped"} kind
+ * @property {Addable} what
  */
 
 /**
@@ -388,6 +308,7 @@ export const PARTICLE_BYTES = 8;
  * @property {[number, number, number]} step position = low + step q [m]
  * @property {string} mode colour mode that the values belong to
  * @property {[number, number]} limits values that get the first and the last colour
+ * @property {boolean} log the value is spaced by powers between the limits
  * @property {boolean} classes the values are names
  * @property {number} time simulated [s]
  * @property {number} frame
@@ -407,6 +328,7 @@ export const PARTICLE_BYTES = 8;
  * @property {number} cell size of a cell of the film's density grid [m]
  * @property {Camera} camera
  * @property {Light} light
+ * @property {Falling | null} falling null: no flakes are in the air
  * @property {Solid[]} solids
  * @property {Mode[]} modes
  * @property {number} n particles
@@ -420,5 +342,5 @@ export const PARTICLE_BYTES = 8;
 
 /**
  * What the server sends as text.
- * @typedef {SceneMessage | PlayerMessage | RefusedMessage | ProgressMessage | FileMessage} Message
+ * @typedef {SceneMessage | PlayerMessage | RefusedMessage | NoteMessage | ProgressMessage | FileMessage | FiguresMessage | LibraryMessage | DroppedMessage} Message
  */

@@ -1,11 +1,12 @@
 // A replay: the same stage, fed from the file itself.
 
-/** @import { Command, ReplayHead } from "./protocol.js" */
+/** @import { Command } from "./commands.js" */
+/** @import { ReplayHead } from "./protocol.js" */
 /** @import { State } from "./draw/snow_cloud.js" */
 
 import { Bar } from "./controls/bar.js";
 import { byId, select } from "./controls/dom.js";
-import { capture, dragCamera, listenToWheel } from "./controls/pointer.js";
+import { capture, dragCamera, listenToWheel } from "./tools/pointer.js";
 import { OrbitCamera } from "./draw/camera.js";
 import { V } from "./draw/math.js";
 import { Stage } from "./draw/stage.js";
@@ -54,7 +55,15 @@ class Replay {
 
   showPlayer() {
     const { frames } = this.scene;
-    const state = { playing: this.playing, speed: this.speed, frames, recording: false, recorded: frames };
+    const state = {
+      playing: this.playing,
+      speed: this.speed,
+      frames,
+      recording: false,
+      recorded: frames,
+      undo: "",
+      redo: "",
+    };
     this.bar.show(state, false);
   }
 
@@ -65,7 +74,7 @@ class Replay {
   send(command) {
     if (command.do === "play" || command.do === "pause") this.playing = command.do === "play";
     else if (command.do === "restart") this.frame = 0;
-    else if (command.do === "seek") this.frame = command.frame;
+    else if (command.do === "seek") this.frame = command.frame ?? 0;
     else if (command.do === "speed") this.speed = command.factor;
     this.stale = true;
     this.showPlayer();
@@ -139,6 +148,7 @@ class Replay {
       q: this.q,
       mode: this.mode,
       limits: [0, FAST],
+      log: false,
       classes: false,
       time: times[whole] + share * (times[next] - times[whole]),
       frame: Math.round(frame),

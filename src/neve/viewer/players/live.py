@@ -10,32 +10,32 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from neve.build import with_one_more
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError, SceneWarning
-from neve.scene.reading.load import load
-from neve.scene.reading.presets import presets
-from neve.scene.schema.scene import Scene, Source
+from neve.scene.schema.scene import Scene
 from neve.simulation import Simulation
 from neve.viewer.modes import MODES, available
-from neve.viewer.players.player import WAIT, Player
+from neve.viewer.players.costs import Costs
+from neve.viewer.players.figures import Figures, Sampler
+from neve.viewer.players.history import History, going_on
+from neve.viewer.players.player import WAIT, Begin, Player
 from neve.viewer.players.recorder import Recorder
-from neve.viewer.players.snapshot import of_simulation, present
+from neve.viewer.players.snapshot import of_simulation
 from neve.viewer.protocol import commands
 from neve.viewer.protocol.commands import Command
-from neve.viewer.protocol.messages import Facts, PlayerState
+from neve.viewer.protocol.messages import PlayerState, RobotControl
 from neve.viewer.tools import edit
 from neve.viewer.tools.change import changed, is_live
-from neve.viewer.tools.drag import DragController
-from neve.viewer.tools.velocity import VelocityTool
+from neve.viewer.tools.hands import Hands, controls_of
+from neve.viewer.tools.placing import half_of, lifted
+from neve.viewer.tools.throwing import ball_of
 
 PAUSE = 1 / 30
 """Seconds of work between two snapshots, where steps are short enough."""
 
 COPYING = 0.2
 """Greatest share of the player's time that goes into copying snapshots for the pages."""
-
-MOST_THROWN = 200_000
-"""Particles of a ball that may be thrown."""
 
 
 class SlowColors(NamedTuple):
@@ -63,11 +63,14 @@ class Live(Player):
         self._frame = 0
         self._chunk = 1e-3  # simulated seconds of the next piece of work
         self._anchor = (0.0, 0.0)  # clock and simulated time from which the pace is counted
-        self._spent: dict[str, float] = {}  # seconds of each stage, lately
+        self._costs, self._figures = Costs(), Figures()
         self._due = 0.0  # clock from which the pages may see another snapshot
-        self._velocity_tool, self._drags = VelocityTool(), DragController()
+        self._hands = Hands()
         self._sources: list[int] = []  # number in the running scene of each source of `scene`
         self._slow: dict[str, SlowColors] = {}
+        self._history = History()
+        self._begun = scene
+        self._first: Simulation | None = None  # made before the player started
 
     def solids(self) -> tuple[Solid, ...]:
         """Return the solids in the order of a snapshot's poses."""
@@ -85,6 +88,14 @@ class Live(Player):
         """Return the scene whose snow is shown, with what pages have thrown in."""
         return self._sim.scene
 
+    def begun(self) -> Scene:
+        """Return the scene as it was when this run began, with the sources that were added since."""
+        return self._begun
+
+    def controls(self) -> list[RobotControl]:
+        """Return the controls of motors and robots that a page can hold."""
+        return controls_of(self._sim)
+
     def state(self) -> PlayerState:
         """Return whether it plays, and how fast."""
         return {
@@ -93,17 +104,32 @@ class Live(Player):
             "frames": 0,
             "recording": self._recorder.on,
             "recorded": self._recorder.frames,
+            "undo": self._history.last,
+            "redo": self._history.next,
         }
 
     def _begin(self) -> None:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SceneWarning)
-            self._sim = Simulation(self.scene, threads=self._threads)
-        self._frame, self._chunk, self._spent = 0, 1e-3, {}
+        self._sim, self._first = self._first or self._made(), None
+        self._begun = self.scene
+        self._frame, self._chunk, self._costs = 0, 1e-3, Costs()
         self._sources = list(range(len(self.scene.sources)))
-        self._velocity_tool, self._drags = VelocityTool(), DragController()
+        self._hands = Hands()
+        self._sampler = Sampler()
+        self._plot(Figures())
         self._scene_changed()
         self._publish()
+
+    def make_ready(self) -> None:
+        """Fill the scene before the player starts, for who wants to know first whether it can begin.
+
+        Errors: SceneError.
+        """
+        self._first = self._made()
+
+    def _made(self) -> Simulation:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SceneWarning)
+            return Simulation(self.scene, threads=self._threads)
 
     def _busy(self) -> bool:
         return self._playing or self._one
@@ -119,12 +145,11 @@ class Live(Player):
             return
         began, start = monotonic(), sim.time
         try:
-            self._drags.act(sim, piece)
-            self._velocity_tool.act(sim, piece)
+            self._hands.act(sim, piece)
             sim.advance(piece, lambda: self._look_up(began))
         except (RuntimeError, ValueError) as error:  # lost numbers, or a drag that the scene refuses
             self._playing = self._one = False
-            self._drags = DragController()
+            self._hands.drop()
             self._refuse(str(error))
             self._state_changed()
             return
@@ -136,12 +161,23 @@ class Live(Player):
 
     def _end_frame(self) -> None:
         self._frame += 1
+        self._plot(self._figures)
+        duration = self.scene.run.duration
+        if 0.0 <= self._sim.time - duration < 1.0 / self._sim.scene.run.fps - 1e-9:
+            self._note(f"run.duration = {duration:g} s is over: neve run ends here, the viewer goes on")
         if self._recorder.on:
             self._recorder.keep(self._sim)
         self._publish()
         if self._one:
             self._one = False
             self._state_changed()
+
+    def _plot(self, figures: Figures) -> None:
+        """Add the figures of this frame, and tell them to who plots them."""
+        self._figures = figures
+        figures.add(self._frame, self._sampler.values(self._sim, self.plots))
+        if self.plots:
+            self.on_message(figures.message(len(figures) - 1))
 
     def _look_up(self, began: float) -> bool:
         """Show what is there, between two steps; return whether a command has waited long enough."""
@@ -165,12 +201,8 @@ class Live(Player):
         """Choose the next piece so that it takes PAUSE, but has at least eight steps in it: each piece begins
         with a sort, which takes as long as a step. Commands of the pages cut it short."""
         grow = min(max(PAUSE / max(seconds, 1e-4), 0.5), 2.0)
-        stats = self._sim.stats
-        self._chunk = max(piece * grow, 8 * stats.dt_mean)
-        for name, spent in stats.stage_seconds.items():
-            self._spent[name] = 0.9 * self._spent.get(name, 0.0) + spent
-        self._spent["all"] = 0.9 * self._spent.get("all", 0.0) + seconds
-        self._spent["simulated"] = 0.9 * self._spent.get("simulated", 0.0) + piece
+        self._chunk = max(piece * grow, 8 * self._sim.stats.dt_mean)
+        self._costs.add(self._sim, piece, seconds)
 
     def _publish(self) -> None:
         """Show the present state now, and the next one when it is worth the cost of copying it."""
@@ -185,7 +217,9 @@ class Live(Player):
         known = {mode: self._slow[mode].values for mode in slow if self._is_fresh(mode, count)}
         began = monotonic()
         new = modes - set(known)
-        snapshot = of_simulation(self._sim, new, known, self._frame, self._facts(), self.number)
+        snapshot = of_simulation(
+            self._sim, new, known, self._frame, self._costs.facts(self._sim), self.number
+        )
         next_time = monotonic() + max(1.0, 10 * (monotonic() - began))
         self._slow |= {mode: SlowColors(snapshot.values[mode], next_time) for mode in slow - set(known)}
         self._show(snapshot)
@@ -195,21 +229,14 @@ class Live(Player):
         last = self._slow.get(mode)
         return last is not None and monotonic() < last.next_time and len(last.values) == count
 
-    def _facts(self) -> Facts:
-        sim, spent = self._sim, self._spent
-        total = max(spent.get("all", 0.0), 1e-9)
-        return {
-            "particles": sim.count,
-            "steps": sim.steps,
-            "dt": sim.stats.dt_mean,
-            "bound": sim.stats.bound,
-            "rejected": sim.stats.rejected,
-            "pace": spent.get("simulated", 0.0) / total,
-            "keyed": present(sim.scene, sim.time),
-            "stages": {name: spent[name] / total for name in spent if name not in ("all", "simulated")},
-        }
-
     def _do(self, command: Command) -> None:
+        """Do what a page asks; a change of the scene can be taken back."""
+        before = self.scene
+        self._obey(command)
+        if self._history.keep(command, before, self.scene):
+            self._state_changed()
+
+    def _obey(self, command: Command) -> None:
         match command:
             case commands.Play() | commands.Pause():
                 self._playing = isinstance(command, commands.Play)
@@ -226,8 +253,8 @@ class Live(Player):
             case commands.Restart():
                 self._begin()
                 self._anchor = (monotonic(), 0.0)
-            case commands.Open():
-                self._open(command.scene)
+            case Begin():
+                self._open(command.name, command.scene)
             case commands.Record():
                 self._recorder.switch(command.on, self._sim, self.scene)
                 self._state_changed()
@@ -239,23 +266,38 @@ class Live(Player):
                 self._enlarge(command.path)
             case commands.Delete():
                 self._delete(command.name)
+            case commands.Undo():
+                self._go_to(self._history.undo())
+            case commands.Redo():
+                self._go_to(self._history.redo())
             case commands.Throw():
                 self._throw(command)
-            case commands.Touch():
-                self._velocity_tool.take(command)
+            case commands.Touch() | commands.Pull() | commands.Drive():
+                self._hands.take(command, self._sim)
             case commands.Move():
                 self._move(command)
             case commands.ColorMode():
                 self._publish()  # the new colours, also while nothing moves
+            case commands.Plot():
+                self.plots = True
+                self.on_message(self._figures.message(0))
 
-    def _open(self, name: str) -> None:
-        """Begin another of the scenes that come with Neve: only their names are taken, never a path."""
-        if name not in presets():
-            raise SceneError(f'no scene that comes with Neve is called "{name}"')
-        self.name, self.scene = name, load(name)
+    def _begin_with(self, scene: Scene, name: str = "") -> None:
+        """Begin another scene. Errors: SceneError for one that cannot begin; then nothing has changed."""
+        before = self.name, self.scene
+        self.name, self.scene = name or self.name, scene
+        try:
+            self._begin()
+        except SceneError:
+            self.name, self.scene = before
+            raise
+
+    def _open(self, name: str, scene: Scene) -> None:
+        """Begin a scene that has nothing to do with this one. Errors: SceneError, as above."""
+        self._begin_with(scene, name)
+        self._history = History()
         self._recorder.switch(False, self._sim, self.scene)
         self._playing = self._one = False
-        self._begin()
         self._state_changed()
 
     def _set(self, path: str, value: Any) -> None:
@@ -265,13 +307,41 @@ class Live(Player):
         self._take_scene(new_scene)
 
     def _add(self, command: commands.Add) -> None:
-        new_scene, source = edit.added(self.scene, command)
+        """Add an entry that stands on a point, or on the snow that is in its way."""
+        numerics = self._sim.scene.numerics
+        edit.added(self.scene, command, numerics.dx, self.meshes)  # refuses what there is not
+        x = np.asarray(self._sim.columns()["x"]())
+        rise = lifted(command.at, half_of(command.shape, numerics.dx, self.meshes), x, numerics)
+        if rise > 0.0:
+            a, b, c = command.at
+            command = command.model_copy(update={"at": (a, b, c + rise)})
+            self._note(
+                f"there is snow in the way: the {command.shape} lies on top of it, {rise:.3g} m higher"
+            )
+        new_scene, source = edit.added(self.scene, command, numerics.dx, self.meshes)
         if source is None:
-            self._sim.change(edit.added(self._sim.scene, command)[0])
+            self._sim.change(edit.added(self._sim.scene, command, numerics.dx, self.meshes)[0])
         else:
             self._grow(source)
             self._sources.append(len(self._sim.scene.sources) - 1)
+            self._begun = with_one_more(self._begun, source)
         self._take_scene(new_scene)
+
+    def _go_to(self, scene: Scene) -> None:
+        """Go on in a scene of the history; where it has other snow, begin with it.
+
+        Errors: SceneError for a scene that cannot begin; then nothing has changed.
+        """
+        old = self.scene
+        counts = [[len(s.sources), len(s.emitters)] for s in (old, scene)]
+        if counts[0] == counts[1]:
+            self._sim.change(going_on(scene, self._sim, self._sources))
+        else:
+            self._begin_with(scene)
+            self._note("the snow of the scene is another: it begins again")
+        self._take_scene(scene)
+        self._history.went(old)
+        self._state_changed()
 
     def _enlarge(self, path: str) -> None:
         new_scene = edit.enlarged(self.scene, path)
@@ -282,8 +352,7 @@ class Live(Player):
     def _delete(self, name: str) -> None:
         new_scene = edit.deleted(self.scene, name)
         if name.startswith(("sources.", "emitters.")) and name.count(".") == 1:
-            self.scene = new_scene
-            self._begin()  # whose snow is whose is known at the start alone
+            self._begin_with(new_scene)  # whose snow is whose is known at the start alone
         elif is_live(self.scene, name):
             self._sim.change(edit.deleted(self._sim.scene, self._running(name)))
         self._take_scene(new_scene)
@@ -301,21 +370,10 @@ class Live(Player):
         return ".".join(keys)
 
     def _throw(self, throw: commands.Throw) -> None:
-        norm = sum(a * a for a in throw.direction) ** 0.5
-        if norm < 1e-9:
-            return
-        many = 4.2 * (throw.radius / (2 * self.radius())) ** 3
-        if many > MOST_THROWN:
-            raise SceneError(f"a ball of {throw.radius:g} m has {many:.2g} particles: throw a smaller one")
-        way = [a / norm for a in throw.direction]
-        ball = Source.of(
-            "sphere",
-            center=tuple(o + 2 * throw.radius * w for o, w in zip(throw.origin, way, strict=True)),
-            radius=throw.radius,
-            velocity=tuple(throw.speed * w for w in way),
-        )
-        self._grow(ball)
-        self._publish()
+        ball = ball_of(throw, 2 * self.radius())
+        if ball is not None:
+            self._grow(ball)
+            self._publish()
 
     def _grow(self, source: Any) -> None:
         try:
@@ -329,7 +387,7 @@ class Live(Player):
         """Move a solid to where a page drags it: at once while nothing plays, else at a finite speed."""
         new_scene = edit.placed(self.scene, move)
         if self._busy():
-            self._drags.take(move)
+            self._hands.take(move, self._sim)
         else:
             self._sim.change(edit.placed(self._sim.scene, move))
             self._publish()

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import queue
+import re
 import threading
 from collections.abc import Callable
+from pathlib import Path
+
+from pydantic import BaseModel
 
 from neve.colliders.solid import Solid
 from neve.scene.errors import SceneError
+from neve.scene.reading.paths import follow
 from neve.scene.schema.scene import Scene
 from neve.viewer.players.snapshot import Snapshot
 from neve.viewer.protocol.commands import Command
-from neve.viewer.protocol.messages import Message, PlayerState
+from neve.viewer.protocol.messages import Message, PlayerState, RobotControl
+
+KEY = re.compile(r"[a-z_]+(?:\.[A-Za-z_0-9]+)+")
+"""The key of a value as a sentence has it: numerics.dx."""
 
 WAIT = 0.25
 """Longest sleep of a player that has nothing to do [s]."""
+
+
+class Begin(Command):
+    """Play another scene. The server alone gives this command, for a name that it has looked up."""
+
+    name: str
+    scene: Scene
 
 
 class Player:
@@ -37,6 +53,10 @@ class Player:
         self.latest: Snapshot | None = None
         self.modes: set[str] = set()
         """Colour modes that some page looks at; the server sets them."""
+        self.meshes: dict[str, Path] = {}
+        """Meshes that pages have dropped, by name; the server fills it."""
+        self.plots = False
+        """Whether some page has asked for figures over time."""
         self.on_snapshot: Callable[[], None] = lambda: None
         self.on_scene: Callable[[], None] = lambda: None
         self.on_message: Callable[[Message], None] = lambda message: None
@@ -44,6 +64,9 @@ class Player:
         self._queue: queue.SimpleQueue[Command] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="neve-player", daemon=True)
+
+    def make_ready(self) -> None:
+        """Do before the start what may fail, for who wants to know. Errors: SceneError."""
 
     def start(self) -> None:
         """Start the thread."""
@@ -71,9 +94,17 @@ class Player:
         """Return the scene whose snow is shown, with what pages have thrown in."""
         return self.scene
 
+    def begun(self) -> Scene:
+        """Return the scene as the panel would have shown it when this run began."""
+        return self.scene
+
     def color_modes(self) -> list[str]:
         """Return the names of the colour modes that can be shown."""
         raise NotImplementedError
+
+    def controls(self) -> list[RobotControl]:
+        """Return the controls of motors and robots that a page can hold."""
+        return []
 
     def state(self) -> PlayerState:
         """Return whether it plays, how fast, and how many frames there are to seek in."""
@@ -103,7 +134,7 @@ class Player:
         try:
             self._do(command)
         except SceneError as error:
-            self._refuse(str(error), getattr(command, "path", ""))
+            self._refuse(str(error), getattr(command, "path", "") or blamed(self.scene, str(error)))
         except Exception as error:  # whatever one page has asked for, the others go on watching
             logging.getLogger("neve").exception("a command of a page failed")
             self._refuse(f"this could not be done: {' '.join(str(error).split())[:200]}")
@@ -131,5 +162,17 @@ class Player:
     def _state_changed(self) -> None:
         self.on_message({"kind": "player", **self.state()})
 
+    def _note(self, sentence: str) -> None:
+        self.on_message({"kind": "note", "sentence": sentence})
+
     def _refuse(self, sentence: str, path: str = "") -> None:
         self.on_message({"kind": "refused", "sentence": sentence, "path": path})
+
+
+def blamed(scene: Scene, sentence: str) -> str:
+    """Return the key of the first value of `scene` that a sentence names, or an empty text."""
+    for key in KEY.findall(sentence):
+        with contextlib.suppress(KeyError, SceneError):
+            if not isinstance(follow(scene, key.split(".")), BaseModel | tuple):
+                return str(key)
+    return ""

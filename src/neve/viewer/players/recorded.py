@@ -17,6 +17,7 @@ from neve.io.run_folder import RunFolder
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import load
 from neve.viewer.modes import Columns, available, measure
+from neve.viewer.players.figures import of_run
 from neve.viewer.players.player import Player
 from neve.viewer.players.snapshot import Snapshot
 from neve.viewer.protocol import commands
@@ -66,6 +67,8 @@ class Recorded(Player):
             "frames": len(self._numbers),
             "recording": False,
             "recorded": len(self._numbers),
+            "undo": "",
+            "redo": "",
         }
 
     def _begin(self) -> None:
@@ -99,6 +102,14 @@ class Recorded(Player):
         if len(numbers) != len(self._numbers) and numbers:
             self._numbers = numbers
             self._state_changed()
+            if self.plots:
+                self._tell_figures()
+
+    def _tell_figures(self) -> None:
+        try:
+            self.on_message(of_run(self.run).message(0))
+        except RunError as error:
+            self._refuse(str(error))
 
     def _show_frame(self) -> None:
         self._at = min(self._at, len(self._numbers) - 1)
@@ -122,6 +133,13 @@ class Recorded(Player):
                 scene=self.number,
             )
         )
+
+    def _place_of(self, seek: commands.Seek) -> int:
+        """Return the place in the list of frames that a page looks for."""
+        if seek.time is None:
+            return min(seek.frame, len(self._numbers) - 1)
+        times = np.array(self._numbers) / self.scene.run.fps
+        return int(np.abs(times - seek.time).argmin())
 
     def _columns(self, frame: Frame) -> Columns:
         """Return what a frame has for the colour modes; density is rho0 / J_P, without the elastic strain."""
@@ -159,12 +177,16 @@ class Recorded(Player):
             case commands.Restart():
                 self._at = 0
             case commands.Seek():
-                self._at = min(command.frame, len(self._numbers) - 1)
+                self._at = self._place_of(command)
             case commands.Set() if command.path.split(".")[0] in ("light", "camera"):
                 self.scene = changed(self.scene, command.path, command.value)
                 self._scene_changed()
             case commands.ColorMode():
                 pass
+            case commands.Plot():
+                self.plots = True
+                self._tell_figures()
+                return
             case _:
                 raise SceneError("a recorded run cannot be changed; neve view SCENE computes one")
         self._anchor = (monotonic(), self._at)

@@ -8,12 +8,19 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 Number = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 Vector = tuple[Number, Number, Number]
 Positive = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
+Amount = Annotated[float, Field(ge=-1e12, le=1e12, allow_inf_nan=False)]
 Name = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+def _rising(limits: tuple[float, float]) -> tuple[float, float]:
+    if limits[1] - limits[0] <= 1e-6 * max(abs(limits[0]), abs(limits[1])):
+        raise ValueError("the last colour needs a greater value than the first")
+    return limits
 
 
 class Command(BaseModel):
@@ -30,10 +37,15 @@ class Acknowledge(Command):
 
 
 class ColorMode(Command):
-    """Choose the colour mode of this page."""
+    """Choose the colours of this page, with the values of the first and the last one, or found from the snow.
+
+    `log` spaces the colours between them by powers.
+    """
 
     do: Literal["color_mode"]
     mode: Name
+    limits: Annotated[tuple[Amount, Amount], AfterValidator(_rising)] | None = None
+    log: bool = False
 
 
 class Play(Command):
@@ -68,17 +80,40 @@ class Speed(Command):
 
 
 class Seek(Command):
-    """Show frame number `frame` of a recorded run."""
+    """Show a frame of a recorded run: number `frame` of those that it has, or the one next to `time` [s]."""
 
     do: Literal["seek"]
-    frame: int = Field(ge=0, le=10**9)
+    frame: Annotated[int, Field(ge=0, le=10**9)] = 0
+    time: Amount | None = None
+
+
+class Plot(Command):
+    """Tell the figures over time, now and from now on."""
+
+    do: Literal["plot"]
+
+
+class Library(Command):
+    """Tell which scenes and runs lie in the served folders."""
+
+    do: Literal["library"]
 
 
 class Open(Command):
-    """Play another scene that comes with Neve."""
+    """Play another scene that comes with Neve, or a scene or run of the library."""
 
     do: Literal["open"]
     scene: Name
+
+
+class Piece(Command):
+    """Bring a piece of a file that was dropped: from byte number `at`, of so many bytes; `data` in base64."""
+
+    do: Literal["piece"]
+    name: Name
+    at: int = Field(ge=0, le=2**25)
+    of: int = Field(ge=1, le=24 * 2**20)
+    data: Annotated[str, Field(min_length=4, max_length=15_000)]
 
 
 class Set(Command):
@@ -103,6 +138,18 @@ class Enlarge(Command):
 
     do: Literal["enlarge"]
     path: Name
+
+
+class Undo(Command):
+    """Take back the last change of the scene."""
+
+    do: Literal["undo"]
+
+
+class Redo(Command):
+    """Do again what was taken back last."""
+
+    do: Literal["redo"]
 
 
 class Delete(Command):
@@ -141,6 +188,24 @@ class Touch(Command):
     velocity: Vector
     radius: Positive
     done: bool = False
+
+
+class Pull(Command):
+    """Pull a body by a spring: from a point of its own frame [m] to a target [m]; `done` lets it go."""
+
+    do: Literal["pull"]
+    name: Name
+    grip: Vector
+    target: Vector
+    done: bool = False
+
+
+class Drive(Command):
+    """Hold the control `name` of a motor or robot at a value; without one, the scene has it again."""
+
+    do: Literal["drive"]
+    name: Name
+    value: Number | None = None
 
 
 class PageCamera(BaseModel):
@@ -190,8 +255,9 @@ class Save(Command):
 
 
 AnyCommand = Annotated[
-    Acknowledge | ColorMode | Play | Pause | Frame | Restart | Speed | Seek | Open | Set | Add | Enlarge
-    | Delete | Move | Throw | Touch | Record | Picture | Film | Replay | Save,
+    Acknowledge | ColorMode | Play | Pause | Frame | Restart | Speed | Seek | Plot | Library | Open | Piece
+    | Set | Add | Enlarge | Delete | Undo | Redo | Move | Throw | Touch | Pull | Drive | Record | Picture
+    | Film | Replay | Save,
     Field(discriminator="do"),
 ]  # fmt: skip
 _ADAPTER: TypeAdapter[Any] = TypeAdapter(AnyCommand)

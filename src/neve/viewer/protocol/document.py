@@ -1,6 +1,6 @@
 """Write commands and messages as types of the page: `python -m neve.viewer.protocol.document`.
 
-The page has no build step, so page/protocol.js is kept in the tree; a test sees that it is current.
+The page has no build step, so both files are kept in the tree; a test sees that they are current.
 """
 
 from __future__ import annotations
@@ -25,9 +25,15 @@ from pydantic_core import PydanticUndefined
 
 from neve.viewer.protocol import commands, messages, state
 
-FILE = Path(__file__).parents[1] / "page" / "protocol.js"
-HEAD = """\
-// What the page and the server say to each other.
+PAGE = Path(__file__).parents[1] / "page"
+COMMANDS = """\
+// What the page says to the server: types alone.
+// Made from src/neve/viewer/protocol by `python -m neve.viewer.protocol.document`; do not edit it by hand.
+
+export {};
+"""
+MESSAGES = """\
+// What the server says to the page.
 // Made from src/neve/viewer/protocol by `python -m neve.viewer.protocol.document`; do not edit it by hand.
 
 /** Greatest number of a position or a value in a state; a particle with three of them has no position. */
@@ -39,12 +45,20 @@ export const PARTICLE_BYTES = {bytes};
 PLAIN = {bool: "boolean", int: "number", float: "number", str: "string", type(None): "null", Any: "any"}
 
 
-def document() -> str:
-    """Return the text of page/protocol.js."""
+def documents() -> dict[Path, str]:
+    """Return the text of each file that is made."""
+    return {PAGE / "commands.js": _commands(), PAGE / "protocol.js": _messages()}
+
+
+def _commands() -> str:
     union = get_args(get_args(commands.AnyCommand)[0])
-    parts = [HEAD.format(most=state.MOST, bytes=state.PARTICLE_BYTES)]
-    parts += [_command(model) for model in (commands.PageCamera, *union)]
+    parts = [COMMANDS, *(_command(model) for model in (commands.PageCamera, *union))]
     parts.append(_union("Command", union, "What a page may ask for."))
+    return "\n".join(parts)
+
+
+def _messages() -> str:
+    parts = [MESSAGES.format(most=state.MOST, bytes=state.PARTICLE_BYTES)]
     tables = [value for value in vars(messages).values() if is_typeddict(value)]
     parts += [_message(table) for table in tables]
     parts.append(_union("Message", get_args(messages.Message), "What the server sends as text."))
@@ -118,4 +132,5 @@ def _union(name: str, members: tuple[type, ...], about: str) -> str:
 
 
 if __name__ == "__main__":
-    FILE.write_text(document(), encoding="utf-8")
+    for file, text in documents().items():
+        file.write_text(text, encoding="utf-8")

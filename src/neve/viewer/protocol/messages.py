@@ -1,6 +1,6 @@
 """What the server sends to the pages: the one definition of its messages; commands.py has the commands.
 
-`python -m neve.viewer.protocol.document` writes both as types of the page into page/protocol.js.
+`python -m neve.viewer.protocol.document` writes both as types for the page.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ class PlayerState(TypedDict):
     frames: Annotated[int, "frames to seek in; 0 for a live run"]
     recording: bool
     recorded: Annotated[int, "frames of the recording"]
+    undo: Annotated[str, "what can be taken back, in words, or empty"]
+    redo: Annotated[str, "what can be done again, in words, or empty"]
 
 
 class Camera(TypedDict):
@@ -44,6 +46,27 @@ class Light(TypedDict):
     sky_color: Vector
 
 
+class Falling(TypedDict):
+    """Flakes in the air: the constants of their law, neve.render.falling, which the page computes, too."""
+
+    count: Annotated[int, "flakes of a cube of air, which is repeated without end"]
+    edge: Annotated[float, "of the cube [m]"]
+    around: Annotated[float, "how far from the camera flakes are, in distances to its target"]
+    velocity: Annotated[Vector, "on average [m/s]"]
+    pace: Annotated[tuple[float, float], "least speed and range of speeds over the average"]
+    radius: Annotated[float, "on average [m]"]
+    spread: Annotated[tuple[float, float], "least radius and range of radii over the average"]
+    sway: Annotated[float, "how far a flake swings aside [m]"]
+    period: Annotated[float, "of a swing along x, on average [s]"]
+    second: Annotated[float, "swings along y over those along x"]
+    numbers: Annotated[list[int], "numbers of the random numbers of place, pace, phase and radius"]
+    open: Annotated[float, "how long the shutter is open [s]"]
+    least: Annotated[float, "radius of the image of a flake that is drawn smaller than it is [px]"]
+    faintest: Annotated[float, "share of a pixel below which a flake is not drawn"]
+    nearest: Annotated[float, "distance from the camera [m]"]
+    light: Vector
+
+
 class Mesh(TypedDict):
     """Triangles, in base64."""
 
@@ -60,6 +83,7 @@ class Solid(TypedDict):
     color: Vector
     visible: bool
     ground: Annotated[bool, "drawn as ground"]
+    pulled: Annotated[NotRequired[bool], "hangs on a joint, or is part of a robot: is pulled, not moved"]
     mesh: NotRequired[Mesh]
 
 
@@ -92,6 +116,7 @@ class Drawn(TypedDict):
     cell: Annotated[float, "size of a cell of the film's density grid [m]"]
     camera: Camera
     light: Light
+    falling: Annotated[Falling | None, "null: no flakes are in the air"]
     solids: list[Solid]
     modes: list[Mode]
 
@@ -122,6 +147,7 @@ class Field(Control):
     default: Any
     value: Any
     live: Annotated[bool, "a change acts at once; else when the scene begins anew"]
+    now: Annotated[NotRequired[Any], "what the run goes on with until then, where that differs from value"]
 
 
 class Section(TypedDict):
@@ -135,16 +161,34 @@ class Section(TypedDict):
     fields: list[Field]
 
 
+class Addable(TypedDict):
+    """A shape that can be added."""
+
+    shape: Annotated[str, '"mesh:rock", "terrain:alps.tif"']
+    half: Annotated[Vector, "half of the edges of the box that stands on its place [m]; zeros if endless"]
+
+
+class RobotControl(TypedDict):
+    """A control of a motor or a robot."""
+
+    name: str
+    low: float
+    high: float
+    value: float
+
+
 class SceneMessage(Drawn):
     """All that a page needs beside the states; sent again when it changes."""
 
     kind: Literal["scene"]
     number: Annotated[int, "counts the changes"]
     live: bool
+    duration: Annotated[float, "run.duration [s]"]
     player: PlayerState
     panel: list[Section]
     presets: Annotated[dict[str, str], "scenes that can be opened, and what they show"]
-    addable: Annotated[dict[str, list[str]], "list of the scene -> shapes that can be added to it"]
+    controls: Annotated[list[RobotControl], "of motors and robots"]
+    addable: Annotated[dict[str, list[Addable]], "list of the scene -> shapes that can be added to it"]
 
 
 class PlayerMessage(PlayerState):
@@ -159,6 +203,13 @@ class RefusedMessage(TypedDict):
     kind: Literal["refused"]
     sentence: str
     path: Annotated[str, "of the value that was refused, or empty"]
+
+
+class NoteMessage(TypedDict):
+    """Something that a user should know, and no fault."""
+
+    kind: Literal["note"]
+    sentence: str
 
 
 class ProgressMessage(TypedDict):
@@ -180,7 +231,54 @@ class FileMessage(TypedDict):
     bytes: int
 
 
-Message = SceneMessage | PlayerMessage | RefusedMessage | ProgressMessage | FileMessage
+class FigureColumn(TypedDict):
+    """A figure that can be plotted."""
+
+    name: str
+    unit: str
+
+
+class FiguresMessage(TypedDict):
+    """Figures over time: rows from number `first` on; from 0 on, all."""
+
+    kind: Literal["figures"]
+    first: int
+    columns: list[FigureColumn]
+    rows: Annotated[list[list[float | None]], "number of the frame, then a value for each column"]
+
+
+class LibraryEntry(TypedDict):
+    """A scene or a run that can be opened."""
+
+    name: str
+    kind: Literal["scene", "run"]
+
+
+class LibraryMessage(TypedDict):
+    """What lies in the served folders."""
+
+    kind: Literal["library"]
+    entries: list[LibraryEntry]
+
+
+class DroppedMessage(TypedDict):
+    """A mesh or a height map that this page has dropped is there, and can be added."""
+
+    kind: Literal["dropped"]
+    what: Addable
+
+
+Message = (
+    SceneMessage
+    | PlayerMessage
+    | RefusedMessage
+    | NoteMessage
+    | ProgressMessage
+    | FileMessage
+    | FiguresMessage
+    | LibraryMessage
+    | DroppedMessage
+)
 """What comes as text."""
 
 
@@ -207,6 +305,7 @@ class StateHead(TypedDict):
     step: Annotated[Vector, "position = low + step q [m]"]
     mode: Annotated[str, "colour mode that the values belong to"]
     limits: Annotated[tuple[float, float], "values that get the first and the last colour"]
+    log: Annotated[bool, "the value is spaced by powers between the limits"]
     classes: Annotated[bool, "the values are names"]
     time: Annotated[float, "simulated [s]"]
     frame: int

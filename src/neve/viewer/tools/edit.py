@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from neve.scene.errors import SceneError
-from neve.scene.reading.files import OWN, own_files
+from neve.scene.reading.files import own_files
 from neve.scene.reading.paths import follow
 from neve.scene.schema.scene import Scene, Source
 from neve.scene.schema.tables import shapes, table_of_list
@@ -13,6 +15,7 @@ from neve.scene.values.allowed import part
 from neve.viewer.protocol.commands import Add, Move
 from neve.viewer.tools.change import below, checked
 from neve.viewer.tools.panel import entry_lists, lists
+from neve.viewer.tools.placing import keys_of
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:
@@ -20,10 +23,14 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     return scene.model_dump(mode="json", exclude_none=True)
 
 
-def added(scene: Scene, command: Add) -> tuple[Scene, Source | None]:
+def added(
+    scene: Scene, command: Add, dx: float | None = None, meshes: Mapping[str, Path] | None = None
+) -> tuple[Scene, Source | None]:
     """Return the scene with one more entry of a shape at a point [m], and the entry if it is snow.
 
-    The entry has the defaults of its shape; its size fits the snow that is there. Errors: SceneError.
+    The entry has the defaults of its shape; its size fits snow of spacing `dx` [m], the scene's if left out.
+    meshes: files that may be named beside those that come with Neve.
+    Errors: SceneError.
     """
     known = lists()
     if command.kind not in known:
@@ -33,22 +40,9 @@ def added(scene: Scene, command: Add) -> tuple[Scene, Source | None]:
     model = models.get(shape)
     if model is None:
         raise SceneError(f'{command.kind} has no shape "{command.shape}"; there are {", ".join(models)}')
-    size = 12 * scene.numerics.dx
-    entry: dict[str, Any] = {"shape": shape}
-    if file:
-        if "file" not in model.model_fields or file not in own_files("meshes"):
-            raise SceneError(f'Neve has no mesh "{file}" for {command.kind}')
-        entry["file"] = f"{OWN}{file}"
-    sizes = {"radius": 0.5 * size, "size": [size] * 3, "height": size, "depth": 0.5 * size}
-    for key, value in sizes.items():
-        if key in model.model_fields:
-            entry[key] = value
-    if shape == "layer":
-        entry |= {"center": list(command.at[:2]), "size": [3 * size] * 2, "base": command.at[2]}
-    elif "point" in model.model_fields:
-        entry["point"] = list(command.at)
-    elif "center" in model.model_fields:
-        entry["center"] = [command.at[0], command.at[1], command.at[2] + (0.0 if file else 0.5 * size)]
+    if file and ("file" not in model.model_fields or file not in {*own_files("meshes"), *(meshes or ())}):
+        raise SceneError(f'Neve has no {shape} "{file}" for {command.kind}')
+    entry = keys_of(command.shape, command.at, dx or scene.numerics.dx, meshes)
     tables = tables_of(scene)
     tables.setdefault(command.kind, []).append(entry)
     new_scene = checked(tables)

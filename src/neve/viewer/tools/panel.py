@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Any, Literal, cast
 
@@ -9,6 +10,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from neve.scene.reading.files import OWN, own_files
+from neve.scene.reading.paths import follow
 from neve.scene.schema.material import used
 from neve.scene.schema.scene import Scene
 from neve.scene.schema.tables import shapes, table_of_list
@@ -23,8 +25,11 @@ LIMITS = ("gt", "ge", "lt", "le")
 Can = Literal["", "add", "delete"]
 
 
-def panel(scene: Scene) -> list[Section]:
-    """Return the sections of the panel; one that lies in another comes after it."""
+def panel(scene: Scene, begun: Scene | None = None) -> list[Section]:
+    """Return the sections of the panel; one that lies in another comes after it.
+
+    begun: the scene with which the run began; a field that only a beginning takes says what it had there.
+    """
     sections: list[Section] = []
     for name in SECTIONS:
         sections += _sections(scene, name, name, getattr(scene, name), "", "")
@@ -32,6 +37,13 @@ def panel(scene: Scene) -> list[Section]:
         for i, entry in enumerate(getattr(scene, name)):
             kind = getattr(entry, "shape", "") or Path(getattr(entry, "file", "")).name
             sections += _sections(scene, f"{name}.{i}", f"{name}.{i} {kind}".strip(), entry, "", "delete")
+    for field in (
+        field for section in sections for field in section["fields"] if begun and not field["live"]
+    ):
+        with contextlib.suppress(KeyError):  # an entry that was not there yet
+            had = _plain(follow(begun, field["path"].split(".")))
+            if had != field["value"]:
+                field["now"] = had
     return sections
 
 
@@ -85,7 +97,7 @@ def _field(scene: Scene, path: str, name: str, field: FieldInfo, value: Any, con
         "default": _plain(field.default),
         "value": _plain(value),
         "live": is_live(scene, path),
-        **control,
+        **control,  # type: ignore[typeddict-item]
     }
 
 

@@ -5,6 +5,7 @@
  */
 import type { Settings } from "../settings";
 import type { Place, Stamp } from "../snow/stamps";
+import type { SnowType } from "../snow/types";
 import type { Terrain } from "../world/terrain_type";
 import { BODY, GRAVITY, suspension, WHEELS } from "./body";
 import { Chassis, normalOver, type Strut } from "./chassis/chassis";
@@ -39,6 +40,8 @@ export interface CarOptions {
     Settings,
     "mass" | "power" | "tyreWidth" | "tyreRadius" | "stiffness" | "drive" | "compaction"
   >;
+  /** Powder other than the usual one, such as one fitted to a run. */
+  readonly powder?: SnowType;
   /** What stands in the way; left out, nothing does. */
   readonly standing?: Standing;
   /** Where it begins [m] and its heading [rad]: (cos, sin) in (x, z). */
@@ -111,7 +114,12 @@ export class Car {
     const ahead = turn(this.chassis.rotation, [1, 0, 0]);
     const [x, , z] = this.chassis.position;
     const here = { x, z, heading: Math.atan2(ahead[2], ahead[0]) };
-    this.put(Object.values(here).every(Number.isFinite) ? here : this.good);
+    this.place(Object.values(here).every(Number.isFinite) ? here : this.good);
+  }
+
+  /** Stand still at a place on the map [m], with a heading [rad]: (cos, sin) in (x, z). */
+  place(at: { x: number; z: number; heading: number }): void {
+    this.put(at);
     this.before = this.after = this.state = this.readState();
     this.rest = 0;
   }
@@ -133,8 +141,8 @@ export class Car {
   }
 
   private get where(): Surroundings {
-    const { terrain, snow, settings } = this.options;
-    return { terrain, snow, compaction: settings.compaction };
+    const { terrain, snow, settings, powder } = this.options;
+    return { terrain, snow, compaction: settings.compaction, ...(powder && { powder }) };
   }
 
   private fixedStep(controls: Controls): void {

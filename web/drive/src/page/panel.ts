@@ -17,6 +17,12 @@ export interface PanelActions {
   nextCamera(): void;
   /** Switch the headlights. */
   switchLights(): void;
+  /** Switch the sound. */
+  switchSound(): void;
+  /** Put the car before the start of the course. */
+  toCourse(): void;
+  /** Begin or end photo mode. */
+  togglePhoto(): void;
 }
 
 const TITLES = { snow: "Snow", weather: "Weather", car: "Car", picture: "Picture" } as const;
@@ -39,11 +45,14 @@ export function makePanel(settings: Settings, actions: PanelActions): GUI {
   const button = (name: string, action: () => void) => gui.add({ action }, "action").name(name);
   button("next camera (C)", actions.nextCamera);
   button("headlights (L)", actions.switchLights);
+  button("sound on or off (N)", actions.switchSound);
+  button("to the start of the course (T)", actions.toCourse);
+  button("photo mode (P)", actions.togglePhoto);
   button("put the car upright (R)", actions.resetCar);
   button("copy link with these settings", actions.copyLink);
   button("settings as they were", () => usual(gui, settings, actions));
   freeKeys(gui.domElement);
-  if (window.innerWidth < 700) gui.close();
+  gui.close(); // open it hides a third of the picture
   return gui;
 }
 

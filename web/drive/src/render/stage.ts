@@ -8,6 +8,7 @@ import type { Terrain } from "../world/terrain_type";
 import { Atmosphere } from "./sky/atmosphere";
 import type { CarPose } from "./car/car_pose";
 import { CarView } from "./car/car_view";
+import { snowedAfter } from "./car/lying_snow";
 import { daylight, overcast } from "./sky/daylight";
 import { Flakes } from "./sky/flakes";
 import { GroundClipmap } from "./ground/ground_clipmap";
@@ -19,13 +20,21 @@ import { Scenery } from "./ground/scenery";
 import { Sky } from "./sky/sky";
 import { RINGS, SnowSurface } from "./ground/snow_surface";
 import type { RingSize, Tracks } from "./ground/snow_surface";
+import { Lumps } from "./car/lumps";
+import { LumpMotion } from "./car/lump_motion";
 import { Spray } from "./car/spray";
+import { CompanyView } from "./others/company_view";
+import type { Gate } from "../course/course";
+import type { Sight } from "../others/company";
 
 export interface StageOptions {
   readonly terrain: Terrain;
   readonly settings: Settings;
   /** What stands on tile (i, j) of the world, as the car meets it. */
   readonly placesOn: (i: number, j: number) => Places;
+  readonly gates: readonly Gate[];
+  /** Height of the surface of the snow, as well as it is known [m]. */
+  readonly surface: (x: number, z: number) => number;
   /** Grid rings of the snow; coarser ones for slow machines. */
   readonly rings?: RingSize;
 }
@@ -58,12 +67,17 @@ export class Stage {
   private readonly car: CarView;
   private readonly lamps: Lamps;
   private readonly scenery: Scenery;
+  private readonly company: CompanyView;
   private readonly spray: Spray;
+  private readonly lying: LumpMotion;
+  private readonly lumps: Lumps;
   private readonly flakes: Flakes;
   private readonly focus = new Vector3();
-  private snowed = 0.35;
+  /** How much snow lies on the car, 0..1. */
+  snowed = 0.35;
 
-  constructor(renderer: WebGLRenderer, { terrain, settings, placesOn, rings = RINGS }: StageOptions) {
+  constructor(renderer: WebGLRenderer, options: StageOptions) {
+    const { terrain, settings, placesOn, gates, surface, rings = RINGS } = options;
     this.renderer = renderer;
     renderer.shadowMap.enabled = true;
     renderer.shadowMap.type = PCFShadowMap;
@@ -78,14 +92,24 @@ export class Stage {
     this.car = new CarView(this.air, this.noise);
     this.lamps = new Lamps(this.air);
     this.scenery = new Scenery(this.air, this.noise, placesOn);
-    this.spray = new Spray(this.air, this.noise, (x, z) => terrain.height(x, z));
+    this.company = new CompanyView(this.air, this.noise, gates, surface);
+    this.lying = new LumpMotion(surface);
+    this.lumps = new Lumps(this.air);
+    this.spray = new Spray(this.air, this.noise, surface, (x, z, size) => this.lying.land(x, z, size));
     this.flakes = new Flakes(this.air);
-    this.lights = new Lights({ fine: this.car.casters, coarse: this.scenery.casters });
-    const { snow, sky, spray, flakes } = this;
-    for (const part of [snow, sky, spray, flakes]) this.scene.add(part.mesh);
-    for (const part of [this.lights, this.car, this.lamps, this.scenery]) this.scene.add(part.group);
+    const fine = [...this.car.casters, ...this.company.casters];
+    this.lights = new Lights({ fine, coarse: this.scenery.casters });
+    const { snow, sky, lumps, spray, flakes } = this;
+    for (const part of [snow, sky, lumps, spray, flakes]) this.scene.add(part.mesh);
+    for (const part of [this.lights, this.car, this.company, this.lamps, this.scenery])
+      this.scene.add(part.group);
     this.scenery.follow(0, 0, 30);
     this.light(settings, 0);
+  }
+
+  /** Direction to the sun, or to the moon at night; x east, y up, z south. */
+  get toLight(): Vector3 {
+    return this.air.uniforms.lightDirection.value.clone();
   }
 
   /** Show the tracks of a snow field. */
@@ -98,8 +122,8 @@ export class Stage {
     this.clipmap.repaint();
   }
 
-  /** Bring everything to the state of the car after dt [s]. */
-  update(dt: number, car: CarPose, camera: PerspectiveCamera, settings: Settings): void {
+  /** Bring everything to the state of the car, and of what is about it, after dt [s]. */
+  update(dt: number, car: CarPose, camera: PerspectiveCamera, settings: Settings, sight?: Sight): void {
     this.focus.set(...car.position);
     this.clipmap.follow(this.focus.x, this.focus.z);
     if (this.scenery.follow(camera.position.x, camera.position.z)) this.lights.refresh();
@@ -108,13 +132,29 @@ export class Stage {
     const light = this.light(settings, dt);
     this.dark = light.lamps > 0.5;
     const lamps = this.headlights === null ? light.lamps : Number(this.headlights);
-    this.driveOn(dt, car, lamps, this.pixels(camera));
+    this.driveOn(dt, car, lamps, light.lamps, this.pixels(camera));
+    this.lying.step(dt, car);
+    this.lumps.update(dt, this.lying, settings.recovery);
+    if (sight) this.company.update(sight, camera.position);
     this.flakes.update(dt, falling(settings), this.pixels(camera));
+  }
+
+  /** Show what the driver reads: speed [m/s], engine 0..1, steering of the front wheels [rad]. */
+  read(speed: number, revs: number, steer: number): void {
+    this.car.read(speed, revs, steer);
+  }
+
+  /** Compile what pictures need, so that the first one does not hold up the drive. */
+  prepare(camera: PerspectiveCamera): void {
+    this.renderer.compile(this.scene, camera);
   }
 
   render(camera: PerspectiveCamera): void {
     const { info } = this.renderer;
     info.reset();
+    this.scenery.look(camera);
+    this.snow.look(camera);
+    this.car.look(camera.position);
     this.renderer.render(this.scene, camera);
     this.stats.drawCalls = info.render.calls;
     this.stats.triangles = info.render.triangles;
@@ -137,18 +177,15 @@ export class Stage {
   dispose(): void {
     for (const part of [this.snow, this.sky, this.mirror, this.lights, this.car, this.lamps, this.scenery])
       part.dispose();
-    for (const part of [this.spray, this.flakes, this.clipmap, this.noise]) part.dispose();
+    for (const part of [this.company, this.lumps, this.spray, this.flakes, this.clipmap, this.noise])
+      part.dispose();
   }
 
-  private driveOn(dt: number, car: CarPose, need: number, pixels: number): void {
-    // Snow gathers on the car where it digs through deep snow, and blows off slowly.
-    const deep = car.wheels.reduce((sum, w) => sum + (w.grounded ? w.sinkage : 0), 0) / car.wheels.length;
-    const speed = Math.hypot(...car.velocity);
-    const gain = Math.min(1, deep / 0.15) * Math.min(1, speed / 6);
-    this.snowed += dt * (0.06 * gain * (1 - this.snowed) - 0.004 * (this.snowed - 0.25));
+  private driveOn(dt: number, car: CarPose, need: number, dark: number, pixels: number): void {
+    this.snowed = snowedAfter(this.snowed, dt, car);
     this.car.update(car, this.snowed);
     this.car.shine(need, Math.max(0.35 * need, this.braking));
-    this.lamps.update(this.car, need, this.braking, pixels);
+    this.lamps.update(this.car, need, this.braking, dark, pixels);
     this.spray.update(dt, car);
   }
 
@@ -167,7 +204,7 @@ export class Stage {
     this.lights.update(light, this.focus);
     this.sky.update(light.stars, dt, clouds);
     const mirrored = this.mirror.update(settings.hour, clouds);
-    if (mirrored) this.car.mirror(mirrored);
+    if (mirrored) for (const part of [this.car, this.company]) part.mirror(mirrored);
     this.renderer.toneMappingExposure = settings.exposure;
     return light;
   }

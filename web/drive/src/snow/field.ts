@@ -129,16 +129,19 @@ export class SnowField {
   /**
    * Let dt seconds pass and press the snow. The ground that shaders see must be right within the window by now. With
    * dt = 0 nothing slides: the snow is pressed and the rims are laid down, and a second time changes nothing.
+   * `aside`: stamps that press as well, but about which no snow is read back for `probe` and `column`.
    */
-  update(dt: number, stamps: readonly Stamp[]): void {
+  update(dt: number, stamps: readonly Stamp[], aside: readonly Stamp[] = []): void {
     this.reads.poll();
     if (this.lost) return;
     this.now += dt;
     this.passes.begin();
     this.prepare();
     const { rect } = this.window;
-    const inside = stamps.filter((stamp) => area(common(stampRect(stamp, this.texel), rect)) > 0);
-    for (let i = 0; i < inside.length; i += STAMPS) this.press(inside.slice(i, i + STAMPS), dt);
+    const here = (stamp: Stamp) => area(common(stampRect(stamp, this.texel), rect)) > 0;
+    const [inside, besides] = [stamps.filter(here), aside.filter(here)];
+    for (const group of [inside, besides])
+      for (let i = 0; i < group.length; i += STAMPS) this.press(group.slice(i, i + STAMPS), dt);
     this.traffic.save({ now: this.now, depth: this.depth });
     this.requestPatch(inside, dt, this.prints.add(inside));
     const due = dueTiles(this.window.tiles, this.settings, this.now);
@@ -182,6 +185,21 @@ export class SnowField {
     });
     if (!data) throw new Error("the WebGL context was lost while the snow was read");
     return data;
+  }
+
+  /**
+   * Write nx x nz texels from the one that holds (x0, z0) [m], rows of z, as (h, W) pairs: snow that something else
+   * has made, such as a recording. False if the window does not hold all of them now.
+   */
+  write(x0: number, z0: number, nx: number, data: Float32Array): boolean {
+    const [x, z] = [x0, z0].map((a) => Math.floor(a / this.texel + 1e-6)) as [number, number];
+    const rect = { x0: x, z0: z, x1: x + nx, z1: z + data.length / (2 * nx) };
+    if (this.lost || !this.made || area(common(rect, this.window.rect)) !== area(rect)) return false;
+    this.passes.begin();
+    this.touch(rect);
+    this.traffic.write(rect, data);
+    this.passes.end();
+    return true;
   }
 
   /**

@@ -55,15 +55,19 @@ export type SnowTypeName = keyof typeof SNOW_TYPES;
 export const SNOW_ORDER = ["powder", "packed", "ice"] as const satisfies readonly SnowTypeName[];
 
 /**
- * The type between types, by their shares (sum 1, in SNOW_ORDER): pressures by their geometric mean, because they
+ * The type between types, by their shares (sum 1, in SNOW_ORDER), with a powder that may be another than the usual one: pressures by their geometric mean, because they
  * lie orders of magnitude apart, everything else by the plain one.
  */
-export function mixSnow(shares: readonly [number, number, number]): SnowType {
+export function mixSnow(
+  shares: readonly [number, number, number],
+  powder: SnowType = SNOW_TYPES.powder,
+): SnowType {
+  const types = SNOW_ORDER.map((name) => (name === "powder" ? powder : SNOW_TYPES[name]));
   const sum = (of: (type: SnowType) => number) =>
-    SNOW_ORDER.reduce((total, name, i) => total + shares[i]! * of(SNOW_TYPES[name]), 0);
+    types.reduce((total, type, i) => total + shares[i]! * of(type), 0);
   const largest = shares.indexOf(Math.max(...shares));
   return {
-    name: SNOW_ORDER[largest] ?? "powder",
+    name: (types[largest] ?? powder).name,
     strain: sum((type) => type.strain),
     pressure: Math.exp(sum((type) => Math.log(type.pressure))),
     density: sum((type) => type.density),

@@ -44,8 +44,14 @@ export function woodland(x: number, z: number, seed: number): number {
   return Math.min(1, Math.max(0, (broad - 0.47) / 0.2));
 }
 
-/** What stands on tile (i, j). */
-export function placesOf(terrain: Terrain, i: number, j: number, seed: number): Places {
+/** What stands on tile (i, j), nothing where a place is not `free`. */
+export function placesOf(
+  terrain: Terrain,
+  i: number,
+  j: number,
+  seed: number,
+  free: (x: number, z: number) => boolean = () => true,
+): Places {
   const trees: Place[] = [];
   const rocks: Place[] = [];
   const poles: Place[] = [];
@@ -55,6 +61,7 @@ export function placesOf(terrain: Terrain, i: number, j: number, seed: number): 
     const x = (ci + 0.15 + 0.7 * random(ci, cj, seed)) * cell;
     const z = (cj + 0.15 + 0.7 * random(ci, cj, seed + 1)) * cell;
     if (Math.hypot(x, z) < CLEARING) continue;
+    if (!free(x, z)) continue;
     const chance = random(ci, cj, seed + 2);
     const wood = woodland(x, z, seed);
     // A few stand alone in the open.

@@ -2,9 +2,11 @@
  * The ground of an endless world: the landscape taken at the points of a lattice, straight between them, so that
  * shaders, wheels and colliders that read the same lattice have exactly the same ground.
  */
+import type { Snowed } from "../bridge/ground";
 import { Landscape, LAKE_LEVEL } from "./landscape";
 import { random, smoothstep } from "./noise";
-import type { Terrain } from "./terrain_type";
+import { SnowedLand } from "./snowed_land";
+import type { Land, Surface, Terrain } from "./terrain_type";
 
 /** Distance of neighbouring lattice points [m]. */
 export const SPACING = 0.5;
@@ -54,16 +56,16 @@ const PACKED = 1;
 const ICE = 2;
 
 class LatticeLand implements LatticeTerrain {
-  private readonly land: Landscape;
   private readonly heights: Memory;
   private readonly surfaces: Memory;
 
-  constructor(land: Landscape) {
-    this.land = land;
+  constructor(land: Land) {
     this.heights = new Memory(1, (i, j, at) => {
       this.heights.values[at] = land.height(i * SPACING, j * SPACING);
     });
-    this.surfaces = new Memory(3, (i, j, at) => this.fillSurface(i, j, at));
+    this.surfaces = new Memory(3, (i, j, at) => {
+      this.surfaces.values.set(land.surface(i * SPACING, j * SPACING), at);
+    });
   }
 
   lattice(i: number, j: number): number {
@@ -108,29 +110,48 @@ class LatticeLand implements LatticeTerrain {
     const far = u === 0 ? c : c + (value(i + 1, j + 1) - c) * u;
     return near + (far - near) * v;
   }
+}
 
-  private fillSurface(i: number, j: number, at: number): void {
+/** The land as it is: its snow held by slopes and roads, moved by the wind. */
+class WildLand implements Land {
+  private readonly land: Landscape;
+  private readonly heights: Memory;
+
+  constructor(land: Landscape) {
+    this.land = land;
+    this.heights = new Memory(1, (i, j, at) => {
+      this.heights.values[at] = land.height(i * SPACING, j * SPACING);
+    });
+  }
+
+  /** Height of the nearest point of the lattice [m]. */
+  height(x: number, z: number): number {
+    return this.heights.values[this.heights.find(Math.round(x / SPACING), Math.round(z / SPACING))]!;
+  }
+
+  surface(x: number, z: number): Surface {
     const { land } = this;
-    const [x, z] = [i * SPACING, j * SPACING];
     // Slope over two metres: snow holds on a step of half a metre, not on a cliff.
-    const east = this.lattice(i + 2, j) - this.lattice(i - 2, j);
-    const south = this.lattice(i, j + 2) - this.lattice(i, j - 2);
+    const east = this.height(x + 1, z) - this.height(x - 1, z);
+    const south = this.height(x, z + 1) - this.height(x, z - 1);
     const holds = smoothstep(1.3, 0.7, Math.hypot(east, south) / 2);
     const road = land.road(x, z);
     const ice = land.ice(x, z) * (1 - road);
     const wind = land.wind(x, z);
     const crust = 0.5 * smoothstep(-0.25, -0.6, wind) * (1 - road - ice);
-    const { values } = this.surfaces;
-    values[at + COVER] = holds * ((1 + 0.4 * wind) * (1 - road) * (1 - 0.85 * ice) + 0.45 * road);
-    values[at + PACKED] = road + crust;
-    values[at + ICE] = ice;
+    const cover = holds * ((1 + 0.4 * wind) * (1 - road) * (1 - 0.85 * ice) + 0.45 * road);
+    return [cover, road + crust, ice];
   }
 }
 
-/** Terrain of a seed: the same for the same seed on every machine that has the same cosines. The start is (0, 0). */
-export function makeTerrain(seed: number): LatticeTerrain {
+/**
+ * Terrain of a seed: the same for the same seed on every machine that has the same cosines. The start is (0, 0), where
+ * `piece`, if there is one, takes the place of the hills.
+ */
+export function makeTerrain(seed: number, piece: Snowed | null = null): LatticeTerrain {
   const [east, south] = findStart(seed);
-  return new LatticeLand(new Landscape(seed, east, south));
+  const wild = new WildLand(new Landscape(seed, east, south));
+  return new LatticeLand(piece ? new SnowedLand(wild, piece) : wild);
 }
 
 /** The best of some places to begin: level, on open snow, a road close by and a lake in sight. */

@@ -9,3 +9,20 @@ export interface Terrain {
   /** Shares of the snow types [powder, packed, ice], each 0..1, sum 1. */
   kinds(x: number, z: number): [number, number, number];
 }
+
+/** Cover, share of packed snow, share of ice at a place: see `Terrain`. */
+export type Surface = readonly [number, number, number];
+
+/** What a lattice of terrain is filled from: height of the ground [m] and surface at its points. */
+export interface Land {
+  height(x: number, z: number): number;
+  surface(x: number, z: number): Surface;
+}
+
+/** Level ground at height 0 under even powder. */
+export const LEVEL: Terrain = {
+  height: () => 0,
+  slope: () => [0, 0],
+  cover: () => 1,
+  kinds: () => [1, 0, 0],
+};

@@ -19,6 +19,9 @@ export function findBrowser(): string | null {
 
 export const BROWSER = findBrowser();
 
+/** How long a page is waited for [ms]: on a busy machine the processor draws a picture in many seconds. */
+const PATIENCE = 280_000;
+
 /** Whether to skip tests that need a page; says so once. */
 export const NO_BROWSER = BROWSER === null;
 if (NO_BROWSER)
@@ -76,8 +79,10 @@ export async function visit(
   const browser = await launch();
   const context = await browser.newContext({
     viewport: { width: options.width ?? 320, height: options.height ?? 200 },
+    deviceScaleFactor: 0.5, // a quarter of the pixels: the processor draws them
     hasTouch: options.touch ?? false,
   });
+  context.setDefaultTimeout(PATIENCE);
   const page = await context.newPage();
   const errors: string[] = [];
   page.on("pageerror", (error) => errors.push(String(error)));

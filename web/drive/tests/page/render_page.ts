@@ -29,6 +29,8 @@ const begin = performance.now();
 const stage = new Stage(renderer, {
   terrain,
   settings,
+  gates: [],
+  surface: (x, z) => terrain.height(x, z),
   placesOn: (i, j) => placesOf(terrain, i, j, 7),
   rings: { ...RINGS, cells: Number(wanted.get("cells") ?? RINGS.cells) },
 });

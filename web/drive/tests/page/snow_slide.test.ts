@@ -1,6 +1,6 @@
 import { afterAll, afterEach, beforeAll, describe, expect, test } from "vitest";
 import { NO_BROWSER } from "./browser";
-import { EPS, N, SnowVisit, wheelAt } from "./snow_visit";
+import { differing, EPS, N, SnowVisit, wheelAt } from "./snow_visit";
 
 describe.skipIf(NO_BROWSER)("the sliding window of the snow", () => {
   let field: SnowVisit;
@@ -59,7 +59,7 @@ describe.skipIf(NO_BROWSER)("the sliding window of the snow", () => {
       await field.read(x, z);
     }
     await field.follow(0, 0);
-    expect(await field.read(-6.4, -6.4, N)).toEqual(before);
+    expect(differing(await field.read(-6.4, -6.4, N), before)).toBe(0);
   });
 
   test("loses nothing when it is back before its tiles were read", async () => {
@@ -79,7 +79,7 @@ describe.skipIf(NO_BROWSER)("the sliding window of the snow", () => {
         snow.update(0, []);
       }
     });
-    expect(await field.read(-6.4, -6.4, N)).toEqual(before);
+    expect(differing(await field.read(-6.4, -6.4, N), before)).toBe(0);
   });
 
   test("keeps tracks of several places, and only tiles that have some", async () => {
@@ -92,9 +92,9 @@ describe.skipIf(NO_BROWSER)("the sliding window of the snow", () => {
     expect(tiles).toBeLessThan(16);
     const second = await track(80, 80);
     await field.follow(0, 0);
-    expect(await field.read(-6.4, -6.4, N)).toEqual(first);
+    expect(differing(await field.read(-6.4, -6.4, N), first)).toBe(0);
     await field.follow(80, 80);
-    expect(await field.read(73.6, 73.6, N)).toEqual(second);
+    expect(differing(await field.read(73.6, 73.6, N), second)).toBe(0);
   });
 
   test("four kilometres from the start tracks are the same as at the start", async () => {
@@ -147,13 +147,13 @@ describe.skipIf(NO_BROWSER)("the sliding window of the snow", () => {
         }),
     );
     await field.update(0);
-    expect(await field.read(-6.4, -6.4, N)).toEqual(before);
+    expect(differing(await field.read(-6.4, -6.4, N), before)).toBe(0);
     // And it still works: presses, slides the window, comes back.
     await field.update(0, [wheelAt(2, 2, 0.1)]);
     const pressed = await field.read(-6.4, -6.4, N);
-    expect(pressed).not.toEqual(before);
+    expect(differing(pressed, before)).toBeGreaterThan(0);
     await field.follow(40, 0);
     await field.follow(0, 0);
-    expect(await field.read(-6.4, -6.4, N)).toEqual(pressed);
+    expect(differing(await field.read(-6.4, -6.4, N), pressed)).toBe(0);
   });
 });

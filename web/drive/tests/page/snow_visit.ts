@@ -22,13 +22,19 @@ export const wheelAt = (x: number, z: number, bottom: number, more: object = {})
 });
 
 /** Sums over (h, W) pairs. */
-export function sums(snow: readonly number[]): { h: number; W: number } {
+export function sums(snow: Float32Array): { h: number; W: number } {
   let [h, W] = [0, 0];
   for (let i = 0; i < snow.length; i += 2) {
     h += snow[i]!;
     W += snow[i + 1]!;
   }
   return { h, W };
+}
+
+/** How many numbers of two readings differ, in however few bits. */
+export function differing(a: Float32Array, b: Float32Array): number {
+  if (a.length !== b.length) throw new Error(`${a.length} numbers and ${b.length}`);
+  return a.reduce((count, value, k) => count + Number(!Object.is(value, b[k])), 0);
 }
 
 /** What tests do to the snow field of a page. */
@@ -74,16 +80,20 @@ export class SnowVisit {
   }
 
   /** (h, W) of texels from a corner [m]. */
-  read(x: number, z: number, nx = 1, nz = nx): Promise<number[]> {
-    return this.visit.page.evaluate(
-      async ([a, b, na, nb]) => Array.from(await window.snow.field!.read(a, b, na, nb)),
-      [x, z, nx, nz] as const,
-    );
+  async read(x: number, z: number, nx = 1, nz = nx): Promise<Float32Array> {
+    const text = await this.visit.page.evaluate(([a, b, na, nb]) => window.snow.text(a, b, na, nb), [
+      x,
+      z,
+      nx,
+      nz,
+    ] as const);
+    return new Float32Array(Uint8Array.from(Buffer.from(text, "base64")).buffer);
   }
 
   /** (h, W) of the whole window. */
-  all(): Promise<number[]> {
-    return this.visit.page.evaluate(() => window.snow.all());
+  async all(): Promise<Float32Array> {
+    const { x, z } = await this.visit.page.evaluate(() => window.snow.field!.corner);
+    return this.read(x, z, N);
   }
 
   /** Slide in the middle of the window, where the stamps are: in software the whole of it takes long. */
@@ -92,12 +102,12 @@ export class SnowVisit {
   }
 
   /** Slide until a hundred steps more change nothing, bit for bit. */
-  async atRest(): Promise<number[]> {
+  async atRest(): Promise<Float32Array> {
     let snow = await this.all();
     for (let i = 0; i < 20; i++) {
       await this.relax(100);
       const next = await this.all();
-      if (next.every((a, k) => a === snow[k])) return snow;
+      if (differing(next, snow) === 0) return snow;
       snow = next;
     }
     throw new Error("snow slid for 2000 steps and did not come to rest");

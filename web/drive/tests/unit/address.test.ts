@@ -6,8 +6,22 @@ import type { QuantityName } from "../../src/settings";
 describe("address", () => {
   it("is empty for the defaults, and nothing reads as the defaults", () => {
     expect(writeAddress(defaults())).toBe("");
-    expect(readAddress("")).toEqual({ settings: defaults(), errors: [] });
+    expect(readAddress("")).toEqual({ settings: defaults(), recording: null, ground: null, errors: [] });
     expect(readAddress("#").settings).toEqual(defaults());
+  });
+
+  it("holds the names of a recording and a ground, whatever they are, beside the settings", () => {
+    const named = { recording: "wheel & load #2=ü", ground: "slope & #3=" };
+    const settings = { ...defaults(), depth: 0.6 };
+    expect(readAddress(`#${writeAddress(settings, named)}`)).toEqual({ settings, ...named, errors: [] });
+    const one = { recording: null, ground: "slope" };
+    expect(writeAddress(defaults(), one)).toBe("ground=slope");
+    expect(readAddress("#recording=&ground=")).toEqual({
+      settings: defaults(),
+      recording: null,
+      ground: null,
+      errors: [],
+    });
   });
 
   it("gives back what was written, for every setting at both ends of its range", () => {
@@ -18,7 +32,8 @@ describe("address", () => {
       settings.drive = "rear";
       settings.detail = "low";
       settings.resolution = "256";
-      expect(readAddress(`#${writeAddress(settings)}`)).toEqual({ settings, errors: [] });
+      const nothing = { recording: null, ground: null, errors: [] };
+      expect(readAddress(`#${writeAddress(settings)}`)).toEqual({ settings, ...nothing });
     }
   });
 

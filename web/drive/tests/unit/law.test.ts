@@ -1,3 +1,4 @@
+import table from "./sinkage.json";
 import { describe, expect, test } from "vitest";
 import {
   bearingDepth,
@@ -153,4 +154,13 @@ test("packed snow stands steeper, by a bounded factor", () => {
 test("a spinning wheel leaves less beside it", () => {
   expect(sideShare(0.8, 0)).toBe(0.8);
   expect(sideShare(0.8, -3)).toBeCloseTo(0.4, 12);
+});
+
+test("neve drive --fit has the same law: a table that both hold", () => {
+  for (const { strain, pressure, compaction, radius, width, load, depth, sinkage } of table) {
+    const type = { ...SNOW_TYPES.powder, strain, pressure };
+    const z = wheelSinkage({ radius, width, load }, { h: depth, W: depth }, type, compaction);
+    // 32 halvings leave 2^-33 of the depth, the table has 12 decimals.
+    expect(Math.abs(z - sinkage)).toBeLessThan(depth * 2 ** -33 + 1e-12);
+  }
 });

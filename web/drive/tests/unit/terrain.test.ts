@@ -79,8 +79,8 @@ describe("terrain", () => {
   it("has a road, a lake that is level, bare rock and mountains within reach", () => {
     for (const land of lands) {
       const found = { road: 0, ice: 0, bare: 0, high: 0 };
-      for (let x = -900; x <= 900; x += 6.25) {
-        for (let z = -900; z <= 900; z += 6.25) {
+      for (let x = -900; x <= 900; x += 12.3) {
+        for (let z = -900; z <= 900; z += 12.3) {
           const packed = land.kinds(x, z)[1];
           if (packed > 0.99) found.road++;
           if (land.cover(x, z) === 0) found.bare++;

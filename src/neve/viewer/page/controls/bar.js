@@ -1,21 +1,24 @@
 // The bar below: play, pace, timeline and clock; and the figures and the legend in the corners.
 
-/** @import { Command, Drawn, LegendName, Mode, PlayerState } from "../protocol.js" */
+/** @import { Command } from "../commands.js" */
+/** @import { Drawn, Mode, PlayerState } from "../protocol.js" */
 /** @import { State } from "../draw/snow_cloud.js" */
-/** @import { Child } from "./dom.js" */
-/** @typedef {Pick<State, "n" | "time" | "frame" | "mode" | "limits" | "facts">} BarState what the bar shows */
+/** @import { Vec3 } from "../draw/math.js" */
+/** @typedef {Pick<State, "n" | "q" | "time" | "frame" | "mode" | "limits" | "log" | "classes" | "facts">} BarState what the bar shows */
 /**
  * @typedef {object} Host
  * @property {Drawn | null} scene
  * @property {(command: Command) => void} send
  * @property {() => void} [togglePanel] where there is a panel
+ * @property {(mode: Mode) => Vec3[]} [stops] colours of a mode, if others than its own can be chosen
  */
 
-import { colorTable, nameColor } from "../draw/colors.js";
 import { button, byId, icon, make, select, short } from "./dom.js";
+import { Legend } from "./legend.js";
 
 // The stages of a step come from the solver, in its order; they get these colours one after the other.
 const STAGE_COLORS = ["#c08fd8", "#8fb8de", "#6c8fb0", "#4f9dd8", "#9fd0a8", "#d8b25a", "#d8805a", "#b0b0b0"];
+const REST_COLOR = "#5d6b7c"; // sorts, snapshots for the pages, what is in no stage
 const SPEEDS = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4];
 
 /** Count how often something has happened lately. */
@@ -51,8 +54,9 @@ export class Bar {
     this.updates = new Rate();
     /** @type {BarState | null} */
     this.state = null;
+    this.duration = 0; // of the scene [s]; 0: none is told
     this.shown = 0; // clock of the last figures [ms]
-    this.legendKey = "";
+    this.legend = new Legend((mode) => host.stops?.(mode) ?? mode.stops);
     this.play = button("play", "Play or pause (space)", () => this.toggle());
     this.play.id = "play";
     this.restart = button("restart", "Begin again (r)", () => host.send({ do: "restart" }));
@@ -109,9 +113,14 @@ export class Bar {
   showState(state) {
     this.updates.add();
     if (document.activeElement !== this.timeline || this.playing) this.timeline.value = String(state.frame);
-    this.clock.textContent = `${state.time.toFixed(3)} s · ${state.frame}`;
+    const of = this.duration ? ` of ${short(this.duration)}` : "";
+    this.clock.textContent = `${state.time.toFixed(3)}${of} s · ${state.frame}`;
+    this.clock.classList.toggle("over", this.duration > 0 && state.time > this.duration);
     this.state = state;
-    this.showLegend(state);
+    this.legend.show(
+      state,
+      this.host.scene?.modes.find((m) => m.name === state.mode),
+    );
   }
 
   /** Show the figures, four times a second. */
@@ -120,6 +129,7 @@ export class Bar {
     if (!this.state || now - this.shown < 250) return;
     this.shown = now;
     const { n, facts } = this.state;
+    this.legend.count(this.state);
     /** @type {[string, string][]} */
     const lines = [
       [this.pictures.text(), "pictures/s"],
@@ -147,57 +157,40 @@ export class Bar {
     if (!stages.length) return;
     const bar = make("div", { class: "stages" });
     const names = make("div");
-    stages.forEach(([name, share], i) => {
-      const color = STAGE_COLORS[i % STAGE_COLORS.length];
+    const all = [...stages, /** @type {[string, number]} */ (["rest", Math.max(0, 1 - sum(stages))])];
+    const percent = percents(all.map(([, share]) => share));
+    all.forEach(([name, share], i) => {
+      const color = i < stages.length ? STAGE_COLORS[i % STAGE_COLORS.length] : REST_COLOR;
       const part = make("span");
       part.style.width = `${100 * share}%`;
       part.style.background = color;
       bar.append(part);
-      const text = make("span", {}, `${name} ${Math.round(100 * share)} % `);
+      const text = make("span", {}, `${name} ${percent[i]} % `);
       text.style.color = color;
-      if (share > 0.04) names.append(text);
+      if (percent[i]) names.append(text);
     });
     box.append(bar, names);
   }
-
-  /** @param {BarState} state */
-  showLegend(state) {
-    const root = byId("legend");
-    const mode = this.host.scene?.modes.find((m) => m.name === state.mode);
-    root.hidden = !mode || state.mode === "snow";
-    if (root.hidden || !mode) {
-      this.legendKey = "";
-      return;
-    }
-    const key = JSON.stringify([state.mode, state.limits, mode.names]);
-    if (key === this.legendKey) return;
-    this.legendKey = key;
-    const title = make("div", {}, mode.label + (mode.unit && mode.unit !== "1" ? ` [${mode.unit}]` : ""));
-    root.replaceChildren(
-      title,
-      ...(mode.classes ? mode.names.map(legendName) : legendRamp(mode, state.limits)),
-    );
-  }
 }
 
-/** @param {LegendName} name */
-function legendName({ value, text }) {
-  if (value === null) return make("div", { class: "name" }, text);
-  const dot = make("span", { class: "dot" });
-  dot.style.background = `rgb(${nameColor(value)})`;
-  return make("div", { class: "name" }, dot, text);
+/** @param {[string, number][]} stages */
+function sum(stages) {
+  return stages.reduce((total, [, share]) => total + share, 0);
 }
 
 /**
- * @param {Mode} mode
- * @param {[number, number]} limits
- * @returns {HTMLElement[]}
+ * Round shares of a whole to percent so that they add up: the largest remainders are rounded up.
+ * @param {number[]} shares
  */
-function legendRamp(mode, [low, high]) {
-  const strip = make("canvas", { width: 220, height: 1 });
-  const pixels = new ImageData(new Uint8ClampedArray(colorTable(mode.stops, 220)), 220, 1);
-  strip.getContext("2d")?.putImageData(pixels, 0, 0);
-  /** @type {Child[]} */
-  const ends = [low, 0.5 * (low + high), high].map((value) => make("span", {}, short(value)));
-  return [strip, make("div", { class: "ends" }, ...ends)];
+export function percents(shares) {
+  const whole = Math.max(
+    1e-9,
+    shares.reduce((a, b) => a + b, 0),
+  );
+  const exact = shares.map((share) => (100 * share) / whole);
+  const found = exact.map(Math.floor);
+  const order = exact.map((value, i) => [value - found[i], i]).sort((a, b) => b[0] - a[0]);
+  const lacking = 100 - found.reduce((a, b) => a + b, 0);
+  for (let k = 0; k < lacking; k++) found[order[k % order.length][1]] += 1;
+  return found;
 }

@@ -1,9 +1,16 @@
 // The fields of the panel, one row each. They check nothing: a wrong value comes back with the scene's sentence.
 
-/** @import { Field, SetCommand } from "../protocol.js" */
+/** @import { SetCommand } from "../commands.js" */
+/** @import { Field } from "../protocol.js" */
 /** @import { App } from "../main.js" */
 /** @typedef {HTMLInputElement | HTMLSelectElement} Control */
-/** @typedef {{ row: HTMLElement, controls: Control[], field: Field }} Known */
+/**
+ * @typedef {object} Known
+ * @property {HTMLElement} row
+ * @property {Control[]} controls
+ * @property {Field} field
+ * @property {boolean} typed whether what it holds has not been sent yet
+ */
 
 import { make, select } from "./dom.js";
 
@@ -22,14 +29,24 @@ export class Fields {
   /** @param {Field} field */
   row(field) {
     const controls = this.controls(field);
+    const wide = field.control === "vector"; // its numbers need the whole width
     const unit = field.unit && field.unit !== "1" ? make("span", { class: "unit" }, field.unit) : null;
-    const value = make("div", { class: "value" }, ...controls, unit);
-    const row = make("div", { class: "row" }, make("label", {}, field.name), value);
+    const value = make("div", { class: "value" }, ...controls, wide ? null : unit);
+    const label = make("label", {}, field.name, wide ? " " : null, wide ? unit : null);
+    const row = make("div", { class: "row" }, label, value);
+    row.classList.toggle("wide", wide);
     row.dataset.path = field.path;
     row.title = tooltip(field);
     if (!field.live) row.classList.add("later");
     controls[0].setAttribute("aria-label", field.path);
-    this.rows.set(field.path, { row, controls, field });
+    const known = { row, controls, field, typed: false };
+    row.addEventListener("input", () => (known.typed = true));
+    row.addEventListener("focusout", () => {
+      if (!known.typed) return; // what is typed and then typed back changes nothing, and is not sent
+      known.typed = false;
+      this.update(known.field);
+    });
+    this.rows.set(field.path, known);
     this.update(field);
     return row;
   }
@@ -79,6 +96,7 @@ export class Fields {
   send(path) {
     const known = this.rows.get(path);
     if (!known) return;
+    known.typed = false;
     clearRefusal(known.row);
     const { value, wrong } = read(known);
     if (wrong) {
@@ -86,7 +104,6 @@ export class Fields {
       return;
     }
     this.app.send({ do: "set", path, value });
-    this.app.changed(known.field);
   }
 
   /**
@@ -100,7 +117,11 @@ export class Fields {
     const { row, controls } = known;
     const focused = document.activeElement;
     const typing = focused instanceof HTMLInputElement && focused.type === "text" && row.contains(focused);
-    if (typing && row.classList.contains("wrong")) return; // what was typed can still be mended
+    showPending(row, field);
+    // What is being typed stays, whatever comes; and what was refused can still be mended.
+    const kept = known.typed || (row.classList.contains("wrong") && !isSame(read(known).value, field.value));
+    if (typing && kept) return;
+    clearRefusal(row);
     controls.forEach((control, i) => {
       if (control instanceof HTMLInputElement && control.type === "checkbox")
         control.checked = Boolean(field.value);
@@ -122,6 +143,34 @@ export class Fields {
     known.row.after(make("div", { class: "wrong-text" }, sentence));
     return known.row.offsetParent !== null;
   }
+}
+
+/**
+ * Say beside a field what the run goes on with until it begins again.
+ * @param {HTMLElement} row
+ * @param {Field} field
+ */
+function showPending(row, field) {
+  row.querySelector(".pending")?.remove();
+  if (field.now === undefined) return;
+  const text = `${plain(field.now)} → ${plain(field.value)} at restart (r)`;
+  row.append(make("div", { class: "pending" }, text));
+}
+
+/** @param {unknown} value */
+function plain(value) {
+  if (value === null) return "–";
+  return Array.isArray(value)
+    ? value.map(rounded).join(", ")
+    : rounded(/** @type {number | string} */ (value));
+}
+
+/**
+ * @param {unknown} a
+ * @param {unknown} b
+ */
+function isSame(a, b) {
+  return JSON.stringify(a) === JSON.stringify(b);
 }
 
 /** @param {Field} field */

@@ -1,6 +1,7 @@
 // The panel: the scene's fields as the server tells them, and what can be done with the whole scene.
 
-/** @import { Command, FileMessage, SceneMessage, Section } from "../protocol.js" */
+/** @import { Command } from "../commands.js" */
+/** @import { FileMessage, PlayerState, SceneMessage, Section } from "../protocol.js" */
 /** @import { App } from "../main.js" */
 /** @import { Child } from "./dom.js" */
 
@@ -11,6 +12,14 @@ import { Fields } from "./fields.js";
 /** @type {Record<string, string>} */
 const KIND_NAMES = { sources: "snow", colliders: "collider", bodies: "body" };
 
+/** @type {Record<string, [number, number]>} sizes of pictures and films [px]; 0: as the page */
+const SIZES = {
+  "as the page": [0, 0],
+  "1280 × 720": [1280, 720],
+  "1920 × 1080": [1920, 1080],
+  "3840 × 2160": [3840, 2160],
+};
+
 export class Panel {
   /** @param {App} app */
   constructor(app) {
@@ -20,6 +29,11 @@ export class Panel {
     this.fields = new Fields(app);
     this.key = "";
     this.files = make("div", { class: "files" });
+    /** @type {HTMLButtonElement | null} */
+    this.undo = null;
+    /** @type {HTMLButtonElement | null} */
+    this.redo = null;
+    this.pictureSize = "1920 × 1080";
   }
 
   /**
@@ -28,7 +42,8 @@ export class Panel {
    */
   show(scene) {
     const sections = scene.panel.map((s) => [s.path, s.title, s.can, s.fields.map((field) => field.path)]);
-    const key = JSON.stringify([scene.name, scene.live, sections]);
+    const controls = scene.controls.map((control) => control.name);
+    const key = JSON.stringify([scene.name, scene.live, sections, controls]);
     if (key === this.key) {
       for (const section of scene.panel) for (const field of section.fields) this.fields.update(field);
       return;
@@ -36,8 +51,17 @@ export class Panel {
     this.key = key;
     this.fields.clear();
     const top = this.root.scrollTop;
-    this.root.replaceChildren(this.sceneSection(scene), this.lookSection(scene), this.recordSection(scene));
+    const close = button(null, "Close the panel (p)", () => this.app.togglePanel(), "×");
+    close.className = "close";
+    this.root.replaceChildren(
+      close,
+      this.sceneSection(scene),
+      this.lookSection(scene),
+      this.plotsSection(),
+      this.recordSection(scene),
+    );
     if (scene.live) this.root.append(this.addSection(scene));
+    if (scene.controls.length) this.root.append(this.fold("controls", "controls", this.app.drive.root));
     /** @type {Map<string, HTMLElement>} */
     const made = new Map();
     for (const section of scene.panel) {
@@ -82,6 +106,9 @@ export class Panel {
       () => this.send("save"),
       "save scene",
     );
+    this.undo = button("undo", "Take back (Ctrl Z)", () => app.send({ do: "undo" }));
+    this.redo = button("redo", "Do again (Ctrl Y)", () => app.send({ do: "redo" }));
+    this.undo.hidden = this.redo.hidden = !scene.live;
     const home = button("home", "Camera of the scene (h)", () => app.goHome());
     const views = Object.keys(VIEWS).map((name) =>
       button(null, `See the snow: ${name}`, () => app.see(name), name),
@@ -89,34 +116,25 @@ export class Panel {
     return this.fold(
       "scene",
       "scene",
-      Object.keys(scene.presets).length ? this.row("scene", this.sceneChoice(scene)) : null,
+      this.row("scene", app.library.choice),
       make("p", { class: "hint" }, scene.about || scene.name),
       make("div", { class: "buttons views" }, home, ...views),
-      make("div", { class: "buttons" }, save),
+      make("div", { class: "buttons" }, save, this.undo, this.redo),
     );
   }
 
-  /** @param {SceneMessage} scene */
-  sceneChoice(scene) {
-    const names = Object.keys(scene.presets);
-    const known = names.includes(scene.name);
-    /** @type {[string, string][]} */
-    const choices = names.map((name) => [name, name]);
-    if (!known) choices.unshift(["", scene.name]);
-    const onchange = () => this.app.send({ do: "open", scene: choose.value });
-    const choose = select({ id: "scene-choice", onchange }, choices);
-    for (const option of choose.options) option.title = scene.presets[option.value] ?? "";
-    choose.value = known ? scene.name : "";
-    return choose;
+  /** @param {PlayerState} player */
+  showHistory({ undo, redo }) {
+    if (!this.undo || !this.redo) return;
+    this.undo.disabled = !undo;
+    this.redo.disabled = !redo;
+    this.undo.title = undo ? `Take back: ${undo} (Ctrl Z)` : "Nothing to take back";
+    this.redo.title = redo ? `Do again: ${redo} (Ctrl Y)` : "Nothing to do again";
   }
 
   /** @param {SceneMessage} scene */
   lookSection(scene) {
     const { app } = this;
-    /** @type {[string, string][]} */
-    const modes = scene.modes.map((m) => [m.name, m.label]);
-    const mode = select({ id: "mode", onchange: () => app.setMode(mode.value) }, modes);
-    mode.value = app.mode;
     const size = make("input", { type: "range", min: 0.4, max: 2.5, step: 0.05, value: app.stage.size });
     size.addEventListener("input", () => app.setSize(Number(size.value)));
     /** @type {[number, string][]} */
@@ -126,8 +144,43 @@ export class Panel {
       qualities,
     );
     quality.value = String(app.stage.quality);
-    const rows = [this.row("colours", mode), this.row("point size", size), this.row("shadows", quality)];
+    const surface = select({ id: "surface", onchange: () => app.setSurface(surface.value === "surface") }, [
+      ["grains", "grains"],
+      ["surface", "surface"],
+    ]);
+    surface.value = app.stage.surface ? "surface" : "grains";
+    const flakes = select({ id: "flakes", onchange: () => app.setFlakes(flakes.value === "shown") }, [
+      ["shown", "shown"],
+      ["hidden", "hidden"],
+    ]);
+    flakes.value = app.stage.flakes ? "shown" : "hidden";
+    const resolution = select(
+      { id: "resolution", onchange: () => app.setResolution(Number(resolution.value)) },
+      [
+        [0, "usual"],
+        ...[0.35, 0.5, 0.7, 1, 2].map(
+          (share) => /** @type {[number, string]} */ ([share, `${100 * share} %`]),
+        ),
+      ],
+    );
+    resolution.value = String(app.stage.resolution);
+    const colors = app.colors.rows(scene, (label, ...content) => this.row(label, ...content));
+    const rows = [
+      this.row("snow as", surface),
+      ...colors,
+      this.row("point size", size),
+      this.row("shadows", quality),
+      this.row("falling flakes", flakes),
+      this.row("resolution", resolution),
+    ];
     return this.fold("look", "look", ...rows);
+  }
+
+  plotsSection() {
+    const { plots } = this.app;
+    const details = this.fold("plots", "plots", plots.root);
+    details.addEventListener("toggle", () => details.open && plots.begin());
+    return details;
   }
 
   /** @param {SceneMessage} scene */
@@ -148,8 +201,15 @@ export class Panel {
       () => this.app.send({ do: "replay" }),
       "replay",
     );
+    const onchange = () => (this.pictureSize = size.value);
+    const size = select(
+      { id: "picture-size", onchange },
+      Object.keys(SIZES).map((name) => [name, name]),
+    );
+    size.value = this.pictureSize;
     const buttons = make("div", { class: "buttons" }, picture, film, replay);
-    return this.fold("record", "record", make("p", { class: "hint" }, hint), buttons, this.files);
+    const content = [make("p", { class: "hint" }, hint), this.row("size", size), buttons, this.files];
+    return this.fold("record", "record", ...content);
   }
 
   /**
@@ -157,7 +217,8 @@ export class Panel {
    * @param {"save" | "picture" | "film"} kind
    */
   send(kind) {
-    this.app.send({ do: kind, camera: this.app.camera.toCommand() });
+    const [width, height] = SIZES[this.pictureSize];
+    this.app.send({ do: kind, camera: this.app.camera.toCommand(width, height) });
   }
 
   /** @param {SceneMessage} scene */
@@ -165,11 +226,11 @@ export class Panel {
     const rows = Object.entries(scene.addable).map(([kind, shapes]) => {
       const shape = select(
         {},
-        shapes.map((name) => [name, name.replace("mesh:", "")]),
+        shapes.map((what, i) => [i, what.shape.replace(/^\w+:/, "")]),
       );
       shape.setAttribute("aria-label", `shape to add to ${kind}`);
-      const title = `Add to ${kind}, in the middle of the view`;
-      const command = () => this.app.send({ do: "add", kind, shape: shape.value, at: this.app.middle() });
+      const title = `Add to ${kind}: a ghost shows where`;
+      const command = () => this.app.placing.begin(kind, shapes[Number(shape.value)]);
       const add = button(null, title, command, "add");
       add.dataset.add = kind;
       return this.row(KIND_NAMES[kind] ?? kind, shape, add);

@@ -1,6 +1,7 @@
 // The camera: it turns about a target, moves with it, and flies. z is up.
 
-/** @import { Camera, PageCamera } from "../protocol.js" */
+/** @import { PageCamera } from "../commands.js" */
+/** @import { Camera } from "../protocol.js" */
 /** @import { Vec3 } from "./math.js" */
 
 import { M, V } from "./math.js";
@@ -45,6 +46,7 @@ export class OrbitCamera {
     this.up = [0, 0, 1];
     this.tan = [1, 1];
     this.focal = 1;
+    this.lens = [1, 0];
     this.matrix = new Float32Array(16);
     this.update(1, 1);
   }
@@ -145,6 +147,7 @@ export class OrbitCamera {
     this.width = width;
     this.height = height;
     const lens = M.perspective(this.fov, width / height, 0.01 * this.distance, 2000 * this.distance);
+    this.lens = [-lens[10], lens[14]]; // depth in the picture = (x d + y) / d
     lens[8] = covered; // x' = x / depth - covered
     this.matrix = M.multiply(lens, M.view(this.eye, this.right, this.up, this.forward));
   }
@@ -175,14 +178,18 @@ export class OrbitCamera {
 
   /**
    * Return the camera as a command holds it; the size is even, as films need it.
+   * @param {number} asWide as the picture is to be [px]; 0: as the page
+   * @param {number} asHigh
    * @returns {PageCamera}
    */
-  toCommand() {
+  toCommand(asWide = 0, asHigh = 0) {
     const free = this.width * (1 - this.covered);
     const scale = Math.min(1, 1920 / free);
     /** @param {number} pixels */
     const even = (pixels) => Math.max(16, 2 * Math.round((pixels * scale) / 2));
-    const size = { width: even(free), height: even(this.height) };
+    const size = asWide
+      ? { width: asWide, height: asHigh }
+      : { width: even(free), height: even(this.height) };
     return { position: this.eye, target: this.target, up: [0, 0, 1], fov: this.fov, ...size };
   }
 }

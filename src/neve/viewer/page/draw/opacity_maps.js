@@ -16,7 +16,7 @@
  */
 
 import { V } from "./math.js";
-import { SHADERS } from "./shaders.js";
+import { SHADERS } from "./shading/shaders.js";
 import { Program, depthTexture, halfFloatTexture, makeTarget } from "./webgl.js";
 
 const SUN_SIZES = [256, 512, 1024];
@@ -36,7 +36,7 @@ export class OpacityMaps {
     this.front = new Program(gl, SHADERS.mapVertex, SHADERS.mapFront);
     this.sums = new Program(gl, SHADERS.mapVertex, SHADERS.mapSums);
     this.lit = new Program(gl, SHADERS.litVertex, SHADERS.litFragment);
-    this.shadow = new Program(gl, SHADERS.shadowVertex, SHADERS.mapFront);
+    this.shadow = new Program(gl, SHADERS.shadowVertex, SHADERS.shadowFront);
     this.sky = this.makeMap(SKY_TILE * SKY_COLUMNS, SKY_TILE * SKY_ROWS);
     this.suns = SUN_SIZES.map((size) => this.makeMap(size, size));
     this.sun = this.suns[0];
@@ -49,6 +49,7 @@ export class OpacityMaps {
     this.table = this.makeTable(1);
     this.ball = [0, 0, 0, 1]; // centre and radius of the snow [m]
     this.layers = [0.05, 0.15, 0.4, 1.2]; // their ends [m]
+    this.clip = [0, 0, 0, -1]; // plane beyond which all is cut away
     this.ready = false;
     /** @type {number[]} */
     this.direction = [];
@@ -128,7 +129,8 @@ export class OpacityMaps {
 
   /** The directions and the ball that the maps cover. */
   frame() {
-    return { uDirection: this.direction, uAcross: this.across, uAlong: this.along, uBall: this.ball };
+    const axes = { uDirection: this.direction, uAcross: this.across, uAlong: this.along };
+    return { ...axes, uBall: this.ball, uClip: this.clip };
   }
 
   /**
@@ -157,14 +159,15 @@ export class OpacityMaps {
    * @param {(program: Program) => void} drawSolids
    * @param {number} quality 0 no maps, 1 fast, 2 full
    * @param {boolean} wet whether the particles' values are their liquid shares
+   * @param {number} skip of how many particles one is drawn, and needs light
    */
-  update(snow, scene, drawSolids, quality, wet) {
+  update(snow, scene, drawSolids, quality, wet, skip) {
     const gl = this.gl;
     this.ball = snow.ball;
     this.layers = [1.5, 4, 10, 30].map((cells) => cells * scene.cell);
     this.reserve(snow.count);
     gl.disable(gl.BLEND);
-    if (quality > 0 && snow.count) {
+    if (quality > 0) {
       this.fill(this.sky, 0, 12, SKY_TILE, snow, scene, quality > 1 ? 60000 : 12000);
       // Texels of a third of a particle's distance are fine enough for all that shows.
       const texels = (6 * snow.ball[3]) / scene.spacing;
@@ -185,8 +188,8 @@ export class OpacityMaps {
     gl.disable(gl.DEPTH_TEST);
     const places = { uLow: snow.low, uStep: snow.step };
     this.lit.use({ ...this.uniforms(quality), ...places, uTable: [TABLE, this.rows], uCell: scene.cell });
-    gl.bindVertexArray(snow.array(1));
-    gl.drawArrays(gl.POINTS, 0, snow.count);
+    gl.bindVertexArray(snow.array(skip));
+    gl.drawArrays(gl.POINTS, 0, Math.floor(snow.count / skip));
     gl.bindVertexArray(null);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }

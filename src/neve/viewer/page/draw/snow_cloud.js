@@ -22,15 +22,18 @@ export class SnowCloud {
     this.ball = [0, 0, 0, 1];
   }
 
-  /** @param {State} state */
-  load(state) {
+  /**
+   * @param {State} state
+   * @param {Uint16Array} [rows] those of its particles that are drawn here; all if it is left out
+   */
+  load(state, rows = state.q) {
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, state.q, gl.STREAM_DRAW);
-    this.count = state.n;
+    gl.bufferData(gl.ARRAY_BUFFER, rows, gl.STREAM_DRAW);
+    this.count = rows.length / 4;
     this.low = state.low;
     this.step = state.step;
-    this.ball = ballOf(state);
+    this.ball = ballOf(state); // of all, so that water and snow are seen from the same place
   }
 
   /** @returns {Vec3} middle of the snow [m] */

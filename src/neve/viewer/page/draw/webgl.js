@@ -1,9 +1,44 @@
 // The few parts of WebGL 2 that the page needs: programs, and textures to draw into.
 
-import { GLSL_HEAD } from "./shaders.js";
+import { GLSL_HEAD } from "./shading/glsl.js";
 
 /** @typedef {{ texture: WebGLTexture, unit: number }} Sampler a texture, and the unit that it is bound to */
 /** @typedef {number | number[] | Float32Array | Sampler} UniformValue */
+
+/**
+ * Open WebGL 2 with what the page needs of it.
+ * @param {HTMLCanvasElement} canvas
+ */
+export function openWebGL(canvas) {
+  // Smooth edges cost the processor most of a picture.
+  const gl = canvas.getContext("webgl2", {
+    antialias: !drawsInSoftware(),
+    stencil: true, // for solids that are cut
+    powerPreference: "high-performance",
+  });
+  if (!gl) throw new Error("this browser has no WebGL 2");
+  if (!gl.getExtension("EXT_color_buffer_float") && !gl.getExtension("EXT_color_buffer_half_float"))
+    throw new Error("this browser cannot draw into textures of half floats");
+  return gl;
+}
+
+/**
+ * Whether the processor draws, not a graphics card.
+ * @param {WebGL2RenderingContext} gl
+ */
+export function isSoftware(gl) {
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+/** Ask a context that is thrown away: a canvas keeps how it was opened first. */
+function drawsInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const software = gl !== null && isSoftware(gl);
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return software;
+}
 
 export class Program {
   /**
@@ -140,6 +175,28 @@ export function depthTexture(gl, width, height) {
  */
 export function halfFloatTexture(gl, width, height, filter) {
   return makeTexture(gl, width, height, { inner: gl.RGBA16F, format: gl.RGBA, type: gl.HALF_FLOAT, filter });
+}
+
+/**
+ * Make a texture of four floats, for numbers that are read as they are.
+ * @param {WebGL2RenderingContext} gl
+ * @param {number} width
+ * @param {number} height
+ */
+export function floatTexture(gl, width, height) {
+  const how = { inner: gl.RGBA32F, format: gl.RGBA, type: gl.FLOAT, filter: gl.NEAREST };
+  return makeTexture(gl, width, height, how);
+}
+
+/**
+ * Make a texture that takes a copy of the picture.
+ * @param {WebGL2RenderingContext} gl
+ * @param {number} width
+ * @param {number} height
+ */
+export function pictureTexture(gl, width, height) {
+  const how = { inner: gl.RGBA8, format: gl.RGBA, type: gl.UNSIGNED_BYTE, filter: gl.LINEAR };
+  return makeTexture(gl, width, height, how);
 }
 
 /**

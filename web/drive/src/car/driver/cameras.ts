@@ -48,6 +48,8 @@ export class Cameras {
   private orbit = { turn: 0, tilt: 0.35, distance: 8 };
   private away: Vec = [0, 0, 0];
   private zoom = 1;
+  /** Vertical field of view of the free camera [degrees]. */
+  private lens = 50;
 
   constructor(surface: Surface) {
     this.surface = surface;
@@ -81,6 +83,11 @@ export class Cameras {
       case "top":
         return this.top(state);
     }
+  }
+
+  /** Let the free camera see a narrower (factor below 1) or wider part. */
+  widen(factor: number): void {
+    this.lens = within(8, 90, this.lens * factor);
   }
 
   private followHeading(state: CarState, heading: number, dt: number): void {
@@ -128,7 +135,7 @@ export class Cameras {
     const distance = orbit.distance * this.zoom;
     const flat = distance * Math.cos(orbit.tilt);
     const position = this.over(add(target, [-flat * c, distance * Math.sin(orbit.tilt), -flat * s]));
-    return { position, target, fov: 50 };
+    return { position, target, fov: this.lens };
   }
 
   private top(state: CarState): View {

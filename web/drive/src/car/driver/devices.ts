@@ -9,6 +9,22 @@ const OURS = new Set(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "Space"
 /** How far the camera turns for a drag over the whole height of the canvas [rad]. */
 const DRAG = Math.PI;
 
+/** Presses that only keys have. */
+export interface KeyPresses {
+  photo: boolean;
+  save: boolean;
+  course: boolean;
+  sound: boolean;
+  /** Times that the lens was narrowed (negative) or widened. */
+  lens: number;
+}
+
+/** Whether a key is meant for the page: not typed into the panel, and no shortcut of the browser. */
+export function isOurs({ target, ctrlKey, metaKey, altKey }: KeyboardEvent): boolean {
+  const typed = target instanceof HTMLInputElement || target instanceof HTMLSelectElement;
+  return !typed && !ctrlKey && !metaKey && !altKey;
+}
+
 export class Devices {
   private readonly keys = new Set<string>();
   /** Keys that went down since the last reading: a tap shorter than a frame counts too. */
@@ -29,11 +45,11 @@ export class Devices {
     addEventListener("blur", () => this.keys.clear(), { signal });
     this.left = new Thumb(page, "left", signal);
     this.right = new Thumb(page, "right", signal);
-    this.watchMouse(canvas, signal);
+    this.watchPointers(canvas, signal);
   }
 
   /** What is asked for now, smoothed over dt [s], and what was pressed since the last call. */
-  read(dt: number): { controls: Controls; presses: Presses } {
+  read(dt: number): { controls: Controls; presses: Presses & KeyPresses } {
     const pads = (navigator.getGamepads?.() ?? []).filter(
       (pad) => pad !== null && pad.mapping === "standard",
     );
@@ -55,6 +71,11 @@ export class Devices {
       camera: pressed.camera || tapped.has("KeyC"),
       lights: pressed.lights || tapped.has("KeyL"),
       figures: tapped.has("KeyF"),
+      photo: tapped.has("KeyP"),
+      save: tapped.has("Enter"),
+      course: tapped.has("KeyT"),
+      sound: tapped.has("KeyN"),
+      lens: Number(tapped.has("BracketRight")) - Number(tapped.has("BracketLeft")),
     };
     return { controls: this.smoothing.follow(asked, dt), presses };
   }
@@ -83,27 +104,38 @@ export class Devices {
   }
 
   private press(event: KeyboardEvent): void {
-    const writing = event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement;
-    if (writing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!isOurs(event)) return;
     if (OURS.has(event.code)) event.preventDefault();
     this.keys.add(event.code);
     if (!event.repeat) this.tapped.add(event.code);
   }
 
-  private watchMouse(canvas: HTMLElement, signal: AbortSignal): void {
-    canvas.addEventListener("pointerdown", ({ pointerId }) => canvas.setPointerCapture(pointerId), {
-      signal,
-    });
-    canvas.addEventListener(
-      "pointermove",
-      ({ buttons, movementX, movementY }) => {
-        if (buttons === 0) return;
-        const scale = DRAG / Math.max(1, canvas.clientHeight);
-        this.drag.x += movementX * scale;
-        this.drag.y += movementY * scale;
-      },
-      { signal },
-    );
+  private watchPointers(canvas: HTMLElement, signal: AbortSignal): void {
+    const down = new Map<number, { x: number; y: number }>();
+    /** How far two fingers are apart [pixels]; null if it is not two. */
+    const span = () => {
+      const [a, b, more] = [...down.values()];
+      return a && b && !more ? Math.max(1, Math.hypot(a.x - b.x, a.y - b.y)) : null;
+    };
+    const press = ({ pointerId, clientX, clientY }: PointerEvent) => {
+      canvas.setPointerCapture(pointerId);
+      down.set(pointerId, { x: clientX, y: clientY });
+    };
+    const move = ({ pointerId, clientX, clientY }: PointerEvent) => {
+      const from = down.get(pointerId);
+      if (!from) return;
+      const apart = span();
+      down.set(pointerId, { x: clientX, y: clientY });
+      if (apart !== null) this.drag.zoom += Math.log(apart / span()!);
+      if (down.size > 1) return;
+      const scale = DRAG / Math.max(1, canvas.clientHeight);
+      this.drag.x += (clientX - from.x) * scale;
+      this.drag.y += (clientY - from.y) * scale;
+    };
+    canvas.addEventListener("pointerdown", press, { signal });
+    canvas.addEventListener("pointermove", move, { signal });
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture"] as const)
+      canvas.addEventListener(end, ({ pointerId }) => down.delete(pointerId), { signal });
     const zoom = (event: WheelEvent) => {
       event.preventDefault();
       this.drag.zoom += event.deltaY / 500;

@@ -12,6 +12,8 @@ export interface Surroundings {
   readonly snow: SnowSample;
   /** Share of what is pressed that is compacted. */
   readonly compaction: number;
+  /** Powder other than the usual one. */
+  readonly powder?: SnowType;
 }
 
 export interface RollingWheel {
@@ -64,7 +66,7 @@ export function meet(where: Surroundings, wheel: RollingWheel): Meeting {
   const { terrain, snow, compaction } = where;
   const { x, z, radius, width, ahead, sense, speed } = wheel;
   const [ax, az] = ahead;
-  const type = mixSnow(terrain.kinds(x, z));
+  const type = mixSnow(terrain.kinds(x, z), where.powder);
   const load = Math.max(wheel.load, 200) * (1 + Math.min(DIG_MOST, DIG * Math.abs(wheel.slip)));
   const loaded = { radius, width, load };
   const front = sense * (radius + 0.1);

@@ -10,7 +10,8 @@ import type { Point } from "./solid_parts";
 /** Axle to axle and tyre to tyre of the drawing [m]; the picture is scaled to the car that drives. */
 export const DRAWN = { base: 2.6, track: 1.52 };
 
-const PAINT = 0xc4380f;
+/** Colour of the body. */
+export const PAINT = 0xc4380f;
 const ROOF = 0xe9e4d8;
 const BLACK = 0x101113;
 const GREY = 0x3a3d40;
@@ -30,18 +31,17 @@ export interface CarShape {
   readonly paint: BufferGeometry;
   readonly dark: BufferGeometry;
   readonly metal: BufferGeometry;
-  readonly inside: BufferGeometry;
   readonly glass: BufferGeometry;
   readonly white: BufferGeometry;
   readonly red: BufferGeometry;
 }
 
-export function carShape(): CarShape {
+/** The car in a colour. */
+export function carShape(colour: number = PAINT): CarShape {
   return {
-    paint: paint(),
+    paint: paint(colour),
     dark: dark(),
     metal: metal(),
-    inside: inside(),
     glass: glass(),
     white: whiteLamps(),
     red: redLamps(),
@@ -66,23 +66,23 @@ function sideView(): Shape {
   return s;
 }
 
-function paint(): BufferGeometry {
+function paint(colour: number): BufferGeometry {
   const p = new Parts();
-  p.drawn(sideView(), 1.74, 0.055, PAINT);
+  p.drawn(sideView(), 1.74, 0.055, colour);
   // A raised middle of the bonnet, shoulders over the doors, panels of the roof's frame.
-  p.box([0.74, 0.655, -0.5], [1.66, 0.705, 0.5], 0.02, PAINT);
-  p.boxes([-1.98, 0.56, 0.845], [0.7, 0.64, 0.885], 0.018, PAINT);
+  p.box([0.74, 0.655, -0.5], [1.66, 0.705, 0.5], 0.02, colour);
+  p.boxes([-1.98, 0.56, 0.845], [0.7, 0.64, 0.885], 0.018, colour);
   const pillars: readonly [Point, Point, number][] = [
     [[0.67, 0.68, 0.775], [0.27, 1.2, 0.665], 0.042],
     [[-0.42, 0.68, 0.79], [-0.44, 1.2, 0.68], 0.05],
     [[-1.28, 0.68, 0.79], [-1.25, 1.2, 0.68], 0.05],
     [[-1.93, 0.68, 0.76], [-1.84, 1.2, 0.66], 0.06],
   ];
-  for (const [a, b, radius] of pillars) p.bars(a, b, radius, PAINT, 10);
+  for (const [a, b, radius] of pillars) p.bars(a, b, radius, colour, 10);
   p.box([-1.94, 1.18, -0.74], [0.34, 1.28, 0.74], 0.048, ROOF);
   p.box([-1.84, 1.26, -0.62], [0.2, 1.305, 0.62], 0.02, ROOF);
   // Mirrors.
-  p.boxes([0.5, 0.72, 0.9], [0.6, 0.87, 1.06], 0.03, PAINT);
+  p.boxes([0.5, 0.72, 0.9], [0.6, 0.87, 1.06], 0.03, colour);
   return p.merged();
 }
 
@@ -185,28 +185,6 @@ function metal(): BufferGeometry {
   return p.merged();
 }
 
-/** What the driver sees of the car: dashboard, wheel, mirror; the glass hides it from outside. */
-function inside(): BufferGeometry {
-  const p = new Parts();
-  p.box([-1.85, 0.68, -0.76], [0.6, 0.715, 0.76], 0, BLACK);
-  p.box([0.28, 0.68, -0.73], [0.56, 0.8, 0.73], 0.04, 0x1b1d1f);
-  p.box([0.24, 0.74, -0.58], [0.42, 0.87, -0.14], 0.04, 0x141517);
-  for (const z of [-0.45, -0.27]) {
-    p.lamp([0.238, 0.805, z], 0.055, 0.02, 0x08090a).ring([0.228, 0.805, z], 0.055, 0.005, STEEL);
-    p.bar([0.222, 0.805, z], [0.222, 0.84, z - 0.02], 0.004, 0xd8401a, 6);
-  }
-  for (const z of [0, 0.5]) p.box([0.272, 0.725, z], [0.29, 0.775, z + 0.16], 0.008, BLACK);
-  p.ring([0.12, 0.7, -0.36], 0.165, 0.016, 0x0c0c0d).bar([0.3, 0.7, -0.36], [0.12, 0.7, -0.36], 0.035, BLACK);
-  p.bar([0.12, 0.7, -0.52], [0.12, 0.7, -0.2], 0.014, GREY);
-  p.box([0.2, 1.09, -0.12], [0.225, 1.155, 0.12], 0.01, BLACK).bar(
-    [0.21, 1.15, 0],
-    [0.21, 1.21, 0],
-    0.01,
-    BLACK,
-  );
-  return p.merged();
-}
-
 function whiteLamps(): BufferGeometry {
   const p = new Parts();
   for (const at of HEADLAMPS) p.lamp(at, 0.108, 0.03, 0xffffff);
@@ -222,8 +200,8 @@ function redLamps(): BufferGeometry {
   return p.merged();
 }
 
-/** A tyre with tread about the z axis: radius 0.38 m, width 0.26 m. */
-export function tyre(): BufferGeometry {
+/** A tyre about the z axis: radius 0.38 m, width 0.26 m; `fine`: with its tread. */
+export function tyre(fine = true): BufferGeometry {
   const p = new Parts();
   const section: readonly [r: number, z: number][] = [
     [0.205, -0.1],
@@ -241,10 +219,10 @@ export function tyre(): BufferGeometry {
   ];
   const turned = new LatheGeometry(
     section.map(([r, z]) => new Vector2(r, z)),
-    36,
+    fine ? 36 : 28,
   );
   p.add(turned.rotateX(Math.PI / 2), 0x17181a);
-  const LUGS = 20;
+  const LUGS = fine ? 20 : 0;
   for (let k = 0; k < LUGS; k++) {
     const angle = (2 * Math.PI * k) / LUGS;
     for (const [z, lean, shift] of [
@@ -262,10 +240,10 @@ export function tyre(): BufferGeometry {
   return p.merged();
 }
 
-/** A wheel about the z axis with its outside toward +z: tyre, rim, spokes, hub. */
-export function wheelShape(): BufferGeometry {
+/** A wheel about the z axis with its outside toward +z: tyre, rim, spokes, hub; `fine`: to be seen from near. */
+export function wheelShape(fine = true): BufferGeometry {
   const p = new Parts();
-  p.add(tyre(), 0x17181a);
+  p.add(tyre(fine), 0x17181a);
   const dish: readonly [r: number, z: number][] = [
     [0.02, 0.055],
     [0.14, 0.03],
@@ -275,10 +253,12 @@ export function wheelShape(): BufferGeometry {
     [0.228, 0.1],
     [0.21, -0.1],
   ];
-  const rim = new LatheGeometry(dish.map(([r, z]) => new Vector2(r, z)).reverse(), 28);
+  const rim = new LatheGeometry(dish.map(([r, z]) => new Vector2(r, z)).reverse(), fine ? 28 : 20);
   p.add(rim.rotateX(Math.PI / 2), 0x70757a);
   for (let k = 0; k < 6; k++) {
-    const spoke = new Parts().box([0.05, -0.03, 0.03], [0.205, 0.03, 0.075], 0.012, STEEL).merged();
+    const spoke = new Parts()
+      .box([0.05, -0.03, 0.03], [0.205, 0.03, 0.075], fine ? 0.012 : 0, STEEL)
+      .merged();
     p.add(spoke.rotateZ((k * Math.PI) / 3), 0x9a9fa4);
   }
   p.add(

@@ -13,7 +13,8 @@ import {
 import type { BufferGeometry, Texture } from "three";
 import type { Atmosphere, Changes } from "../sky/atmosphere";
 import { put } from "../sky/atmosphere";
-import { carShape, DRAWN, wheelShape } from "./car_shape";
+import { carShape, DRAWN, PAINT, wheelShape } from "./car_shape";
+import { Cockpit } from "./cockpit";
 import type { CarPose } from "./car_pose";
 
 /** How the drawing is laid over a car, in the car's own frame. */
@@ -55,6 +56,14 @@ float snowOn(vec3 up) {
 }
 `;
 
+/** How a car is drawn: in which colour, and whether as a ghost, without shadow or snow, that one looks through. */
+export interface Livery {
+  readonly colour?: number;
+  readonly ghost?: boolean;
+  /** Whether it is the visitor's own: one looks at it from near, and from inside. */
+  readonly cockpit?: boolean;
+}
+
 export class CarView {
   readonly group = new Group();
   /** What throws the car's shadow. */
@@ -66,14 +75,21 @@ export class CarView {
   private readonly materials: MeshStandardMaterial[] = [];
   private readonly air: Atmosphere;
   private readonly noise: Texture;
+  private readonly cockpit: Cockpit | null;
+  private readonly ghost: boolean;
   private readonly snowed = { value: 0.3 };
   private fit: Fit | null = null;
   private axle = 0;
 
-  constructor(air: Atmosphere, noise: Texture) {
+  constructor(
+    air: Atmosphere,
+    noise: Texture,
+    { colour = PAINT, ghost = false, cockpit = true }: Livery = {},
+  ) {
     this.air = air;
     this.noise = noise;
-    const shape = carShape();
+    this.ghost = ghost;
+    const shape = carShape(colour);
     const paint = new MeshPhysicalMaterial({
       roughness: 0.42,
       clearcoat: 1,
@@ -92,20 +108,20 @@ export class CarView {
       this.dressed(new MeshStandardMaterial({ roughness: 0.05, metalness: 0.35 }), 0),
       false,
     );
-    this.part(shape.inside, this.dressed(new MeshStandardMaterial({ roughness: 0.8 }), 0), false);
     this.white = this.dressed(new MeshStandardMaterial({ roughness: 0.15 }), 0);
     this.part(shape.white, this.white, false);
     this.red = this.dressed(new MeshStandardMaterial({ roughness: 0.25 }), 0);
     this.part(shape.red, this.red, false);
     this.wheels = new InstancedMesh(
-      wheelShape(),
+      wheelShape(cockpit),
       this.dressed(new MeshStandardMaterial({ roughness: 0.7 }), 0.7),
       4,
     );
     this.wheels.instanceMatrix.setUsage(DynamicDrawUsage);
-    this.wheels.frustumCulled = false;
     this.wheels.receiveShadow = true;
-    this.casters.push(this.wheels);
+    if (!ghost) this.casters.push(this.wheels);
+    this.cockpit = !cockpit ? null : new Cockpit((material, changes) => this.dressed(material, 0, changes));
+    if (this.cockpit) this.body.add(this.cockpit.group);
     this.group.add(this.body, this.wheels);
   }
 
@@ -131,6 +147,18 @@ export class CarView {
     this.snowed.value = snowed;
     pose.wheels.forEach((wheel, k) => this.placeWheel(wheel, k, local[k]!, turn));
     this.wheels.instanceMatrix.needsUpdate = true;
+    // So that wheels out of sight, and out of the reach of the shadows, cost nothing.
+    this.wheels.computeBoundingSphere();
+  }
+
+  /** Show what the driver reads: speed [m/s], engine 0..1, steering of the front wheels [rad]. */
+  read(speed: number, revs: number, steer: number): void {
+    this.cockpit?.update(speed, revs, steer);
+  }
+
+  /** Draw of the car what `eye` [m] can see: the cockpit from inside only. */
+  look(eye: Vector3): void {
+    this.cockpit?.look(this.body.worldToLocal(eye.clone()));
   }
 
   /** Brightness of the lamps: white 0..1, red 0..1 (1 when braking). */
@@ -153,6 +181,7 @@ export class CarView {
     this.wheels.geometry.dispose();
     this.wheels.dispose();
     for (const material of this.materials) material.dispose();
+    this.cockpit?.dispose();
     for (const part of this.body.children)
       if (part instanceof Mesh) (part.geometry as BufferGeometry).dispose();
   }
@@ -174,15 +203,16 @@ export class CarView {
 
   private part(geometry: BufferGeometry, material: MeshStandardMaterial, casts: boolean): void {
     const mesh = new Mesh(geometry, material);
-    if (casts) this.casters.push(mesh);
+    if (casts && !this.ghost) this.casters.push(mesh);
     mesh.receiveShadow = true;
     this.body.add(mesh);
   }
 
-  private dressed<M extends MeshStandardMaterial>(material: M, snow: number): M {
+  private dressed<M extends MeshStandardMaterial>(material: M, snow: number, changes?: Changes): M {
     material.vertexColors = true;
+    if (this.ghost) Object.assign(material, { transparent: true, opacity: 0.28, depthWrite: false });
     this.materials.push(material);
-    this.air.dress(material, snow > 0 ? this.snowChanges(snow, material) : undefined);
+    this.air.dress(material, snow > 0 ? this.snowChanges(snow, material) : changes);
     return material;
   }
 

@@ -23,6 +23,14 @@ const BEAMS: readonly { from: Point; to: Point; angle: number; candela: number }
   { from: [0.25, 1.55, 0], to: [30, -0.4, 0], angle: 0.4, candela: 520 },
 ];
 
+/**
+ * How bright the halos of head and tail lamps are, 0..1: `need`, `braking` and `dark` 0..1. A halo is the lamp's light
+ * thrown about in air and eye; by day the sky's own is so much brighter that none is seen.
+ */
+export function haloStrengths(need: number, braking: number, dark: number): [front: number, rear: number] {
+  return [need * dark, Math.max(0.45 * need, braking) * dark];
+}
+
 export class Lamps {
   readonly group = new Group();
   private readonly air: Atmosphere;
@@ -53,8 +61,8 @@ export class Lamps {
     this.group.add(this.halos);
   }
 
-  /** Shine by `need` 0..1 from where the car is; `scale` as for flakes; `braking` 0..1. */
-  update(car: CarView, need: number, braking: number, scale: number): void {
+  /** Shine by `need` 0..1 from where the car is; `scale` as for flakes; `braking` and how dark it is, 0..1. */
+  update(car: CarView, need: number, braking: number, dark: number, scale: number): void {
     const ahead = car
       .toWorld(10, 0, 0)
       .sub(car.toWorld(9, 0, 0))
@@ -72,7 +80,7 @@ export class Lamps {
     u.lampPlace.value.copy(car.toWorld(1.6, 0.4, 0));
     u.lampDirection.value.copy(ahead);
     u.lampColour.value.setHex(WARM).multiplyScalar(2.2 * need);
-    this.placeHalos(car, ahead, need, Math.max(0.45 * need, braking), scale);
+    this.placeHalos(car, ahead, haloStrengths(need, braking, dark), scale);
   }
 
   dispose(): void {
@@ -81,7 +89,7 @@ export class Lamps {
     for (const light of [...this.beams, this.tail]) light.dispose();
   }
 
-  private placeHalos(car: CarView, ahead: Vector3, front: number, rear: number, scale: number): void {
+  private placeHalos(car: CarView, ahead: Vector3, [front, rear]: [number, number], scale: number): void {
     const { geometry, material } = this.halos;
     const [place, facing, tint] = ["position", "facing", "tint"].map(
       (name) => geometry.getAttribute(name) as BufferAttribute,

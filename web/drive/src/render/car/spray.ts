@@ -16,8 +16,14 @@ export class Spray {
   private readonly motion: SprayMotion;
   private readonly buffer: InstancedInterleavedBuffer;
 
-  constructor(air: Atmosphere, noise: Texture, floor: (x: number, z: number) => number) {
-    this.motion = new SprayMotion(floor);
+  /** `floor`: height on which clods come to rest [m]; `landed`: hears of each, with its size [m]. */
+  constructor(
+    air: Atmosphere,
+    noise: Texture,
+    floor: (x: number, z: number) => number,
+    landed: (x: number, z: number, size: number) => void,
+  ) {
+    this.motion = new SprayMotion(floor, Math.random, landed);
     this.buffer = new InstancedInterleavedBuffer(this.motion.grains, STRIDE);
     this.buffer.setUsage(DynamicDrawUsage);
     const plane = new PlaneGeometry(1, 1);

@@ -25,9 +25,18 @@ export class SprayMotion {
   private readonly owed: number[] = [];
   private random: () => number;
   private readonly floor: (x: number, z: number) => number;
+  private readonly landed: (x: number, z: number, size: number) => void;
 
-  /** `floor`: height on which clods come to rest [m]; `random`: numbers in [0, 1). */
-  constructor(floor: (x: number, z: number) => number, random: () => number = Math.random) {
+  /**
+   * `floor`: height on which clods come to rest [m]; `random`: numbers in [0, 1); `landed` hears where a clod comes
+   * to rest, with its size [m].
+   */
+  constructor(
+    floor: (x: number, z: number) => number,
+    random: () => number = Math.random,
+    landed: (x: number, z: number, size: number) => void = () => undefined,
+  ) {
+    this.landed = landed;
     this.floor = floor;
     this.random = random;
   }
@@ -59,6 +68,7 @@ export class SprayMotion {
         grains[g + a] = grains[g + a]! + v * dt;
       }
       const down = clod && speeds[3 * k + 1]! < 0 && grains[g + 1]! < this.floor(grains[g]!, grains[g + 2]!);
+      if (down) this.landed(grains[g]!, grains[g + 2]!, grains[g + 3]!);
       if (age >= 1 || down) {
         this.forget(k);
         continue;

@@ -63,9 +63,9 @@ export function pine({ whorls, branches, steps }: PineSize, seed: number): Buffe
   return mergeGeometries([skirts, stem]);
 }
 
-/** A boulder about 1 m wide, split along some planes so that it has faces. */
-export function rock(): BufferGeometry {
-  const ball = new IcosahedronGeometry(0.5, 2);
+/** A boulder about 1 m wide, split along some planes so that it has faces; of 20 (detail + 1)^2 triangles. */
+export function rock(detail: number): BufferGeometry {
+  const ball = new IcosahedronGeometry(0.5, detail);
   ball.deleteAttribute("uv");
   ball.deleteAttribute("normal");
   const whole = mergeVertices(ball);

@@ -1,20 +1,10 @@
 /** Trees, rocks and poles about the camera: few shapes, drawn many times, coarser far away. */
-import {
-  BufferGeometry,
-  Color,
-  DoubleSide,
-  DynamicDrawUsage,
-  FrontSide,
-  Group,
-  InstancedMesh,
-  Matrix4,
-  MeshStandardMaterial,
-} from "three";
-import { Quaternion, Vector3 } from "three";
-import type { Texture } from "three";
+import { DoubleSide, FrontSide, Group, Matrix4, MeshStandardMaterial, Quaternion, Vector3 } from "three";
+import type { BufferGeometry, InstancedMesh, PerspectiveCamera, Texture } from "three";
 import type { Atmosphere, Changes } from "../sky/atmosphere";
 import { put } from "../sky/atmosphere";
 import { pine, pole, rock } from "./plant_shapes";
+import { Sight, Stand } from "./stand";
 import type { Place, Places } from "../../world/places";
 import { TILE } from "../../world/places";
 
@@ -24,12 +14,19 @@ const RANGES = [
   { far: 150, most: 600, shadow: true },
   { far: 900, most: 3000, shadow: false },
 ] as const;
-const ROCKS = { far: 220, most: 260 };
+/** Rocks: up to which distance [m], how finely, how many at most; the nearest throw shadows. */
+const ROCKS = [
+  { far: 60, detail: 2, most: 80, shadow: true },
+  { far: 220, detail: 1, most: 260, shadow: false },
+] as const;
 const POLES = { far: 260, most: 160 };
 /** Tiles known at most; more than a circle of the far range holds. */
 const KNOWN = 900;
 /** Distance the camera moves before what is drawn is chosen anew [m]. */
 const STRIDE = 6;
+/** How far it moves [m] and turns [rad] before what is in sight is sorted anew. */
+const WAY = 2;
+const TURN = 0.12;
 
 const HEAD = /* glsl */ `
 varying vec3 vLeaf;
@@ -70,10 +67,9 @@ diffuseColor.rgb = mix(vec3(0.85, 0.84, 0.8), vec3(0.82, 0.16, 0.03), band);
 `;
 
 interface Kind {
-  readonly mesh: InstancedMesh;
+  readonly stand: Stand;
   readonly from: number;
   readonly far: number;
-  readonly most: number;
 }
 
 export class Scenery {
@@ -83,9 +79,11 @@ export class Scenery {
   private readonly placesOn: (i: number, j: number) => Places;
   private readonly tiles = new Map<string, Places>();
   private readonly trees: Kind[] = [];
-  private readonly rocks: Kind;
+  private readonly rocks: Kind[] = [];
   private readonly poles: Kind;
   private readonly chosenAt = new Vector3(Infinity, 0, 0);
+  private readonly sight = new Sight(WAY, TURN);
+  private sorted = false;
   private unseen = 0;
 
   constructor(air: Atmosphere, noise: Texture, placesOn: (i: number, j: number) => Places) {
@@ -98,12 +96,15 @@ export class Scenery {
     const needles = dressed(air, noise, "pine", PINE, DoubleSide);
     RANGES.forEach(({ far, most, shadow }, k) => {
       const from = RANGES[k - 1]?.far ?? 0;
-      this.trees.push({ mesh: this.instances(shapes[k]!, needles, most, shadow), from, far, most });
+      this.trees.push({ stand: this.stand(shapes[k]!, needles, most, shadow), from, far });
     });
     const stone = dressed(air, noise, "rock", ROCK, FrontSide);
-    this.rocks = { mesh: this.instances(rock(), stone, ROCKS.most, true), from: 0, ...ROCKS };
+    ROCKS.forEach(({ far, detail, most, shadow }, k) => {
+      const from = ROCKS[k - 1]?.far ?? 0;
+      this.rocks.push({ stand: this.stand(rock(detail), stone, most, shadow), from, far });
+    });
     const paint = dressed(air, noise, "pole", POLE, FrontSide);
-    this.poles = { mesh: this.instances(pole(), paint, POLES.most, true), from: 0, ...POLES };
+    this.poles = { stand: this.stand(pole(), paint, POLES.most, true), from: 0, far: POLES.far };
   }
 
   /**
@@ -123,28 +124,35 @@ export class Scenery {
     return true;
   }
 
-  dispose(): void {
-    for (const { mesh } of [...this.trees, this.rocks, this.poles]) {
-      mesh.geometry.dispose();
-      (mesh.material as MeshStandardMaterial).dispose();
-      mesh.dispose();
-    }
+  /** Draw in pictures only what this camera sees. */
+  look(camera: PerspectiveCamera): void {
+    if (this.sorted && !this.sight.isLeftBy(camera)) return;
+    this.sorted = true;
+    this.sight.take(camera);
+    for (const { stand } of this.kinds) stand.sort(this.sight);
   }
 
-  private instances(
-    shape: BufferGeometry,
-    material: MeshStandardMaterial,
-    most: number,
-    shadow: boolean,
-  ): InstancedMesh {
-    const mesh = new InstancedMesh(shape, material, most);
-    mesh.instanceMatrix.setUsage(DynamicDrawUsage);
-    mesh.frustumCulled = false;
-    if (shadow) this.casters.push(mesh);
-    mesh.receiveShadow = true;
-    mesh.count = 0;
-    this.group.add(mesh);
-    return mesh;
+  /** Triangles of a picture, and of a shadow map. */
+  get triangles(): { seen: number; cast: number } {
+    const sum = (of: (stand: Stand) => number) =>
+      this.kinds.reduce((all, { stand }) => all + (of(stand) * stand.mesh.geometry.index!.count) / 3, 0);
+    const cast = (stand: Stand) => (this.casters.includes(stand.mesh) ? stand.count : 0);
+    return { seen: sum(({ seen }) => seen), cast: sum(cast) };
+  }
+
+  dispose(): void {
+    for (const { stand } of this.kinds) stand.dispose();
+  }
+
+  private get kinds(): readonly Kind[] {
+    return [...this.trees, ...this.rocks, this.poles];
+  }
+
+  private stand(shape: BufferGeometry, material: MeshStandardMaterial, most: number, shadow: boolean): Stand {
+    const stand = new Stand(shape, material, most);
+    if (shadow) this.casters.push(stand.mesh);
+    this.group.add(stand.mesh);
+    return stand;
   }
 
   /** Plant the tiles in sight that are not known yet, the nearest first, at most `budget`; how many it were. */
@@ -172,8 +180,9 @@ export class Scenery {
   private choose(x: number, z: number): void {
     const all = [...this.tiles.values()];
     for (const kind of this.trees) fill(kind, all, (p) => p.trees, x, z, 1);
-    fill(this.rocks, all, (p) => p.rocks, x, z, 0.7);
+    for (const kind of this.rocks) fill(kind, all, (p) => p.rocks, x, z, 0.7);
     fill(this.poles, all, (p) => p.poles, x, z, 1);
+    this.sorted = false;
   }
 }
 
@@ -182,37 +191,30 @@ const turn = new Quaternion();
 const size = new Vector3();
 const at = new Vector3();
 const UP = new Vector3(0, 1, 0);
-const tint = new Color();
 
-/** Write the matrices of what stands between `kind.from` and `kind.far` of (x, z); thinner toward the far end. */
+/** Take what stands between `kind.from` and `kind.far` of (x, z); thinner toward the far end. */
 function fill(
-  kind: Kind,
+  { stand, from, far }: Kind,
   tiles: readonly Places[],
   of: (p: Places) => readonly Place[],
   x: number,
   z: number,
   tall: number,
 ): void {
-  const { mesh, from, far, most } = kind;
-  let n = 0;
+  stand.clear();
   for (const tile of tiles) {
     for (const p of of(tile)) {
       const away = Math.hypot(p.x - x, p.z - z);
-      if (away < from || away >= far || n >= most) continue;
+      if (away < from || away >= far) continue;
       // Woods keep their closed look with fewer, wider trees.
       const keep = away < 200 ? 1 : (200 / away) ** 1.1;
       if (p.rank > keep) continue;
       const wide = p.size * (1 + 0.35 * (1 - keep)) * (0.92 + 0.25 * p.rank);
       turn.setFromAxisAngle(UP, p.turn);
       matrix.compose(at.set(p.x, p.y, p.z), turn, size.set(wide, p.size * tall, wide));
-      mesh.setMatrixAt(n, matrix);
-      mesh.setColorAt(n, tint.setScalar(0.82 + 0.18 * p.rank));
-      n++;
+      stand.add(matrix, 0.82 + 0.18 * p.rank);
     }
   }
-  mesh.count = n;
-  mesh.instanceMatrix.needsUpdate = true;
-  if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
 }
 
 function dressed(

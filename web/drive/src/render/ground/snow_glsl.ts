@@ -6,14 +6,32 @@ vec2 snowAt(vec2 xz) { return vec2(0.0); }
 float snowInside(vec2 xz) { return 0.0; }
 `;
 
-/** `float snowDepth(vec2 xz, float level)` [m]: tracks inside the window, fresh snow outside. */
+/**
+ * Weights by which a vertex takes the snow half a cell before it, at it, and half a cell after it, in each direction:
+ * they leave half of a wave of two cells and nothing of a wave of one, which would stand as lozenges along a rut.
+ */
+export const VERTEX_WEIGHTS = [0.25, 0.5, 0.25] as const;
+
+/**
+ * `float snowDepth(vec2 xz, float level, float width)` [m] at a vertex, `width` [m] from the next: tracks inside the
+ * window, fresh snow outside. Cells of two texels and less take the tracks as they are.
+ */
 export const DEPTH = /* glsl */ `
 uniform float freshDepth;
-float snowDepth(vec2 xz, float level) {
+float trackDepth(vec2 xz, float width) {
+  float e = min(0.5 * width, max(0.0, width - 2.0 * snowTexel));
+  if (e == 0.0) return snowAt(xz).x;
+  const float weights[3] = float[3](${VERTEX_WEIGHTS.map((w) => w.toFixed(4)).join(", ")});
+  float sum = 0.0;
+  for (int j = 0; j < 3; j++)
+    for (int i = 0; i < 3; i++) sum += weights[i] * weights[j] * snowAt(xz + e * vec2(i - 1, j - 1)).x;
+  return sum;
+}
+float snowDepth(vec2 xz, float level, float width) {
   float inside = snowInside(xz);
-  if (inside >= 1.0) return snowAt(xz).x;
+  if (inside >= 1.0) return trackDepth(xz, width);
   float fresh = freshDepth * groundKind(xz, level).x;
-  return inside > 0.0 ? mix(fresh, snowAt(xz).x, inside) : fresh;
+  return inside > 0.0 ? mix(fresh, trackDepth(xz, width), inside) : fresh;
 }
 `;
 
@@ -28,6 +46,7 @@ struct Matter {
   float occlusion; // of the light of the sky
   float snowy;     // 1 snow, 0 bare ground
   float loose;     // 1 fresh or heaped, 0 packed
+  float glaze;     // how much of the sky a smooth surface mirrors: 1 bare ice, less where snow is packed hard
   float inside;
   float depth;
 };
@@ -62,7 +81,14 @@ Matter matterAt(vec2 xz, float level, vec3 kind, vec2 ground, float near) {
   vec2 covers = vec2(groundKind(xz + vec2(spacing, 0.0), level).x, groundKind(xz + vec2(0.0, spacing), level).x);
   vec2 tilt = freshDepth * (covers - kind.x) / spacing;
   float depth = fresh;
-  float packed = clamp(kind.y, 0.0, 1.0) * 0.75;
+  vec4 broad = texture2D(noiseMap, turned(xz, 1.1) * 0.047);
+  vec4 fine = texture2D(noiseMap, turned(xz, 0.3) * 0.61);
+  // Wind sweeps ice and hard snow bare; what it lays over them lies in drifts along its way.
+  vec4 streaks = texture2D(noiseMap, turned(xz * vec2(1.0, 2.6), 0.8) * 0.029);
+  float blown = smoothstep(0.54, 0.66, 0.8 * streaks.b + 0.2 * fine.b);
+  float hard = clamp(kind.y, 0.0, 1.0) * (1.0 - blown);
+  float icy = kind.z * (1.0 - blown);
+  float packed = max(0.3 * clamp(kind.y, 0.0, 1.0), 0.85 * hard);
   float moved = 0.0;
   m.occlusion = 1.0;
   if (m.inside > 0.0) {
@@ -83,27 +109,28 @@ Matter matterAt(vec2 xz, float level, vec3 kind, vec2 ground, float near) {
     }
   }
   m.depth = depth;
-  vec4 broad = texture2D(noiseMap, turned(xz, 1.1) * 0.047);
-  vec4 fine = texture2D(noiseMap, turned(xz, 0.3) * 0.61);
   m.loose = 1.0 - packed;
   float bareRough;
   vec3 bare = bareGround(xz, ground, kind, broad, fine, bareRough);
   bare = mix(bare, lakeIce(xz, broad, fine), kind.z);
   bareRough = mix(bareRough, 0.16 + 0.25 * fine.b, kind.z);
-  m.snowy = smoothstep(0.006, 0.045, depth + (broad.b - 0.5) * 0.05 + (fine.b - 0.5) * 0.03);
+  m.snowy = smoothstep(0.006, 0.045, depth + (broad.b - 0.5) * 0.05 + (fine.b - 0.5) * 0.03) * (1.0 - icy);
   vec3 snow = mix(vec3(0.62, 0.735, 0.86), vec3(0.87, 0.9, 0.94), m.loose);
   snow *= 0.94 + 0.12 * broad.b;
   // A packed road carries some of its gravel.
   float dirt = kind.y * smoothstep(0.45, 0.75, 0.55 * fine.b + 0.45 * broad.b);
   snow = mix(snow, vec3(0.4, 0.385, 0.37), 0.4 * dirt);
+  // Hard snow is greyer, and breaks into slabs along thin cracks.
+  snow *= 1.0 - hard * (0.16 + 0.4 * smoothstep(0.014, 0.0, abs(broad.b - streaks.b)));
   m.colour = mix(bare, snow, m.snowy);
   m.roughness = mix(bareRough, mix(0.42 + 0.3 * fine.b, 0.94, m.loose), m.snowy);
+  m.glaze = max(kind.z * (1.0 - m.snowy), 0.3 * hard * m.snowy * (1.0 - moved));
   // Grain: crumbs where snow was thrown up, ripples of the wind where it lies as it fell.
   vec2 grain = 0.5 * bump(turned(xz, 0.3) * 1.9) + 0.5 * bump(turned(xz, 2.1) * 0.61) * (0.5 + moved);
   vec2 crumbs = bump(turned(xz, 1.7) * 0.23) * (0.35 + 1.2 * moved * m.loose);
   vec2 ripples = bump(turned(xz * vec2(1.0, 2.1), 0.8) * 0.021) * 0.5 * (1.0 - moved) * (1.0 - kind.y);
   vec2 swells = bump(turned(xz, 2.6) * 0.0047) * 0.46 * (1.0 - kind.z);
-  float soft = mix(0.55, 1.0, m.loose) * mix(1.0, 0.12, kind.z * (1.0 - m.snowy));
+  float soft = mix(0.55, 1.0, m.loose) * mix(1.0, 0.12, kind.z * (1.0 - m.snowy)) * (1.0 - 0.4 * hard * (1.0 - moved));
   m.slope = ground + tilt + soft * (1.5 * grain + crumbs + ripples) + swells * (1.0 - moved);
   return m;
 }
@@ -111,16 +138,17 @@ Matter matterAt(vec2 xz, float level, vec3 kind, vec2 ground, float near) {
 
 /** Shadows of rims and walls of ruts: a short march over the snow toward the light. */
 export const RUT_SHADE = /* glsl */ `
-float rutLight(vec2 xz, float depth, vec2 ground, vec3 light, float dither) {
+float rutLight(vec2 xz, float depth, vec2 ground, vec3 light) {
   float least = 1.0;
   float across = max(length(light.xz), 1e-3);
   vec2 d = light.xz / across;
   float climb = light.y / across - dot(ground, d);
-  float t = 0.03 * (1.0 + 0.4 * dither);
-  for (int k = 0; k < 10; k++) {
+  // Steps as short as leave no bands in the soft edge; steps that differ from pixel to pixel would weave a pattern.
+  float t = 0.03;
+  for (int k = 0; k < 16; k++) {
     float over = depth + 0.008 + climb * t - snowAt(xz + d * t).x;
     least = min(least, 0.5 + over / (0.02 + 0.16 * t));
-    t *= 1.5;
+    t *= 1.3;
   }
   return smoothstep(0.0, 1.0, least);
 }

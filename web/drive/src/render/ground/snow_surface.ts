@@ -1,10 +1,11 @@
 /** The snow that is seen: grid rings lifted to ground plus depth, and the material of snow, ice and bare ground. */
-import { BufferAttribute, BufferGeometry, Mesh, MeshStandardMaterial, Vector2 } from "three";
-import type { IUniform, Texture } from "three";
+import { BufferAttribute, BufferGeometry, Mesh, MeshStandardMaterial, Vector2, Vector3 } from "three";
+import type { IUniform, PerspectiveCamera, Texture } from "three";
 import type { Atmosphere } from "../sky/atmosphere";
 import { put } from "../sky/atmosphere";
-import { ringGlsl, ringGrid } from "./ring_layout";
+import { arc, byDirection, ringGlsl, ringGrid, type Turned } from "./ring_layout";
 import { DEPTH, MATTER, NO_TRACKS, RUT_SHADE, SPARKLE } from "./snow_glsl";
+import { corner } from "./stand";
 
 /** What the surface needs to know of a field of tracks. */
 export interface Tracks {
@@ -21,9 +22,20 @@ export interface RingSize {
 }
 
 export const RINGS: RingSize = { cells: 112, levels: 10, cell: 0.1 };
+/** For machines without a graphics card: a quarter of the triangles. */
+export const COARSE_RINGS: RingSize = { cells: 56, levels: 10, cell: 0.1 };
+
+/** Levels that are always drawn; of the others only what lies ahead, in sectors of a turn. */
+const NEAR = 2;
+const SECTORS = 24;
+/** How far a vertex may be from where the middle of its triangle is in the grid [cells]: lattices snap, and rings glide. */
+const SNAP = 5;
 
 export class SnowSurface {
+  /** The nearest levels; the others are its child. */
   readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
+  private readonly far: Mesh<BufferGeometry, MeshStandardMaterial>;
+  private readonly turned: Turned;
   private readonly air: Atmosphere;
   private readonly rings: RingSize;
   private readonly uniforms = {
@@ -36,21 +48,30 @@ export class SnowSurface {
   constructor(air: Atmosphere, noise: Texture, rings: RingSize = RINGS) {
     this.air = air;
     this.rings = rings;
-    const { positions, indices } = ringGrid(rings.cells, rings.levels);
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(positions, 3));
-    geometry.setIndex(new BufferAttribute(indices, 1));
+    const grid = ringGrid(rings.cells, rings.levels);
+    const { near, far } = byDirection(grid, NEAR, SECTORS);
+    this.turned = far;
+    const positions = new BufferAttribute(grid.positions, 3);
+    const [inner, outer] = [near, far.indices].map((indices) =>
+      new BufferGeometry().setAttribute("position", positions).setIndex(new BufferAttribute(indices, 1)),
+    ) as [BufferGeometry, BufferGeometry];
+    outer.setDrawRange(...arc(far, 0, Math.PI));
     this.uniforms.noiseMap.value = noise;
     this.uniforms.ringCell.value = rings.cell;
-    this.mesh = new Mesh(geometry, this.material(null));
-    this.mesh.frustumCulled = false;
-    this.mesh.receiveShadow = true;
+    const material = this.material(null);
+    this.mesh = new Mesh(inner, material);
+    this.far = new Mesh(outer, material);
+    for (const mesh of [this.mesh, this.far]) {
+      mesh.frustumCulled = false;
+      mesh.receiveShadow = true;
+    }
+    this.mesh.add(this.far);
   }
 
   /** Show the tracks of a field from now on. */
   attach(tracks: Tracks): void {
     this.mesh.material.dispose();
-    this.mesh.material = this.material(tracks);
+    this.mesh.material = this.far.material = this.material(tracks);
   }
 
   /** Set the depth of fresh snow [m] and the middle of the finest cells [m]. */
@@ -59,7 +80,23 @@ export class SnowSurface {
     this.uniforms.ringCentre.value.set(x, z);
   }
 
+  /** Draw only what lies ahead of a camera. */
+  look(camera: PerspectiveCamera): void {
+    const ahead = camera.getWorldDirection(new Vector3());
+    const half = corner(camera);
+    const level = Math.hypot(ahead.x, ahead.z);
+    // Width of the camera's cone as a part of the horizon, and how much wider it is seen from the middle of the rings.
+    const wide = Math.sin(half) < level && half < Math.PI / 2 ? Math.asin(Math.sin(half) / level) : Math.PI;
+    const { x, y } = this.uniforms.ringCentre.value;
+    const { cells, cell } = this.rings;
+    const aside = Math.hypot(camera.position.x - x, camera.position.z - y);
+    const inner = (cells / 4 - SNAP) * cell * 2 ** NEAR;
+    const more = aside < inner ? Math.asin(aside / inner) + SNAP / (cells / 4) : Math.PI;
+    this.far.geometry.setDrawRange(...arc(this.turned, Math.atan2(ahead.z, ahead.x), wide + more));
+  }
+
   dispose(): void {
+    this.far.geometry.dispose();
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
   }
@@ -84,11 +121,7 @@ export class SnowSurface {
         f = put(f, "#include <map_fragment>", FRAGMENT_MATTER);
         f = put(f, "#include <roughnessmap_fragment>", "float roughnessFactor = matter.roughness;");
         f = put(f, "#include <normal_fragment_begin>", FRAGMENT_NORMAL);
-        f = put(
-          f,
-          "#include <aomap_fragment>",
-          "reflectedLight.indirectDiffuse *= matter.occlusion;\nreflectedLight.indirectSpecular *= matter.occlusion;",
-        );
+        f = put(f, "#include <aomap_fragment>", GLAZE);
         f = put(f, "#include <opaque_fragment>", `${FRAGMENT_GLINTS}\n#include <opaque_fragment>`);
         // The ground's code is wanted in the fragments as well as in the vertices.
         shader.fragmentShader = put(f, "#include <common>", `#include <common>\n${this.air.groundGlsl}`);
@@ -99,14 +132,15 @@ export class SnowSurface {
 }
 
 const VERTEX_NORMAL = /* glsl */ `
-vec2 xz = ringPlace(position);
+float width;
+vec2 xz = ringPlace(position, width);
 float level = groundLevel(xz);
 vec2 incline = groundSlope(xz, level);
 vec3 objectNormal = normalize(vec3(-incline.x, 1.0, -incline.y));
 `;
 
 const VERTEX_PLACE = /* glsl */ `
-vec3 transformed = vec3(xz.x, groundHeight(xz) + snowDepth(xz, level), xz.y);
+vec3 transformed = vec3(xz.x, groundHeight(xz) + snowDepth(xz, level, width), xz.y);
 `;
 
 const FRAGMENT_MATTER = /* glsl */ `
@@ -130,14 +164,24 @@ vec3 nonPerturbedNormal = normal;
 // way in the ice; brighter against a low sun.
 const SUN = /* glsl */ `
 if (matter.inside > 0.0 && near > 0.0) {
-  float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-  sunVisible *= mix(1.0, rutLight(xz, matter.depth, ground, lightDirection, dither), matter.inside * near);
+  sunVisible *= mix(1.0, rutLight(xz, matter.depth, ground, lightDirection), matter.inside * near);
 }
 float facing = dot(geometryNormal, directLight.direction);
 float tail = max(0.0, (facing + 0.35) / 1.35) - max(0.0, facing);
 float against = pow(max(0.0, -dot(geometryViewDir, directLight.direction)), 5.0);
 vec3 through = vec3(0.62, 0.82, 1.0) * tail * 0.55 + vec3(1.0, 0.93, 0.86) * 0.13 * against * max(0.0, facing + 0.2);
 reflectedLight.directDiffuse += matter.snowy * sunVisible * directLight.color * through * material.diffuseColor * RECIPROCAL_PI;
+`;
+
+// Smooth ice mirrors the sky by Schlick's formula (1994); 0.018 is what ice (n = 1.31) mirrors straight down.
+const GLAZE = /* glsl */ `
+{
+  vec3 toEye = normalize(cameraPosition - vPlace);
+  float mirrored = 0.018 + 0.982 * pow(1.0 - clamp(dot(up, toEye), 0.0, 1.0), 5.0);
+  reflectedLight.indirectSpecular += matter.glaze * mirrored * skyColour(reflect(-toEye, up));
+}
+reflectedLight.indirectDiffuse *= matter.occlusion;
+reflectedLight.indirectSpecular *= matter.occlusion;
 `;
 
 const FRAGMENT_GLINTS = /* glsl */ `

@@ -71,6 +71,34 @@ float hillLight(vec3 place) {
 }
 `;
 
+/**
+ * A shadow with edges as a cubic B-spline over the texels draws them. three's own turns a few samples by the place on the
+ * screen, which weaves a pattern into soft edges. Each of the four reads is bilinear over comparisons, by which the
+ * sixteen weights are had (Sigg and Hadwiger 2005, "Fast third-order texture filtering", GPU Gems 2, chapter 20).
+ */
+const SOFT_SHADOW = /* glsl */ `
+#if defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 1
+float softShadow(sampler2DShadow map, vec2 size, float bias, vec3 place) {
+  place.z += bias;
+  if (any(lessThan(place.xy, vec2(0.0))) || any(greaterThan(place, vec3(1.0)))) return 1.0;
+  vec2 p = place.xy * size - 0.5;
+  vec2 f = fract(p);
+  vec2 g = 1.0 - f;
+  // Weights of the texels -1, 0, 1, 2 about p; the first two and the last two are read at once.
+  vec2 w0 = g * g * g / 6.0;
+  vec2 w3 = f * f * f / 6.0;
+  vec2 w1 = 2.0 / 3.0 - 0.5 * f * f * (2.0 - f);
+  vec2 w2 = 1.0 - w0 - w1 - w3;
+  vec2 low = w0 + w1;
+  vec2 high = w2 + w3;
+  vec2 a = (p - f - 0.5 + w1 / low) / size;
+  vec2 b = (p - f + 1.5 + w3 / high) / size;
+  return low.y * (low.x * texture(map, vec3(a, place.z)) + high.x * texture(map, vec3(b.x, a.y, place.z)))
+    + high.y * (low.x * texture(map, vec3(a.x, b.y, place.z)) + high.x * texture(map, vec3(b, place.z)));
+}
+#endif
+`;
+
 /** Between these marks three's chunk sums the directional lights; ours has one, with two shadow maps. */
 function sunlit(): string {
   const chunk = ShaderChunk.lights_fragment_begin;
@@ -83,11 +111,11 @@ function sunlit(): string {
     float sunVisible = vHillLight;
     #if defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 1
       // The car is in the fine map alone, woods and rocks in the coarse one.
-      float fall = getShadow(directionalShadowMap[0], directionalLightShadows[0].shadowMapSize, 1.0,
-        directionalLightShadows[0].shadowBias, directionalLightShadows[0].shadowRadius, vDirectionalShadowCoord[0]);
+      float fall = softShadow(directionalShadowMap[0], directionalLightShadows[0].shadowMapSize,
+        directionalLightShadows[0].shadowBias, vDirectionalShadowCoord[0].xyz);
       vec2 edge = abs(vDirectionalShadowCoord[1].xy - 0.5);
-      fall *= mix(getShadow(directionalShadowMap[1], directionalLightShadows[1].shadowMapSize, 1.0,
-        directionalLightShadows[1].shadowBias, directionalLightShadows[1].shadowRadius, vDirectionalShadowCoord[1]),
+      fall *= mix(softShadow(directionalShadowMap[1], directionalLightShadows[1].shadowMapSize,
+        directionalLightShadows[1].shadowBias, vDirectionalShadowCoord[1].xyz),
         1.0, smoothstep(0.42, 0.5, max(edge.x, edge.y)));
       if (receiveShadow) sunVisible *= fall;
     #endif
@@ -187,7 +215,7 @@ export class Atmosphere {
         `#include <common>
         varying vec3 vPlace;
         varying float vHillLight;
-        ${SKY}`,
+        ${SKY}${SOFT_SHADOW}`,
       );
       shader.fragmentShader = put(
         shader.fragmentShader,

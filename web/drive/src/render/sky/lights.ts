@@ -40,8 +40,6 @@ export class Lights {
       light.shadow.bias = -0.0004;
       this.group.add(light, light.target);
     }
-    this.sun.shadow.radius = 2;
-    this.far.shadow.radius = 2;
     only(this.sun, casters.fine, casters.coarse);
     only(this.far, casters.coarse, casters.fine);
     this.far.shadow.autoUpdate = false;

@@ -164,9 +164,9 @@ export class Passes {
     this.renderer.setRenderTarget(target);
   }
 
-  /** Put texels, (h, W) pairs of one tile, into the snow. */
-  upload(data: Float32Array, x: number, z: number): void {
-    const texture = new DataTexture(data, TILE, TILE, RGFormat, FloatType);
+  /** Put texels, (h, W) pairs of one tile or of a piece so wide [texels], into the snow. */
+  upload(data: Float32Array, x: number, z: number, width: number = TILE): void {
+    const texture = new DataTexture(data, width, data.length / (2 * width), RGFormat, FloatType);
     this.renderer.initRenderTarget(this.snow);
     this.renderer.copyTextureToTexture(texture, this.snow.texture, null, new Vector2(x, z));
     texture.dispose();

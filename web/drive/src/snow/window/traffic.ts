@@ -2,7 +2,7 @@ import type { Vector2 } from "three";
 import type { Terrain } from "../../world/terrain_type";
 import { coverLattice, onlyFresh } from "./cover";
 import type { Passes } from "../gpu/passes";
-import { assembled, area, wrapped, type Rect } from "./rects";
+import { assembled, area, modulo, wrapped, type Rect } from "./rects";
 import type { Readback } from "../gpu/readback";
 import { COVER_SIDE } from "../gpu/shaders";
 import { TileStore } from "./store";
@@ -73,6 +73,20 @@ export class TileTraffic {
     passes.bind(passes.snow);
     passes.bytes += 24 * area(rect);
     this.reads.read(pieces, (data) => done(data && assembled(rect, n, data)));
+  }
+
+  /** Put (h, W) pairs, rows of z, into texels of the window, given in the world. */
+  write(rect: Rect, data: Float32Array): void {
+    const n = this.passes.snow.width;
+    const nx = rect.x1 - rect.x0;
+    for (const { x0, z0, x1, z1 } of wrapped(rect, n)) {
+      const piece = new Float32Array(2 * (x1 - x0) * (z1 - z0));
+      for (let z = z0; z < z1; z++) {
+        const from = 2 * (modulo(x0 - rect.x0, n) + nx * modulo(z - rect.z0, n));
+        piece.set(data.subarray(from, from + 2 * (x1 - x0)), 2 * (x1 - x0) * (z - z0));
+      }
+      this.passes.upload(piece, x0, z0, x1 - x0);
+    }
   }
 
   /** Make tiles that entered: fresh ones, and from the store those that had tracks. */
