@@ -57,7 +57,7 @@ def test_a_scene_survives_writing_and_reading(tables):
 def test_a_scene_is_built_or_refused(tables):
     """A scene of few particles is built and goes a step, or is refused in a sentence."""
     tables["sources"] = tables.get("sources") or [{"shape": "sphere"}]
-    for name in ("sources", "colliders", "bodies"):
+    for name in ("sources", "emitters", "colliders", "bodies"):
         tables[name] = [entry for entry in tables.get(name, []) if entry.get("shape") not in FILE_SHAPES]
     tables.pop("robots", None)
     scene = scene_or_sentence(tables)
@@ -79,7 +79,7 @@ def coarse(scene):
     from neve.sampling.regions import region
 
     volume = sum(region(source, scene.numerics, "x").volume for source in scene.sources)
-    size = max((2 * max(source.half_extents()) for source in scene.sources), default=0.0)
+    size = max((2 * max(part.half_extents()) for part in (*scene.sources, *scene.emitters)), default=0.0)
     dx = max((volume / PARTICLES) ** (1 / 3), size / 50, scene.numerics.dx)
     if not dx <= 1000:
         return None

@@ -10,6 +10,8 @@ from neve import Simulation, _core
 from neve import build as scene_build
 from neve.mpm import initial
 from neve.sampling import fill
+from neve.sampling.emitters.section import Section
+from neve.sampling.emitters.stream import stream
 from neve.sampling.room import (
     MOST,
     PARTICLE_BYTES,
@@ -82,6 +84,23 @@ def test_memory_is_asked_for_before_it_is_taken(monkeypatch):
     )
     monkeypatch.setattr(memory, "free", lambda: None)
     assert memory.lacking(1e18) is None
+
+
+@pytest.mark.parametrize(
+    ("dx", "free", "said"),
+    [
+        (2e-3, None, r"emitters\.0 has a section of 1e\+12 particles .* more than 2\.7e\+08; use a larger dx"),
+        (0.2, 10**9, r"emitters\.0 has a section of 1e\+08 particles .* needs about 20 GB .* 1 GB are free"),
+    ],
+)
+def test_the_section_of_an_emitter_is_asked_for_before_it_is_laid_out(dx, free, said, monkeypatch):
+    """A pipe of 1 km across: its cells were laid out one by one, whatever memory there was."""
+    monkeypatch.setattr(memory, "free", lambda: free)
+    monkeypatch.setattr(Section, "grid", lambda *_: pytest.fail("the section was laid out"))
+    pipe = {"shape": "box", "size": [1000.0, 1000.0, 1.0], "velocity": [0.0, 0.0, -1.0]}
+    whole = Scene.model_validate({"numerics": {"dx": dx}, "emitters": [pipe]})
+    with pytest.raises(SceneError, match=said):
+        stream(whole, 0)
 
 
 def test_sources_that_fit_one_by_one_may_not_fit_together(monkeypatch):

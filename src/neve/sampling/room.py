@@ -13,6 +13,8 @@ MOST = 2**28
 """Points that may be placed in the box around a source."""
 POINT_BYTES, PARTICLE_BYTES = 25, 240
 """Memory for each point of the box, and for each particle until the simulation has its own arrays [bytes]."""
+CELL_BYTES = 200
+"""Memory for each cell of an emitter's section, while it is laid out and while a layer of it comes out [bytes]."""
 MOST_PARTICLES = 2**31 - 1
 """Particles of all sources together."""
 SAMPLE_BYTES = 80
@@ -42,6 +44,21 @@ def require_room(size: NDArray[np.float64], volume: float, numerics: Numerics, n
         raise SceneError(f"{stated}, more than {MOST:.2g}; use a larger dx or a smaller source")
     if found := lacking(points * POINT_BYTES + particles * PARTICLE_BYTES):
         raise SceneError(f"{stated}, which {found}; use a larger dx or a smaller source")
+
+
+def require_room_in_section(cells: NDArray[np.float64], numerics: Numerics, name: str) -> None:
+    """Refuse an emitter whose section has too many cells, or more than there is memory for.
+
+    cells: along the two edges of the rectangle around the section (2,).
+
+    Errors: SceneError.
+    """
+    points = float(np.prod(cells))
+    stated = f"{name} has a section of {points:.2g} particles with numerics.dx = {numerics.dx:g}"
+    if points > MOST:
+        raise SceneError(f"{stated}, more than {MOST:.2g}; use a larger dx or a smaller emitter")
+    if found := lacking(points * CELL_BYTES):
+        raise SceneError(f"{stated}, which {found}; use a larger dx or a smaller emitter")
 
 
 def expected(source: Source, numerics: Numerics) -> float:

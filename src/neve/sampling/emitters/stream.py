@@ -20,6 +20,7 @@ from neve.geometry.pose import cross
 from neve.reproducible import product
 from neve.sampling.emitters.section import Section, section_of
 from neve.sampling.points import JITTER
+from neve.sampling.room import require_room_in_section
 from neve.scene.errors import SceneError
 from neve.scene.schema.scene import Scene
 from neve.scene.schema.sources import Emitter
@@ -133,12 +134,14 @@ class Stream:
 def stream(scene: Scene, index: int) -> Stream:
     """Return the column of the scene's emitter number `index`.
 
-    Errors: SceneError if its section is too small for a particle, its rate is more than fills it, its mesh
+    Errors: SceneError if its section is too small for a particle, or too large for the memory, its rate is more than fills it, its mesh
     has no inside, or its font lacks a letter.
     """
     emitter, numerics, name = scene.emitters[index], scene.numerics, f"emitters.{index}"
     section = section_of(emitter, numerics, name)
-    count = np.maximum(1, np.rint(2.0 * section.half / numerics.spacing)).astype(np.int64)
+    cells = np.maximum(1, np.rint(2.0 * section.half / numerics.spacing))
+    require_room_in_section(cells, numerics, name)
+    count = cells.astype(np.int64)
     middles = section.grid(count)
     middles = middles[section.holds(middles)]
     if not len(middles):
