@@ -65,6 +65,31 @@ snow = { law = "drucker_prager" }
 shape = "plane"
 """
 
+PILED = """
+[numerics]
+dx = 0.05
+dt = 2e-3
+implicit_strain = 1.0
+[[sources]]
+shape = "box"
+size = [0.3, 0.3, 0.2]
+center = [0, 0, 0.1]
+snow = { E0 = 1e7 }
+[[sources]]
+shape = "sphere"
+radius = 0.12
+center = [0.05, 0, 0.34]
+velocity = [0, 0, -1]
+[[sources]]
+shape = "sphere"
+radius = 0.12
+center = [1, 0, 0.5]
+velocity = [1, 0, 0]
+[[colliders]]
+shape = "plane"
+mu_c = 0.3
+"""
+
 ROBOT = """
 [numerics]
 dx = 0.05
@@ -126,6 +151,21 @@ CASES: dict[str, tuple[str, tuple[str, ...], float]] = {
     "wheel": ("wheel", ("numerics.dx=0.06",), 0.1),
     "robot": (ROBOT, (), 0.1),
     "two laws, variation, apic quadratic float64": (SPLIT, ("numerics.precision=float64",), SECONDS),
+    "semi-implicit float32": (PILED, ("numerics.integrator=semi_implicit",), 2 * SECONDS),
+    "semi-implicit, raw system, float64": (
+        PILED,
+        (
+            "numerics.integrator=semi_implicit",
+            "numerics.implicit_system=raw",
+            "numerics.precision=float64",
+        ),
+        2 * SECONDS,
+    ),
+    "implicit float64": (
+        PILED,
+        ("numerics.integrator=implicit", "numerics.precision=float64"),
+        2 * SECONDS,
+    ),
     "castle": ("castle", ("numerics.dx=0.14",), 0.03),
     "collide": ("collide", ("numerics.dx=0.14",), 0.03),
     "cube_on_snow": ("cube_on_snow", ("numerics.dx=0.14",), 0.03),

@@ -6,13 +6,14 @@
 
 namespace neve {
 
-// to_i += sum_p (g_ip^T S_x g_ip, g_ip^T S_y g_ip, g_ip^T S_z g_ip).
-template <class T, class Spline, class Weights>
+// to_i += sum_p (g_ip^T S_x g_ip, g_ip^T S_y g_ip, g_ip^T S_z g_ip), of the particles of homes with wanted(home).
+template <class T, class Spline, class Weights, class Wanted>
 void add_stiffness_diagonal(const Model<T>& model, const State<T>& state, Grid<T>& grid,
-                            const Tangents<T>& tangents, NodeField<T>& to) {
+                            const Tangents<T>& tangents, NodeField<T>& to, Wanted&& wanted) {
   using R = Lanes<T>;
   constexpr int K = Spline::nodes;
   grid.turns.each(grid.homes, [&](const Home& home, const Home&) {
+    if (!wanted(home)) return;
     Tile<T> sums;
     sums.clear();
     const auto frame = TileFrame<T>::template of<Spline>(model.dx, home.at);

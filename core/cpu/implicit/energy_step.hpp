@@ -69,9 +69,10 @@ class ImplicitStep {
         [&](std::size_t p, int count, const Mat3<R>& G) { return tangents.times_gradient(p, count, G); });
   }
 
-  // to += the diagonal of H.
-  void add_diagonal(const Tangents<T>& tangents, NodeField<T>& to) const {
-    add_stiffness_diagonal<T, Spline, Weights>(model_, state_, grid_, tangents, to);
+  // to += the diagonal of H, of the particles of homes with wanted(home).
+  template <class Wanted>
+  void add_diagonal(const Tangents<T>& tangents, NodeField<T>& to, Wanted&& wanted) const {
+    add_stiffness_diagonal<T, Spline, Weights>(model_, state_, grid_, tangents, to, wanted);
   }
 
   // to += the impulses that one rounding of each particle's F makes along its axes, each of a sign of its own.
@@ -165,5 +166,22 @@ class ImplicitStep {
   LearnedEnergies<T>* learned_;
   T scale_;
 };
+
+// f(the equations of a step of dt [s]), with the spline and the weights of the model.
+template <class T, class F>
+void with_implicit_step(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt,
+                        LearnedEnergies<T>* learned, F&& f) {
+  with_spline(model.spline, [&](auto spline) {
+    using Spline = decltype(spline);
+    const bool gradient = with_transfer(model, [](auto transfer) {
+      return std::is_same_v<typename decltype(transfer)::GatherWeights, GradientWeights>;
+    });
+    if (gradient) {
+      f(ImplicitStep<T, Spline, GradientWeights>(model, state, grid, dt, learned));
+    } else {
+      f(ImplicitStep<T, Spline, AffineWeights>(model, state, grid, dt, learned));
+    }
+  });
+}
 
 }  // namespace neve

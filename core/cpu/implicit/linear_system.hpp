@@ -93,17 +93,19 @@ class LinearSystem {
     contacts.project(out.nodes);
   }
 
-  // From now on precondition with the diagonal of `step`, too, where snow lies on what no snow moves.
+  // From now on precondition with the diagonal of `step`, too, where snow lies on what no snow moves; else, if not `wanted`,
+  // with the masses alone. The diagonal is that of the tangents now.
   template <class Step>
-  void find_diagonal(const Step& step, bool is_positive) {
-    each_block(blocks_, [&](std::size_t b) { std::fill_n(diagonal_.block(b), block_values, T(0)); });
-    if (lies_.empty() || !is_positive) return;
-    step.add_diagonal(tangents, diagonal_);
-    each_block(blocks_, [&](std::size_t b) {
-      const bool lies = lies_[test_.pieces().of(b)];
+  void find_diagonal(const Step& step, bool wanted) {
+    has_diagonal_ = wanted && !lies_.empty();
+    if (!has_diagonal_) return;
+    each_lying_block([&](std::size_t b) { std::fill_n(diagonal_.block(b), block_values, T(0)); });
+    step.add_diagonal(tangents, diagonal_,
+                      [&](const Home& home) { return lies(static_cast<std::size_t>(home.nodes[0])); });
+    each_lying_block([&](std::size_t b) {
       const T* d = inverse_.block(b);
       T* h = diagonal_.block(b);
-      for (int i = 0; i < block_values; ++i) h[i] = lies && d[i] > T(0) ? h[i] : T(0);
+      for (int i = 0; i < block_values; ++i) h[i] = d[i] > T(0) ? h[i] : T(0);
     });
   }
 
@@ -112,7 +114,11 @@ class LinearSystem {
     each_block(blocks_, [&](std::size_t b) {
       const T *a = r.nodes.block(b), *d = inverse_.block(b), *h = diagonal_.block(b);
       T* out = z.nodes.block(b);
-      for (int i = 0; i < block_values; ++i) out[i] = d[i] * a[i] / (T(1) + d[i] * h[i]);
+      if (has_diagonal_ && lies(b)) {
+        for (int i = 0; i < block_values; ++i) out[i] = d[i] * a[i] / (T(1) + d[i] * h[i]);
+      } else {
+        for (int i = 0; i < block_values; ++i) out[i] = d[i] * a[i];
+      }
     });
     if (!lies_.empty()) contacts.project(z.nodes);
     if (bodies.count() == 0) return;
@@ -193,6 +199,14 @@ class LinearSystem {
     if (std::find(lies_.begin(), lies_.end(), true) == lies_.end()) lies_.clear();
   }
 
+  bool lies(std::size_t block) const { return lies_[test_.pieces().of(block)]; }
+  template <class F>
+  void each_lying_block(F&& f) {
+    each_block(blocks_, [&](std::size_t b) {
+      if (lies(b)) f(b);
+    });
+  }
+
   // Of each piece the residual over the mass.
   std::vector<double> translations(const Vector& r) const {
     const Pieces& pieces = test_.pieces();
@@ -234,7 +248,8 @@ class LinearSystem {
 
   std::size_t blocks_ = 0, body_count_ = 0;
   NodeField<T> inverse_, diagonal_;
-  std::vector<bool> lies_;  // of pieces; empty if none does
+  std::vector<bool> lies_;     // of pieces; empty if none does
+  bool has_diagonal_ = false;  // diagonal_ is that of the blocks of pieces that lie
   StoppingTest<T> test_;
   Vector image_;
 };

@@ -24,6 +24,7 @@ struct ImplicitOptions {
   double tolerance = 1e-3;     // of the impulses of gravity and stress
   int most_iterations = 1000;  // of a linear system
   bool midpoint = false;  // the midpoint rule, see midpoint.hpp; else velocities at the end move the snow
+  bool diagonal = true;   // precondition with the diagonal of what is projected, see krylov.hpp
 };
 
 // What became of a step.
@@ -50,19 +51,8 @@ class ImplicitSolver {
   GridReport solve(Model<T>& model, const State<T>& state, Grid<T>& grid, double dt) {
     report = {};
     const double solved = options.midpoint ? 0.5 * dt : dt;
-    with_spline(model.spline, [&](auto spline) {
-      const bool gradient = with_transfer(model, [](auto transfer) {
-        return std::is_same_v<typename decltype(transfer)::GatherWeights, GradientWeights>;
-      });
-      using Spline = decltype(spline);
-      if (gradient) {
-        advance(ImplicitStep<T, Spline, GradientWeights>(model, state, grid, solved, energies()), model, grid,
-                solved);
-      } else {
-        advance(ImplicitStep<T, Spline, AffineWeights>(model, state, grid, solved, energies()), model, grid,
-                solved);
-      }
-    });
+    with_implicit_step(model, state, grid, solved, energies(),
+                       [&](const auto& step) { advance(step, model, grid, solved); });
     write(model, grid, dt);
     return merge_each<GridReport>(grid.moving,
                                   [&](std::size_t h) { return detail::grid_report_of(grid, grid.homes[h]); });
@@ -193,7 +183,8 @@ class ImplicitSolver {
   bool solve_linear(const Step& step) {
     if (options.newton) step.linearise(v_, 1, options.project, elastic_share(), system_.tangents);
     if (report.rounds == 0) system_.allow_rounding(step, v_, options.tolerance);
-    system_.find_diagonal(step, options.project);
+    const bool new_tangents = options.newton || report.rounds == 0;
+    if (new_tangents) system_.find_diagonal(step, options.project && options.diagonal);
     system_.carry_along(step, delta_, r_);
     const auto apply = [&](Vector& u, Vector& out) { system_.multiply(step, u, out); };
     const double goal = std::max(0.5 * options.tolerance, options.newton ? 0.1 * report.residual : 0.0);
