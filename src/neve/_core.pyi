@@ -758,8 +758,12 @@ class Grid(Protocol):
         """
 
 class ImplicitSolver(Protocol):
-    """Find velocities of nodes and bodies at the end of a step from implicit equations."""
+    """Find velocities of nodes and bodies at the end of a step from implicit equations.
 
+    diagonal: whether the diagonal of the stiffness preconditions snow that lies on what no snow moves
+    """
+
+    diagonal: bool
     @property
     def iterations(self) -> int:
         """Of all linear systems of the last step."""
@@ -1307,6 +1311,14 @@ class Precision(Protocol):
 
         newton: backward Euler, else one linear system with `beta`; project: without negative second
         derivatives; tolerance: of the forces [1]; midpoint: the implicit midpoint rule
+        """
+    def stiffness(
+        self, model: _Model, state: _State, grid: _Grid, dt: float, u: Reals, project: bool
+    ) -> tuple[Reals, Reals]:
+        """Return H u (n, blocks, 64, 3) and the diagonal of H (blocks, 64, 3) [kg], for tests.
+
+        Of velocities u (n, blocks, 64, 3) of the nodes; H is dt^2 times the stiffness of snow as it lies on
+        the grid, flow left out. Errors: ValueError as of `p2g`, and for other blocks than those of the grid.
         """
     def hessian_product(
         self,

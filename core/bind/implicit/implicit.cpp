@@ -36,6 +36,39 @@ View<T> hessian_product(const std::string& name, const std::string& plasticity, 
   return out;
 }
 
+// H u of each u (blocks, 64, 3), and the diagonal of H, of snow as it is.
+template <class T>
+nb::tuple stiffness(const Model<T>& model, const State<T>& state, Grid<T>& grid, double dt,
+                    const In<T, nb::shape<-1, -1, 64, 3>>& u, bool project) {
+  require_sorted(model, state, grid);
+  const std::size_t n = u.shape(0), blocks = grid.blocks.size(), size = 64 * blocks;
+  if (u.shape(1) != blocks) throw nb::value_error("u is (n, blocks, 64, 3) with the blocks of the grid");
+  T *products, *entries;
+  auto out = fresh<T>(products, {n, blocks, 64, 3}), out_diagonal = fresh<T>(entries, {blocks, 64, 3});
+  NodeField<T> from, to;
+  Tangents<T> tangents;
+  for (NodeField<T>* each : {&from, &to}) each->resize(blocks);
+  const auto clear = [&](NodeField<T>& a) { std::fill_n(a.block(0), blocks * block_values, T(0)); };
+  const auto write = [&](const NodeField<T>& a, T* rows) {
+    for (std::size_t i = 0; i < size; ++i) std::copy_n(a.block(0) + 4 * i, 3, rows + 3 * i);
+  };
+  with_implicit_step<T>(model, state, grid, dt, nullptr, [&](const auto& step) {
+    clear(from);
+    step.linearise(from, 1, project, 1, tangents);
+    for (std::size_t k = 0; k < n; ++k) {
+      clear(to);
+      for (std::size_t i = 0; i < size; ++i)
+        std::copy_n(u.data() + 3 * (k * size + i), 3, from.block(0) + 4 * i);
+      step.add_stiffness(tangents, from, to);
+      write(to, products + 3 * k * size);
+    }
+    clear(to);
+    step.add_diagonal(tangents, to, [](const Home&) { return true; });
+    write(to, entries);
+  });
+  return nb::make_tuple(out, out_diagonal);
+}
+
 using Weights = std::map<std::string, std::vector<double>>;
 
 LearnedNet net_of(const Weights& weights, double regularity) {
@@ -130,6 +163,10 @@ void bind_implicit(nb::module_& m) {
           nb::arg("law"), nb::arg("weights"), nb::arg("regularity") = learned_regularity,
           "Take the return map of a law from a network: a, b, W, V, w, d and q, row by row; and r over the "
           "stiffness.")
+      .def_prop_rw(
+          "diagonal", [](const S& self) { return self.options.diagonal; },
+          [](S& self, bool on) { self.options.diagonal = on; },
+          "Whether the diagonal of the stiffness preconditions snow that lies on what no snow moves.")
       .def_prop_ro("iterations", [](const S& self) { return self.report.iterations; })
       .def_prop_ro("rounds", [](const S& self) { return self.report.rounds; })
       .def_prop_ro("residual", [](const S& self) { return self.report.residual; })
@@ -144,6 +181,11 @@ void bind_implicit(nb::module_& m) {
         nb::arg("F"), nb::arg("J_P"), nb::arg("dF"), nb::arg("project"), nb::arg("flows") = false,
         "dP (n, 3, 3) [Pa] of F (n, 3, 3), J_P (n,) and dF (n, 3, 3) for one snow, as long as it does not "
         "flow; or of its return map, symmetric part.");
+  m.def("stiffness", &stiffness<T>, nb::arg("model"), nb::arg("state"), nb::arg("grid"), nb::arg("dt"),
+        nb::arg("u"), nb::arg("project"),
+        "(H u (n, blocks, 64, 3), diagonal of H (blocks, 64, 3)) [kg] of velocities u (n, blocks, 64, 3) of "
+        "the "
+        "nodes, H dt^2 times the stiffness of elastic snow as it lies on the sorted grid.");
 }
 
 }  // namespace
