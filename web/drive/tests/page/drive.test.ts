@@ -2,7 +2,7 @@ import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import type { Demo } from "../../src/demo";
 import { NO_BROWSER, type Visit } from "./browser";
 import { openDemo } from "./demo_visit";
-import { ASIDE, GLINTS, PAINT, TONES } from "./pictures";
+import { ASIDE, CLODS, GLINTS, PAINT, TONES } from "./pictures";
 
 /** Depths of the snow across the track over 4 m, at a place of it [m], and the fresh depths there. */
 const ACROSS = async ([x, z]: readonly [number, number]) => {
@@ -189,6 +189,16 @@ describe.skipIf(NO_BROWSER)("the page", () => {
     expect(glints).toBeGreaterThan(0.2);
     expect(glints).toBeLessThan(5);
     expect(await visitor.page.evaluate(GLINTS, 17.5)).toBeLessThan(0.1 * glints);
+  });
+
+  test("clods in the air are lit as lumps that lie: in shade against a low sun", async () => {
+    const { clod, lump } = await visitor.page.evaluate(CLODS, 16.4);
+    // A lump has flat faces, a clod is broken by noise: a tenth is left to them.
+    for (const side of [0, 1] as const) {
+      expect(clod[side] / lump[side]).toBeGreaterThan(0.9);
+      expect(clod[side] / lump[side]).toBeLessThan(1.1);
+    }
+    expect(clod[1]).toBeLessThan(0.75 * clod[0]);
   });
 
   test("no pattern sticks to the screen, as it did in the soft edges of shadows", async () => {

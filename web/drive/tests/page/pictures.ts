@@ -95,6 +95,58 @@ export const GLINTS = (hour: number) => {
   return (1000 * points) / ((width - 4) * (height / 2 - 2));
 };
 
+/**
+ * Mean brightness (0..255) of a ball of snow a metre over the ground at an hour: a clod that flies and a lump as it lies,
+ * each seen from where the sun stands and toward the sun.
+ */
+export const CLODS = (hour: number) => {
+  const demo = window.neveDrive!;
+  const { stage, settings, car } = demo;
+  const size = 100;
+  const view = document.querySelector("canvas")!;
+  const before = [view.width, view.height] as const;
+  demo.resize(size, size, 1);
+  const usual = settings.hour;
+  settings.hour = hour;
+  const camera = demo.camera.clone();
+  stage.update(0, car.state, camera, settings);
+  const sun = stage.toLight;
+  const flat = Math.hypot(sun.x, sun.z);
+  const [a, b] = [sun.x / flat, sun.z / flat];
+  // Nine metres beside the car, where it throws no shadow.
+  const [x, z] = [car.state.position[0] + 9 * b, car.state.position[2] - 9 * a];
+  const y = demo.terrain.height(x, z) + settings.depth + 1;
+  const flying = stage["spray"]["motion"];
+  const lying = stage["lying"];
+  const copy = Object.assign(document.createElement("canvas"), { width: size, height: size });
+  const pen = copy.getContext("2d", { willReadFrequently: true })!;
+  const seen = (toward: number) => {
+    camera.position.set(x - 2 * toward * a, y, z - 2 * toward * b);
+    camera.lookAt(x, y, z);
+    camera.updateMatrixWorld();
+    stage.update(0, car.state, camera, settings);
+    stage.render(camera);
+    pen.drawImage(view, 0, 0);
+    const { data } = pen.getImageData(0.44 * size, 0.44 * size, 0.12 * size, 0.12 * size);
+    return data.reduce((sum, value, k) => sum + (k % 4 < 3 ? value : 0), 0) / (0.75 * data.length);
+  };
+  flying.grains.set([x, y, z, 0.8, 1, 0.5, 1, 0]);
+  flying["lives"][0] = 1;
+  flying["speeds"].fill(0);
+  flying.count = 1;
+  const clod = [seen(-1), seen(1)] as const;
+  flying.count = 0;
+  lying.lumps.set([x, y, z, 0.8, 0.5, 0]);
+  lying.count = Math.max(1, lying.count);
+  lying.changed = true;
+  const lump = [seen(-1), seen(1)] as const;
+  lying.lumps[3] = 0;
+  lying.changed = true;
+  settings.hour = usual;
+  demo.resize(before[0], before[1], 1);
+  return { clod, lump };
+};
+
 /** Share of the pixels that a picture and the same, drawn a pixel aside and moved back, do not have in common. */
 export const ASIDE = () => {
   const { camera, stage } = window.neveDrive!;

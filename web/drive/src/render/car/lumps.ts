@@ -13,6 +13,8 @@ import type { Atmosphere } from "../sky/atmosphere";
 import { random } from "../../world/noise";
 import { LUMP, MOST_LUMPS, type LumpMotion } from "./lump_motion";
 
+/** Colour of broken snow, lying or in the air. */
+export const BROKEN_SNOW = 0xe4e9f2;
 /** How often lumps that wait to be buried are placed anew [s]. */
 const LATER = 1;
 
@@ -21,7 +23,7 @@ export class Lumps {
   private waited = 0;
 
   constructor(air: Atmosphere) {
-    const material = new MeshStandardMaterial({ color: 0xe4e9f2, roughness: 0.95 });
+    const material = new MeshStandardMaterial({ color: BROKEN_SNOW, roughness: 0.95 });
     air.dress(material);
     this.mesh = new InstancedMesh(broken(), material, MOST_LUMPS);
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);

@@ -1,5 +1,6 @@
-/** The spray of the wheels as it is seen: sprites lit by sun, sky and lamps. */
+/** The spray of the wheels as it is seen: puffs that throw the light forward, and clods that are shaded as balls of snow. */
 import {
+  Color,
   DynamicDrawUsage,
   InstancedBufferAttribute,
   InstancedBufferGeometry,
@@ -9,6 +10,7 @@ import { InterleavedBufferAttribute, Mesh, PlaneGeometry, ShaderMaterial } from 
 import type { Texture } from "three";
 import type { Atmosphere } from "../sky/atmosphere";
 import type { CarPose } from "./car_pose";
+import { BROKEN_SNOW } from "./lumps";
 import { SprayMotion, STRIDE } from "./spray_motion";
 
 export class Spray {
@@ -33,9 +35,11 @@ export class Spray {
     geometry.setAttribute("grain", new InterleavedBufferAttribute(this.buffer, 4, 0));
     geometry.setAttribute("state", new InterleavedBufferAttribute(this.buffer, 4, 4));
     geometry.instanceCount = 0;
+    const uniforms = { noiseMap: { value: noise }, brokenSnow: { value: new Color(BROKEN_SNOW) } };
+    const common = air.include({ uniforms });
     const material = new ShaderMaterial({
-      uniforms: { ...air.uniforms, noiseMap: { value: noise } },
-      vertexShader: `${air.glsl}${VERTEX}`,
+      uniforms,
+      vertexShader: `${common}${VERTEX}`,
       fragmentShader: `${air.glsl}${FRAGMENT}`,
       transparent: true,
       depthWrite: false,
@@ -65,31 +69,39 @@ const VERTEX = /* glsl */ `
 attribute vec4 grain;
 attribute vec4 state;
 varying vec2 vAt;
+varying vec2 vSide;
 varying vec4 vState;
 varying vec3 vCentre;
 varying vec3 vLit;
+varying float vShade;
 void main() {
   float turn = state.y * 6.283 + state.w * (state.y - 0.5) * 2.0;
   mat2 rotation = mat2(cos(turn), sin(turn), -sin(turn), cos(turn));
   vAt = position.xy * 2.0;
   vState = state;
   vCentre = grain.xyz;
-  vLit = lightInAir(grain.xyz, cameraPosition, 1.0);
+  vSide = rotation * vAt;
+  vShade = hillLight(grain.xyz);
+  vLit = lightInAir(grain.xyz, cameraPosition, vShade);
   vec4 view = viewMatrix * vec4(grain.xyz, 1.0);
-  view.xy += rotation * position.xy * grain.w;
+  view.xy += 0.5 * vSide * grain.w;
   gl_Position = projectionMatrix * view;
 }
 `;
 
 const FRAGMENT = /* glsl */ `
 uniform sampler2D noiseMap;
+uniform vec3 brokenSnow;
 varying vec2 vAt;
+varying vec2 vSide;
 varying vec4 vState;
 varying vec3 vCentre;
 varying vec3 vLit;
+varying float vShade;
 void main() {
   float r = length(vAt);
   float alpha = vState.x;
+  vec3 c = vLit;
   if (vState.z < 0.5) {
     vec4 n = texture2D(noiseMap, vAt * 0.16 + vState.y * 7.0);
     vec4 fine = texture2D(noiseMap, vAt * 0.55 + vState.y * 3.0);
@@ -99,9 +111,12 @@ void main() {
     alpha += vState.x * 0.5 * step(0.965, fine.a) * smoothstep(1.0, 0.4, r);
   } else {
     alpha *= 1.0 - smoothstep(0.55, 1.0, r);
+    // The side of a ball that is seen, broken by noise; from the axes of the camera to those of the world.
+    vec2 broken = texture2D(noiseMap, vAt * 0.3 + vState.y * 5.0).rg - 0.5;
+    vec3 side = vec3(vSide, sqrt(max(0.0, 1.0 - r * r))) + vec3(0.8 * broken, 0.0);
+    c = lightOnSnow(vCentre, normalize((vec4(side, 0.0) * viewMatrix).xyz), brokenSnow, vShade);
   }
   if (alpha < 0.008) discard;
-  vec3 c = vLit * (vState.z < 0.5 ? 1.0 : 1.25 - 0.3 * r);
   gl_FragColor = vec4(haze(c, vCentre, cameraPosition), alpha);
   #include <tonemapping_fragment>
   #include <colorspace_fragment>

@@ -167,9 +167,8 @@ if (matter.inside > 0.0 && near > 0.0) {
   sunVisible *= mix(1.0, rutLight(xz, matter.depth, ground, lightDirection), matter.inside * near);
 }
 float facing = dot(geometryNormal, directLight.direction);
-float tail = max(0.0, (facing + 0.35) / 1.35) - max(0.0, facing);
 float against = pow(max(0.0, -dot(geometryViewDir, directLight.direction)), 5.0);
-vec3 through = vec3(0.62, 0.82, 1.0) * tail * 0.55 + vec3(1.0, 0.93, 0.86) * 0.13 * against * max(0.0, facing + 0.2);
+vec3 through = pastTerminator(facing) + vec3(1.0, 0.93, 0.86) * 0.13 * against * max(0.0, facing + 0.2);
 reflectedLight.directDiffuse += matter.snowy * sunVisible * directLight.color * through * material.diffuseColor * RECIPROCAL_PI;
 `;
 

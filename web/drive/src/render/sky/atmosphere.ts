@@ -14,6 +14,7 @@ uniform vec3 skyZenith;
 uniform vec3 skyHorizon;
 uniform vec3 skyGlow;
 uniform vec3 skyLight;
+uniform vec3 snowLight;
 uniform vec3 lampPlace;
 uniform vec3 lampDirection;
 uniform vec3 lampColour;
@@ -28,15 +29,35 @@ vec3 skyColour(vec3 d) {
   return c;
 }
 
-// Light on small things in the air (flakes, spray), which throw it forward: sun or moon, sky, headlamps.
+// What a headlamp sends to a place, without the angle at which it arrives there.
+vec3 lampLight(vec3 fromLamp, float away) {
+  float cone = smoothstep(0.8, 0.97, dot(fromLamp / away, lampDirection));
+  return lampColour * cone * 0.3 / (1.0 + 0.03 * away * away);
+}
+
+// Light on small things in the air (flakes, puffs), which throw it forward: sun or moon, sky, headlamps.
 vec3 lightInAir(vec3 place, vec3 eye, float shade) {
   vec3 d = normalize(place - eye);
   float toLight = dot(d, lightDirection);
   vec3 fromLamp = place - lampPlace;
-  float away = max(length(fromLamp), 0.3);
-  float cone = smoothstep(0.8, 0.97, dot(fromLamp / away, lampDirection));
   vec3 c = skyLight * 0.3 + lightColour * shade * (0.12 + 0.1 * toLight * toLight + 0.34 * pow(max(toLight, 0.0), 8.0));
-  return c + lampColour * cone * 0.3 / (1.0 + 0.03 * away * away);
+  return c + lampLight(fromLamp, max(length(fromLamp), 0.3));
+}
+
+// Snow lets light through its edges: what is seen beyond the terminator of what faces the light by a cosine.
+vec3 pastTerminator(float facing) {
+  float tail = max(0.0, (facing + 0.35) / 1.35) - max(0.0, facing);
+  return vec3(0.62, 0.82, 1.0) * tail * 0.55;
+}
+
+// Light that a piece of snow throws back, as three's sun and hemisphere light what lies on the ground.
+vec3 lightOnSnow(vec3 place, vec3 normal, vec3 colour, float shade) {
+  float facing = dot(normal, lightDirection);
+  vec3 c = lightColour * shade * (max(0.0, facing) + pastTerminator(facing));
+  c += mix(snowLight, skyLight, 0.5 * normal.y + 0.5);
+  vec3 fromLamp = place - lampPlace;
+  float away = max(length(fromLamp), 0.3);
+  return colour * (0.3183099 * c + lampLight(fromLamp, away) * max(0.0, -dot(normal, fromLamp / away)));
 }
 
 vec3 haze(vec3 colour, vec3 place, vec3 eye) {
@@ -152,6 +173,7 @@ export class Atmosphere {
     skyHorizon: { value: new Color() },
     skyGlow: { value: new Color() },
     skyLight: { value: new Color() },
+    snowLight: { value: new Color() },
     lampPlace: { value: new Vector3() },
     lampDirection: { value: new Vector3(1, 0, 0) },
     lampColour: { value: new Color(0) },
@@ -180,6 +202,7 @@ export class Atmosphere {
     u.skyHorizon.value.setRGB(...light.horizon);
     u.skyGlow.value.setRGB(...light.glow);
     u.skyLight.value.setRGB(...light.sky);
+    u.snowLight.value.setRGB(...light.bounce);
     u.hazeShape.value.x = 1e-4 * 320 ** fog;
     u.hazeShape.value.z = 24 + 90 * fog;
   }
