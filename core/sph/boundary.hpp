@@ -36,6 +36,7 @@ struct SphBoundary {
 template <class T>
 struct SphBoundarySamples {
   std::size_t count = 0;
+  std::size_t evaluated = 0;  // kernels that volumes have taken so far
   Field<T, 3> x, normal;
   Field<T, 1> V;
   Column<std::int32_t> solid;
@@ -107,6 +108,7 @@ struct SphBoundarySamples {
     });
     for (std::size_t b = 0; b < part.count; ++b) {
       T sum = kernel.at_zero();
+      evaluated += 1 + begin[b + 1] - begin[b];
       for (std::uint32_t e = begin[b]; e < begin[b + 1]; ++e) {
         T r2 = 0;
         for (int k = 0; k < 3; ++k) {

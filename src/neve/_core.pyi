@@ -1198,6 +1198,9 @@ class Sph(Protocol):
     def pairs(self) -> list[int]:
         """Entries of snow with snow, two for each pair, and of snow with boundaries."""
     @property
+    def boundary_kernels(self) -> int:
+        """Kernels that the volumes of boundary particles have taken so far, their own among them."""
+    @property
     def bytes(self) -> int:
         """Memory [bytes]."""
     def set_water(self, material: int, rho0: float, bulk_modulus: float, viscosity: float) -> None:

@@ -271,6 +271,7 @@ void bind_of(nb::module_& m) {
       .def_prop_ro("support", [](const W& w) { return w.kernel.h; })
       .def_prop_ro("pairs",
                    [](const W& w) { return std::array{w.snow.begin.back(), w.boundary.begin.back()}; })
+      .def_prop_ro("boundary_kernels", [](const W& w) { return w.samples.evaluated; })
       .def_prop_ro(
           "bytes",
           [](W& w) { return w.state.bytes() + w.sums.bytes() + w.snow.bytes() + w.boundary.bytes(); })

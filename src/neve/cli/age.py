@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import click
 
-from neve.cli.console import report_others, tell, thread_count
+from neve.cli.console import others_reported, tell, thread_count
 from neve.cli.render import Told
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -64,8 +63,7 @@ def age(
 
     weather = Weather(**{name: value for name, value in given.items() if value is not None})
     told = Told(quiet, "age", "day")
-    with warnings.catch_warnings():
-        report_others([])
+    with others_reported():
         cover, balance, folder = let_age(
             snow, days, weather, out, changes, threads, lambda done, of: told(done, of, done)
         )

@@ -11,7 +11,6 @@ import json
 import math
 import os
 import sys
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -23,9 +22,9 @@ from neve.cli.campaigns import fuzz
 from neve.cli.compare import compare
 from neve.cli.console import (
     Commands,
+    others_reported,
     output_code,
     report,
-    report_others,
     tell,
     thread_count,
     usage,
@@ -117,7 +116,7 @@ def run(
     from neve.io.run_folder import RunFolder
     from neve.scene.reading.load import load
 
-    with launch.leading(), warnings.catch_warnings():
+    with launch.leading():
         if fine and resume:
             raise click.UsageError(
                 "--fine chooses the grid of a new run, and a run that is resumed keeps its own: leave --fine"
@@ -139,8 +138,10 @@ def run(
             report(f"warning: {sentence}.")
         if not (resume or quiet):
             announce(checked, frames, threads)
-        report_others(reported)
-        run_scene(checked, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet)
+        with others_reported(reported):
+            run_scene(
+                checked, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet
+            )
     return 0
 
 

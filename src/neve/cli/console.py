@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import sys
 import warnings
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import click
@@ -77,11 +79,12 @@ def report(sentence: str) -> None:
         print(f"neve: {' '.join(sentence.split())}", file=sys.stderr, flush=True)
 
 
-def report_others(reported: list[str]) -> None:
+@contextlib.contextmanager
+def others_reported(reported: Iterable[str] = ()) -> Iterator[None]:
     """Print each warning about the scene once, as the command line does; skip those already `reported`."""
     from neve.scene.errors import SceneWarning
 
-    usual, seen = warnings.showwarning, set(reported)
+    seen = set(reported)
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
         if not issubclass(category, SceneWarning):
@@ -90,8 +93,11 @@ def report_others(reported: list[str]) -> None:
             seen.add(str(message))
             report(f"warning: {message}.")
 
-    warnings.simplefilter("always", SceneWarning)
-    warnings.showwarning = show
+    with warnings.catch_warnings():
+        usual = warnings.showwarning
+        warnings.simplefilter("always", SceneWarning)
+        warnings.showwarning = show
+        yield
 
 
 def tell(sentence: str) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import click
 
-from neve.cli.console import report_others, tell, thread_count
+from neve.cli.console import others_reported, tell, thread_count
 from neve.cli.render import Told
 
 
@@ -86,8 +85,7 @@ def snow(
     chosen = {name: value for name, value in given.items() if value is not None}
     ground = chosen.pop("ground", None)
     told = Told(quiet, "snow", "part")
-    with warnings.catch_warnings():
-        report_others([])
+    with others_reported():
         cover, folder = snow_on(
             scene, out, changes, chosen, ground, threads, lambda done, of: told(done, of, done),
             film, Told(quiet, "film"),

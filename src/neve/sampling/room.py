@@ -14,7 +14,7 @@ MOST = 2**28
 POINT_BYTES, PARTICLE_BYTES = 25, 240
 """Memory for each point of the box, and for each particle until the simulation has its own arrays [bytes]."""
 CELL_BYTES = 200
-"""Memory for each cell of an emitter's section, while it is laid out and while a layer of it comes out [bytes]."""
+"""Memory for each cell of an emitter's section while a layer of it comes out [bytes]."""
 MOST_PARTICLES = 2**31 - 1
 """Particles of all sources together."""
 SAMPLE_BYTES = 80
