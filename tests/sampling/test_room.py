@@ -89,7 +89,7 @@ def test_memory_is_asked_for_before_it_is_taken(monkeypatch):
 @pytest.mark.parametrize(
     ("dx", "free", "said"),
     [
-        (2e-3, None, r"emitters\.0 has a section of 1e\+12 particles .* more than 2\.7e\+08; use a larger dx"),
+        (2e-3, None, r"emitters\.0 has a section of 1e\+12 particles .* more than 2\.7e\+08; use a larger"),
         (0.2, 10**9, r"emitters\.0 has a section of 1e\+08 particles .* needs about 20 GB .* 1 GB are free"),
     ],
 )

@@ -134,8 +134,8 @@ class Stream:
 def stream(scene: Scene, index: int) -> Stream:
     """Return the column of the scene's emitter number `index`.
 
-    Errors: SceneError if its section is too small for a particle or too large for the memory, its rate is more
-    than fills it, its mesh has no inside, or its font lacks a letter.
+    Errors: SceneError if its section is too small for a particle or too large for the memory, its rate is
+    more than fills it, its mesh has no inside, or its font lacks a letter.
     """
     emitter, numerics, name = scene.emitters[index], scene.numerics, f"emitters.{index}"
     section = section_of(emitter, numerics, name)
