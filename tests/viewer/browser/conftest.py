@@ -8,7 +8,7 @@ from viewer.browser.chromium import ARGUMENTS, BLIND, COARSE, HEIGHT, PATIENCE, 
 from neve.viewer.show import prepare
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser():
     playwright = pytest.importorskip(
         "playwright.sync_api", reason="playwright is not installed: pip install '.[test]'"
