@@ -45,3 +45,22 @@ def test_a_heap(how):
     1.4 ms in the mean.
     """
     assert slope("implicit", **how) == pytest.approx(slope("explicit", "auto"), rel=0.05)
+
+
+def test_a_heap_of_stiff_grains():
+    """Grains of 1e7 Pa, steps of 0.7 ms, twelve times the explicit ones: the same slope within 5 %.
+
+    With polypic, whose slope does not depend on the step; with apic explicit steps of 0.06 ms leave 12 % more
+    than explicit steps of 0.56 ms do, of grains soft enough for both.
+    """
+    snow = {"law": "drucker_prager", "rho0": 400.0, "E0": 1e7, "nu": 0.3, "friction_angle": 20.0}
+    angles = [
+        np.mean(
+            [repose(20.0, 6, 0.5, snow=snow, transfer="polypic", seed=seed, **how).angle for seed in (0, 1)]
+        )
+        for how in (
+            {"integrator": "explicit", "dt": 6e-5},
+            {"integrator": "implicit", "dt": 7e-4, "implicit_strain": 1.0},
+        )
+    ]
+    assert angles[1] == pytest.approx(angles[0], rel=0.05)
