@@ -11,7 +11,7 @@ namespace neve::snowfall {
 
 struct Counting {
   double tolerance;    // standard error of a bucket's exposure at which it has enough flakes [1]
-  double detail;       // difference of the exposures of its quarters from which a bucket is split [1]
+  double detail;       // difference of the exposures of its parts from which a bucket is split [1]
   std::uint32_t most;  // flakes of a bucket
 };
 
@@ -85,6 +85,7 @@ class ExposureCount {
     const std::size_t n = columns_.sites().size();
     Exposure out;
     out.share.assign(n, 0.0), out.error.assign(n, 0.0), out.bucket.assign(n, 1);
+    of_site_.assign(n, {});
     std::vector<Bucket> active = first_buckets(), next;
     while (!active.empty()) {
       each_index(active.size(), [&](std::size_t b) { shoot(active[b]); });
@@ -143,19 +144,25 @@ class ExposureCount {
     const auto [i, j] = columns_.place(s);
     return std::uint64_t{1} << (std::uint32_t(i - home[0]) * largest + std::uint32_t(j - home[1]));
   }
-  // The bucket of the sites order_[first..last), put in order by quarters.
+  // The bucket of the sites order_[first..last), put in order by quarters. While one quarter of its square holds them
+  // all, that quarter takes the square's place: one has none to differ from.
   detail::Bucket bucket_of(std::uint32_t first, std::uint32_t last, std::int32_t i, std::int32_t j,
                            std::uint32_t edge) {
     detail::Bucket out{};
-    out.i = i, out.j = j, out.edge = edge;
-    const auto half = std::int32_t(edge / 2);
     const auto quarter = [&](std::uint32_t s) {
       const auto [a, b] = columns_.place(s);
+      const auto half = std::int32_t(edge / 2);
       return edge == 1 ? 0 : 2 * (a - i >= half) + (b - j >= half);
     };
-    const auto begin = order_.begin();
-    std::stable_sort(begin + first, begin + last,
-                     [&](std::uint32_t a, std::uint32_t b) { return quarter(a) < quarter(b); });
+    const auto begin = order_.begin() + first, end = order_.begin() + last;
+    while (edge > 1 &&
+           std::all_of(begin, end, [&](std::uint32_t s) { return quarter(s) == quarter(*begin); })) {
+      const auto q = quarter(*begin);
+      edge /= 2;
+      i += q / 2 * std::int32_t(edge), j += q % 2 * std::int32_t(edge);
+    }
+    out.i = i, out.j = j, out.edge = edge;
+    std::stable_sort(begin, end, [&](std::uint32_t a, std::uint32_t b) { return quarter(a) < quarter(b); });
     std::uint32_t at = first;
     for (int q = 0; q < 5; ++q) {
       while (at < last && quarter(order_[at]) < q) ++at;
@@ -166,7 +173,7 @@ class ExposureCount {
   }
 
   // Follow one batch of flakes from the sites of each quarter in turn.
-  void shoot(detail::Bucket& bucket) const {
+  void shoot(detail::Bucket& bucket) {
     int held = 0;
     for (int q = 0; q < 4; ++q) held += bucket.quarter[q + 1] > bucket.quarter[q];
     for (int q = 0, done = 0; q < 4; ++q) {
@@ -181,7 +188,10 @@ class ExposureCount {
             Draw::mixed(weather_.seed) ^ (std::uint64_t(order_[first]) << 32 | bucket.edge << 24 | number);
         Draw draw(key);
         const std::uint32_t s = order_[first + std::uint32_t((draw.word() >> 32) * count >> 32)];
-        bucket.tally[q].add(follow(s, draw));
+        const double weight = follow(s, draw);
+        bucket.tally[q].add(weight);
+        SiteTally& of_site = of_site_[s];
+        ++of_site.flakes, of_site.sum += weight;
       }
     }
   }
@@ -204,7 +214,8 @@ class ExposureCount {
       noise = std::fmax(noise, std::sqrt(2.0 * t.variance()));
     }
     const bool whole = bucket.edge > 1, full = all.flakes >= counting_.most;
-    if (whole && greatest - least > std::fmax(counting_.detail, 3.0 * noise)) {
+    if (whole &&
+        (greatest - least > std::fmax(counting_.detail, 3.0 * noise) || differs_inside(bucket, all))) {
       split(bucket, next);
       return;
     }
@@ -218,8 +229,25 @@ class ExposureCount {
     for (std::uint32_t k = bucket.first(); k < bucket.last(); ++k)
       out.share[order_[k]] = all.mean(), out.error[order_[k]] = error, out.bucket[order_[k]] = bucket.edge;
   }
+  // Whether the sites of a bucket differ, although its quarters may be alike: below a rail over its middle, say.
+  // What the sums of sites vary by beyond chance: sum over sites of (sum - flakes mean)^2 / flakes is, in units of the
+  // variance of a flake, chi-squared of sites - 1 degrees if they are alike. Beyond four of its deviations they differ,
+  // and that counts if they do by half the detail, root mean square: so do two halves that differ by the detail.
+  bool differs_inside(const detail::Bucket& bucket, const detail::Tally& all) const {
+    const double mean = all.mean(), one = all.variance() * all.flakes;
+    double between = 0, freedom = -1;
+    for (std::uint32_t k = bucket.first(); k < bucket.last(); ++k) {
+      const SiteTally& t = of_site_[order_[k]];
+      if (t.flakes == 0) continue;
+      const double off = t.sum - t.flakes * mean;
+      between += off * off / t.flakes, ++freedom;
+    }
+    const double excess = between / one - freedom, half = 0.5 * counting_.detail;
+    return excess > 4.0 * std::sqrt(2.0 * freedom) && excess * one > half * half * all.flakes;
+  }
   void split(const detail::Bucket& bucket, std::vector<detail::Bucket>& next) {
     const std::uint32_t edge = bucket.edge / 2;
+    for (std::uint32_t k = bucket.first(); k < bucket.last(); ++k) of_site_[order_[k]] = {};
     for (int q = 0; q < 4; ++q) {
       if (bucket.quarter[q] == bucket.quarter[q + 1]) continue;
       next.push_back(bucket_of(bucket.quarter[q], bucket.quarter[q + 1],
@@ -257,6 +285,11 @@ class ExposureCount {
   Tops tops_;
   double top_ = -Columns::inf;
   std::vector<std::uint32_t> order_;  // sites, those of a bucket side by side
+  struct SiteTally {
+    std::uint32_t flakes = 0;
+    double sum = 0;
+  };
+  std::vector<SiteTally> of_site_;  // what the sites' buckets have counted at each
 };
 
 }  // namespace neve::snowfall

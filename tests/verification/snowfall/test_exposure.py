@@ -86,6 +86,33 @@ def test_no_flutter_no_snow_below_a_roof():
     assert np.all(share[columns.part() == 1] == 1.0)
 
 
+@pytest.mark.parametrize("cells", [2, 3, 4, 12])
+def test_places_in_one_quarter_of_a_bucket_differ(cells):
+    """Small grounds, and the corner of a larger one, fill a quarter of a bucket: a roof still covers exactly.
+
+    The first bucket has 8 by 8 cells; all rows are below the roof but the last.
+    """
+    raster = Raster.over((0.0, 0.0), (0.1 * cells, 0.1 * cells), 0.1)
+    edge = 0.05 * cells - 0.1
+    columns, share, _, _ = counted([ground(), plate("roof", "sheet", -50.0, edge, -50.0, 50.0, 2.0)], raster)
+    x, _ = places(columns, raster)
+    is_ground = columns.part() == 0
+    assert is_ground.sum() == cells**2
+    assert np.array_equal(share[is_ground], np.where(x[is_ground] < edge, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("below", ["34", "123456", "2345", "0145", "0246"])
+def test_places_differ_where_quarters_are_alike(below):
+    """Rails over some of the eight columns of each bucket: its quarters get as much, its places do not."""
+    raster = Raster.over((0.8, 0.8), (1.6, 1.6), 0.1)
+    columns_below = [i for i in range(16) if str(i % 8) in below]
+    rails = [plate(f"{i}", "sheet", 0.1 * i, 0.1 * (i + 1), -50.0, 50.0, 2.0) for i in columns_below]
+    columns, share, _, _ = counted([ground(), *rails], raster)
+    is_ground = columns.part() == 0
+    is_below = np.isin(columns.column()[is_ground] // raster.ny, columns_below)
+    assert np.array_equal(share[is_ground], np.where(is_below, 0.0, 1.0))
+
+
 def test_nothing_lies_below_a_board_that_hangs_together_with_the_slope():
     """Cells of 0.5 m: the top of a board is here and there as high over the slope as an edge may be."""
     raster = Raster.over((0.0, 0.0), (8.0, 4.0), 0.5)
