@@ -251,7 +251,7 @@ def slid_down(columns: Columns, depth: Array, fall: Snowfall) -> tuple[Array, di
     return _core.snowfall.slide(
         columns=columns,
         depth=depth,
-        repose=math.tan(math.radians(fall.repose)),
+        repose=math.tan(math.radians(fall.angle_of_repose)),
         holding_depth=fall.stability == "snowslide",
         least_slope=LEAST_SLOPE,
         gravity=GRAVITY,

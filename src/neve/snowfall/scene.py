@@ -16,6 +16,7 @@ from neve.reproducible import product
 from neve.scene.errors import SceneError
 from neve.scene.schema.file_shapes import Layer, Mesh, Text
 from neve.scene.schema.scene import Scene, Source
+from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.schema.snowfall import Lying, Snowfall
 from neve.snowfall.cover import Cover, Raster, let_fall
 from neve.snowfall.files import cover_of, read_lying
@@ -63,9 +64,10 @@ class Falls:
 
     def _given(self, index: int) -> tuple[Snowfall, Surroundings, Raster]:
         """Return what falls as the source number `index`, and on what. Errors: SceneError."""
-        fall = self._scene.sources[index]
-        if not isinstance(fall, Snowfall):
+        source = self._scene.sources[index]
+        if not isinstance(source, Snowfall):
             raise TypeError(f"sources.{index} is no snowfall")
+        fall = source.of_kind(SNOWS[self._scene.snow_of(source).kind])
         before = self._before(index)
         cell = fall.cell or self._scene.numerics.spacing
         raster = Raster.over(fall.center, fall.size, cell)

@@ -42,6 +42,9 @@ def test_kinds_are_the_words_and_are_complete() -> None:
         assert kind.source, name
         assert set(kind.constants) <= set(used(kind.law, "snow")), name
         assert all(isinstance(value, float) for value in kind.constants.values()), name
+        assert kind.repose is None or (
+            kind.repose.source and kind.repose.tag in ("quoted", "derived", "chosen")
+        )
         Variation.model_validate(kind.variation)
         Profile.model_validate(kind.profile)
 

@@ -7,6 +7,7 @@ from verification.snowfall.surfaces import box, ground, plate
 
 import neve
 from neve import _core
+from neve.build import placed_at_start
 from neve.run.snowfall import snow_on
 from neve.scene.errors import SceneError
 from neve.scene.reading.load import scene_from
@@ -14,6 +15,7 @@ from neve.scene.schema.scene import Numerics, Scene, Source
 from neve.scene.schema.snowfall import Snowfall
 from neve.snowfall.cover import MOST_FLAKES, Raster, let_fall
 from neve.snowfall.filling import depth_below_top
+from neve.snowfall.scene import Falls
 from neve.snowfall.skin import LIP, skin
 from neve.snowfall.surroundings import joined
 
@@ -114,6 +116,37 @@ def test_later_parts_see_earlier_snow():
     room = cover.columns.ceiling() - cover.z
     assert np.all(cover.depth <= room)
     assert np.any(np.isclose(cover.depth, room))
+
+
+@pytest.mark.parametrize(
+    ("scene", "own", "lies"),
+    [
+        ({}, {}, True),
+        ({"kind": "icy"}, {}, True),
+        ({"kind": "slush"}, {}, False),
+        ({"kind": "slush"}, {"repose": 42.0}, True),
+        ({"kind": "slush"}, {"snow": {"kind": "icy"}}, True),
+        ({"kind": "icy"}, {"snow": {"kind": "slush"}}, False),
+    ],
+)
+def test_angle_of_repose_follows_the_kind(scene, own, lies):
+    """On a slope of 30 degrees grains of ice (42) and new snow (50) stay; slush (15) slides to the lower rim.
+
+    There it is a wedge of the length L, with L^2 (tan 30 - tan 15) / 2 of snow: 0.1 m times 2 m.
+    """
+    plane = {"shape": "plane", "normal": [-1.0, 0.0, 3.0**0.5]}
+    fall = {"shape": "snowfall", "depth": 0.1, "flutter": 0.0, "cell": 0.1, **own}
+    built = scene_from({"snow": scene, "sources": [fall], "colliders": [plane]})
+    cover = Falls(built, placed_at_start(built)).fallen(0)
+    assert cover.books.settled
+    depth = cover.depth.reshape(cover.raster.nx, cover.raster.ny)
+    if lies:
+        assert np.allclose(depth, 0.1, atol=1e-12)
+        return
+    rise = np.diff(cover.x[:, 2].reshape(depth.shape), axis=0)[depth[1:] > 1e-6] / cover.raster.cell
+    assert rise.max() <= np.tan(np.radians(15.0)) + 0.001
+    length = np.sqrt(2.0 * 0.1 * 2.0 / (np.tan(np.radians(30.0)) - np.tan(np.radians(15.0))))
+    assert np.all(np.abs(np.sum(depth > 1e-3, axis=0) * cover.raster.cell - length) <= cover.raster.cell)
 
 
 def test_particles_are_the_snow():

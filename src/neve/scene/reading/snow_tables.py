@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 from neve.scene.schema.material import Snow, used
-from neve.scene.schema.snow_kinds import SNOWS, Tag
+from neve.scene.schema.snow_kinds import REPOSE, SNOWS, Tag
 
 MEANING: dict[Tag, str] = {
     "quoted": "read in public code that quotes the paper, which itself was not at hand",
@@ -16,7 +17,7 @@ MEANING: dict[Tag, str] = {
 
 
 def as_data() -> list[dict[str, Any]]:
-    """Return all snows: name, about, law, its constants [SI], structure, variation, profile, source, tag."""
+    """Return all snows: name, about, law, constants, structure, variation, profile, source, tag, repose."""
     found = []
     for name, kind in SNOWS.items():
         snow = Snow.model_validate({"kind": name})
@@ -31,13 +32,14 @@ def as_data() -> list[dict[str, Any]]:
                 "profile": dict(kind.profile) or None,
                 "source": kind.source,
                 "tag": kind.tag,
+                "repose": asdict(kind.repose) if kind.repose else None,
             }
         )
     return found
 
 
 def as_text() -> str:
-    """Return three lines for each snow, and the meaning of the tags."""
+    """Return three lines for each snow, a fourth with its angle of repose, and the meaning of the tags."""
     snows = as_data()
     width = max(len(snow["name"]) for snow in snows) + 2
     lines = []
@@ -47,6 +49,9 @@ def as_text() -> str:
             f"{'':{width}}{snow['law']}: {_constants(snow)}",
             f"{'':{width}}{snow['tag']}: {snow['source']}",
         ]
+        if repose := snow["repose"]:
+            angle = f"fallen, it lies up to {repose['degrees']:g} degrees steep"
+            lines.append(f"{'':{width}}{angle}, {repose['tag']}: {repose['source']}")
     return "\n".join([*lines, "", *(f"{tag:{width}}{text}" for tag, text in MEANING.items())])
 
 
@@ -58,7 +63,22 @@ def as_table() -> str:
         cells = [name, snow["about"], law, _constants(snow), snow["source"], snow["tag"]]
         lines.append(f"| {' | '.join(cells)} |")
     tags = [f"* *{tag}*: {text}." for tag, text in MEANING.items()]
-    return "\n".join([*lines, "", *tags]) + "\n"
+    return "\n".join([*lines, "", *tags, "", *_angles()]) + "\n"
+
+
+def _angles() -> list[str]:
+    """Return the angles of repose as a table in Markdown."""
+    lines = [
+        "Snow that has fallen ([snowfall](snowfall.md#what-stays)) lies as steeply as its kind has it, where",
+        "the fall has no `repose` of its own:",
+        "",
+        "| `kind` | angle of repose [degrees] | source | tag |",
+        "|---|---|---|---|",
+    ]
+    for name, kind in SNOWS.items():
+        if kind.repose:
+            lines.append(f"| `{name}` | {kind.repose.degrees:g} | {kind.repose.source} | {kind.repose.tag} |")
+    return [*lines, f"| all others | {REPOSE:g} | that of fluffy new snow | chosen |"]
 
 
 def _constants(snow: dict[str, Any]) -> str:

@@ -16,6 +16,19 @@ Tag = Literal["quoted", "derived", "chosen"]
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
+REPOSE = 50.0
+"""Angle of repose of fluffy new snow, which kinds without one have [degrees]: 48 to 53 in heaps of 1 m."""
+
+
+@dataclass(frozen=True)
+class Repose:
+    """Hold the angle of repose of fallen snow of a kind [degrees], where it is from, and how sure it is."""
+
+    degrees: float
+    source: str
+    tag: Tag
+
+
 @dataclass(frozen=True)
 class SnowKind:
     """Hold one named snow.
@@ -27,6 +40,7 @@ class SnowKind:
         law: its constitutive law
         constants: keys of [snow] -> values [SI]
         structure, variation, profile: keys of a source, for sources that have none of their own
+        repose: at which angle it lies when it has fallen; None where nothing says so
     """
 
     about: str
@@ -37,10 +51,22 @@ class SnowKind:
     structure: str = ""
     variation: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     profile: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
+    repose: Repose | None = None
+
+    @property
+    def angle_of_repose(self) -> float:
+        """Angle at which it lies when it has fallen [degrees]."""
+        return self.repose.degrees if self.repose else REPOSE
+
+
+def _kind(table: dict[str, Any]) -> SnowKind:
+    """Return the snow that a table of the file describes."""
+    repose = table.pop("repose", None)
+    return SnowKind(**table, repose=Repose(**repose) if repose else None)
 
 
 SNOWS: Mapping[str, SnowKind] = {
-    name: SnowKind(**table) for name, table in tomllib.loads(PATH.read_text(encoding="utf-8")).items()
+    name: _kind(table) for name, table in tomllib.loads(PATH.read_text(encoding="utf-8")).items()
 }
 """Kind -> snow, in the order of the file."""
 DEFAULT_KIND = next(iter(SNOWS))

@@ -8,6 +8,7 @@ from typing import Literal
 from pydantic import model_validator
 
 from neve.scene.schema.shapes import Shape, Vector
+from neve.scene.schema.snow_kinds import REPOSE, SnowKind
 from neve.scene.values.fields import (
     ZERO,
     Length,
@@ -24,8 +25,6 @@ from neve.scene.values.fields import (
 LYING = (".npz",)
 """What a file of lying snow ends in."""
 
-REPOSE = 50.0
-"""Angle of repose of fluffy new snow [degrees]: 48 to 53 in heaps of 1 m, mean of ten."""
 DENSITY = (109.0, 6.0, 26.0, 50.0)
 """Of new snow: a, b, c and the least of a + b T + c sqrt(u) [kg/m3], T [deg C], u [m/s]."""
 PAHAUT = "Pahaut 1976, as the snow model Crocus has it (constants from memory)"
@@ -88,9 +87,10 @@ class Snowfall(Shape):
     drift_wind: Point2 | None = entry(
         None, "Wind that does so, 10 m above the ground; left out, `wind`, in which the snow fell.", "m/s"
     )
-    repose: Real = entry(
-        REPOSE,
-        "Angle of repose: about 50 for fluffy new snow, 42 for grains of 1 to 2 mm, 15 for slush.",
+    repose: Real | None = entry(
+        None,
+        "Angle of repose; left out, that of the kind of the new snow ([snows](snows.md)), or 50, that of "
+        "fluffy snow.",
         "degrees",
         "observations of heaps of 1 m (slush: from memory)",
         ge=1,
@@ -129,6 +129,17 @@ class Snowfall(Shape):
             return self.density
         a, b, c, least = DENSITY
         return max(least, a + b * self.temperature + c * math.sqrt(math.hypot(*self.wind)))
+
+    @property
+    def angle_of_repose(self) -> float:
+        """Angle of repose [degrees]."""
+        return REPOSE if self.repose is None else self.repose
+
+    def of_kind(self, kind: SnowKind) -> Snowfall:
+        """Return this fall with the angle of repose of `kind`, which falls, where it has none of its own."""
+        if self.repose is not None:
+            return self
+        return self.model_copy(update={"repose": kind.angle_of_repose})
 
     @property
     def open_depth(self) -> float:
