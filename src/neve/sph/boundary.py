@@ -12,6 +12,7 @@ from neve.build import add_solid
 from neve.colliders.solid import Solid
 from neve.geometry.pose import Pose
 from neve.reproducible import product
+from neve.scene.errors import SceneError
 
 if TYPE_CHECKING:
     from neve._core import Model as CoreModel
@@ -28,6 +29,8 @@ TURNS = 3
 """Steps of projection to a surface."""
 HALVINGS = 10
 """Of an edge of the lattice, to find where it meets a wall."""
+REACH = 2**19
+"""Spacings from the middle of a solid to a particle of its surface, at most: cells are numbered twice as far."""
 
 
 class Boundary:
@@ -50,6 +53,7 @@ class Boundary:
         self._native = native
         self._spacing = spacing
         self._edge = EDGE * spacing
+        self._names = [solid.name for solid in solids]
         self._has_steps = [solid.terrain is not None for solid in solids]
         self._depths = [min(0.5 * spacing, 0.25 * _thickness(solid)) for solid in solids]
         for i, solid in enumerate(solids):
@@ -62,6 +66,8 @@ class Boundary:
         frames of their solids, and which solid each is of, (k,).
 
         In the order of the solids, their blocks, and the points of a block. poses: of the solids.
+
+        Errors: SceneError for a surface that is more than REACH spacings from the middle of its solid.
         """
         points, normals, owners = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0, dtype=np.int32)]
         for i, pose in enumerate(poses):
@@ -88,6 +94,15 @@ class Boundary:
             self._sample(i, fresh)
         return blocks
 
+    def _require_near(self, i: int, at: Array) -> None:
+        """Refuse points of solid i that are too far from its middle to be numbered. Errors: SceneError."""
+        far, most = float(np.abs(at).max(initial=0.0)), REACH * self._spacing
+        if far > most:
+            raise SceneError(
+                f"{self._names[i]} meets snow {far:.3g} m from its own middle; with this numerics.dx and "
+                f"numerics.method = 'sph' that may be {most:.3g} m: put its middle nearer to the snow"
+            )
+
     def _sample(self, i: int, blocks: list[tuple[int, int, int]]) -> None:
         """Find the particles of `blocks` of the lattice of solid i."""
         x, owner = self._lattice(blocks, EDGE)
@@ -103,6 +118,7 @@ class Boundary:
         if self._has_steps[i]:
             parts = zip((x, normal, owner), self._on_steps(i, blocks), strict=True)
             x, normal, owner = (np.concatenate(part) for part in parts)
+        self._require_near(i, x)
         for k, block in enumerate(blocks):
             self._known[i][block] = (x[owner == k], normal[owner == k])
 

@@ -5,6 +5,8 @@ import pytest
 from meshes import ball, written
 from verification.sph.common import Oracle, add_floor, block, prepare, smoothed, world
 
+from neve.scene.errors import SceneError
+
 G = 9.81
 DOWN = (0.0, 0.0, -G)
 GROUND = {"shape": "plane"}
@@ -182,6 +184,22 @@ def test_a_step_of_terrain_has_particles(tmp_path, turn):
     other = smoothed([block | {"center": (-0.2, 0.0, 0.4), "velocity": (3.0, 0.0, 0.0)}], [box])
     other.advance(0.1)
     assert sim.exchanged[0, along[0]] == pytest.approx(other.exchanged[0, 0], rel=0.2)
+
+
+@pytest.mark.parametrize(("radius", "said"), [(1e4, None), (1e6, r"colliders\.0 meets snow 1e\+06 m from")])
+def test_ground_as_round_as_a_planet(radius, said):
+    """A ball of 10 km bears snow as a plane does; what cannot be numbered from its middle is told."""
+    cube = {"shape": "box", "size": [0.3, 0.3, 0.3], "center": [0.0, 0.0, 0.15]}
+    heights = []
+    for floor in ({"shape": "sphere", "radius": radius, "center": [0.0, 0.0, -radius]}, GROUND):
+        if said and floor != GROUND:
+            with pytest.raises(SceneError, match=said):
+                smoothed([cube], [floor], DOWN)
+            return
+        sim = smoothed([cube], [floor], DOWN)
+        sim.advance(0.1)
+        heights.append(np.sort(np.asarray(sim.state.x)[:, 2]))
+    assert np.abs(heights[0] - heights[1]).max() < 2e-3
 
 
 def test_fast_snow_does_not_pass_a_sheet():
