@@ -30,7 +30,7 @@ TURNS = 3
 HALVINGS = 10
 """Of an edge of the lattice, to find where it meets a wall."""
 REACH = 2**19
-"""Spacings from the middle of a solid to its surface near the snow, at most: cells are numbered twice as far."""
+"""Spacings from the middle of a solid to its surface near snow, at most; cells are numbered twice as far."""
 
 
 class Boundary:
