@@ -127,11 +127,13 @@ def check(measures: Sequence[Measure], scene: Scene, solids: Sequence[str]) -> N
 
 
 def _names(scene: Scene) -> tuple[str, ...]:
-    return columns(scene.numerics.method, scene.is_open, scene.heat is not None)
+    numerics = scene.numerics
+    return columns(numerics.method, scene.is_open, scene.heat is not None, numerics.is_implicit)
 
 
 def _log(run: RunFolder, scene: Scene) -> list[Row]:
-    return read_log(run.log, scene.numerics.method, scene.is_open, scene.heat is not None)
+    numerics = scene.numerics
+    return read_log(run.log, numerics.method, scene.is_open, scene.heat is not None, numerics.is_implicit)
 
 
 def _solid(run: RunFolder, name: str) -> list[Row]:
