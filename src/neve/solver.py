@@ -19,7 +19,7 @@ from neve.geometry.pose import Pose
 from neve.registry import METHODS
 from neve.rigid.coupled_bodies import LostBody
 from neve.scene.errors import SceneError
-from neve.scene.schema.scene import Scene, Source
+from neve.scene.schema.scene import Scene, Snow, Source
 from neve.scene.values.allowed import words
 from neve.stage_timer import StageTimer
 
@@ -97,6 +97,8 @@ class Solver(ABC):
     """Whether snow may come and go: whether the method knows emitters and sinks."""
     has_water: ClassVar[bool] = False
     """Whether the method knows water of sources of its own."""
+    unread: ClassVar[tuple[str, ...]] = ()
+    """Keys of [numerics] that the method does not read."""
     log_columns: ClassVar[tuple[str, ...]] = ()
     """Columns of the log that `log_values` fills, between those of the clock and the seconds. "excess" is
     filled by the run, from `diagnostics` with the members of `neve.diagnostics.Balance`."""
@@ -117,6 +119,11 @@ class Solver(ABC):
         require_dry(self, scene)
         self.scene = scene
         self.timer = StageTimer(self.stages)
+
+    @staticmethod
+    def unread_of(snow: Snow) -> tuple[str, ...]:
+        """Return the constants of `snow` that the method does not read."""
+        return ()
 
     # Time
 

@@ -14,6 +14,7 @@ from neve.build import PlacedSolids, material_table, require_same_sources, with_
 from neve.diagnostics import row_of, sums_of
 from neve.rigid.going_on import going_on
 from neve.scene.schema.scene import Scene, Source
+from neve.scene.values.choices import TRANSFERS
 from neve.scene.values.curves import keyed
 from neve.solver import Blowup, Solver
 
@@ -26,6 +27,12 @@ class GridlessSolver(Solver):
     """
 
     fixed = (*Solver.fixed, "dx", "particles_per_cell", "sampling", "seed")
+    unread = (
+        "spline",
+        "transfer",
+        *dict.fromkeys(key for transfer in TRANSFERS.values() for key in transfer.options),
+        "initial_volume",
+    )
     placed: PlacedSolids
 
     @staticmethod

@@ -65,6 +65,14 @@ def contact_constants(snow: Snow) -> ContactConstants:
     return ContactConstants(snow.E0, FRICTION, c["theta_s"], snow.E0 * c["theta_c"])
 
 
+def without_counterpart(snow: Snow) -> tuple[str, ...]:
+    """Return the constants of `snow` that contacts do not have.
+
+    A network of springs has a nu of its own, and compaction a growth and a bound of its own.
+    """
+    return tuple(name for name in ("nu", "xi", "J_P_min", "J_P_max") if name in snow.constants())
+
+
 def radius_at_birth(volume: float) -> float:
     """Return the radius of a particle [m] that stands for `volume` [m3] of snow: 4/3 pi r^3 = PACKING V."""
     return float((PACKING * volume * 3.0 / (4.0 * math.pi)) ** (1.0 / 3.0))

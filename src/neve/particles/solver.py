@@ -17,7 +17,7 @@ from neve.flow.flow import Flow
 from neve.gridless.solver import GridlessSolver
 from neve.heat.clock import HeatClock
 from neve.heat.enthalpy import columns as heat_columns
-from neve.particles.constants import BOND_GAP, radius_at_birth
+from neve.particles.constants import BOND_GAP, radius_at_birth, without_counterpart
 from neve.particles.initial import (
     FIELDS,
     birth_bounds,
@@ -67,6 +67,7 @@ class ParticleSolver(GridlessSolver):
     fields = FIELDS
     has_heat = True
     has_flow = True
+    unread = (*GridlessSolver.unread, "strain_max")
     stages = ("neighbours", "step", "bodies", "heat")
     log_columns = (
         *MECHANICS,
@@ -77,6 +78,7 @@ class ParticleSolver(GridlessSolver):
     state: Particles
     place_solids = staticmethod(place_solids)
     snow_of = staticmethod(snow_of)
+    unread_of = staticmethod(without_counterpart)
 
     def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
         """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""

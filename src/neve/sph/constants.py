@@ -43,3 +43,10 @@ def law_constants(snow: Snow) -> dict[str, float]:
         bounds = {name: value for name, value in c.items() if name in {"J_P_min", "J_P_max"}}
         return {**common, **bounds, "theta_c": theta_c, "theta_s": c["beta"] * theta_c, "xi": xi}
     return {**common, "theta_c": NEVER, "theta_s": c["cohesion"] / c["E0"], "xi": 0.0}
+
+
+def without_counterpart(snow: Snow) -> tuple[str, ...]:
+    """Return the constants of `snow` that smoothed particles do not have: friction, bounds without xi."""
+    c = snow.constants()
+    bounds = () if "xi" in c else ("J_P_min", "J_P_max")
+    return tuple(name for name in ("M", "friction_angle", *bounds) if name in c)

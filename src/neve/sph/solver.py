@@ -16,7 +16,7 @@ from neve.gridless.solver import GridlessSolver
 from neve.scene.schema.scene import Scene, Source
 from neve.solver import Arrays, Blowup, StepSummary, joined
 from neve.sph.boundary import PLAY
-from neve.sph.constants import SWING, TRIES
+from neve.sph.constants import SWING, TRIES, without_counterpart
 from neve.sph.initial import FIELDS, boundary_of, from_arrays, place_solids, set_water, snow_of
 from neve.sph.pace import Pace
 from neve.sph.step import STAGES, Attempt, attempt, prepare
@@ -85,6 +85,7 @@ class SphSolver(GridlessSolver):
     state: Sph
     place_solids = staticmethod(place_solids)
     snow_of = staticmethod(snow_of)
+    unread_of = staticmethod(without_counterpart)
 
     def __init__(self, scene: Scene, saved: Arrays | None = None) -> None:
         """Fill the sources, or go on from `saved`. Errors: SceneError for a source that cannot be used."""

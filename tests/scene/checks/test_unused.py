@@ -54,6 +54,75 @@ IDLE: list[tuple[dict[str, Any], str, dict[str, Any], dict[str, Any]]] = [
         numerics(flip_alpha=0.95, flip_damping=3.0, transfer="flip"),
     ),
     (
+        numerics(method="particles", spline="cubic"),
+        r'numerics\.spline = "cubic" has no effect with method = "particles": set numerics\.method = "mpm", '
+        r'or leave spline at its default, "quadratic"',
+        numerics(method="mpm", spline="cubic"),
+        numerics(method="particles"),
+    ),
+    (
+        numerics(method="sph", transfer="flip"),
+        r'numerics\.transfer = "flip" .* method = "sph": set numerics\.method = "mpm", or .* "apic"',
+        numerics(method="mpm", transfer="flip"),
+        numerics(method="sph"),
+    ),
+    (
+        numerics(method="sph", flip_alpha=0.5),
+        r'numerics\.flip_alpha = 0\.5 .* method = "sph": set numerics\.method = "mpm", or .* 0\.95',
+        numerics(method="mpm", transfer="flip", flip_alpha=0.5),
+        numerics(method="sph"),
+    ),
+    (
+        numerics(method="particles", initial_volume="grid"),
+        r'numerics\.initial_volume = "grid" .* method = "particles": set numerics\.method = "mpm", or',
+        numerics(method="mpm", initial_volume="grid"),
+        numerics(method="particles"),
+    ),
+    (
+        numerics(method="particles", strain_max=0.1),
+        r'numerics\.strain_max = 0\.1 .* "particles": set numerics\.method = "mpm" or "sph", or .* 0\.25',
+        numerics(method="sph", strain_max=0.1),
+        numerics(method="particles", strain_max=0.25),
+    ),
+    *(
+        (
+            numerics(method="particles") | {"snow": {key: value}},
+            rf'snow\.{key} = {value} .* "particles": set numerics\.method = "mpm" or "sph", or .* {usual}',
+            numerics(method="sph") | {"snow": {key: value}},
+            numerics(method="particles") | {"snow": {key: usual}},
+        )
+        for key, value, usual in (
+            ("nu", 0.3, 0.2),
+            ("xi", 4.0, 10.0),
+            ("J_P_min", 0.7, 0.6),
+            ("J_P_max", 5.0, 20.0),
+        )
+    ),
+    (
+        numerics(method="particles") | {"snow": {"kind": "wet", "xi": 4.0}},
+        r"snow\.xi = 4\.0 has no effect .* or leave xi at its default, 0\.3",
+        numerics(method="particles") | {"snow": {"kind": "wet", "xi": 0.3}},
+        numerics(method="particles") | {"snow": {"kind": "wet"}},
+    ),
+    (
+        numerics(method="sph") | {"snow": {"kind": "wet", "M": 0.5}},
+        r'snow\.M = 0\.5 .* method = "sph": set numerics\.method = "mpm" or "particles", or .* 1\.0',
+        numerics(method="particles") | {"snow": {"kind": "wet", "M": 0.5}},
+        numerics(method="sph") | {"snow": {"kind": "wet"}},
+    ),
+    (
+        numerics(method="sph") | {"snow": {"kind": "powder", "friction_angle": 30.0}},
+        r'snow\.friction_angle = 30\.0 .* "sph": set numerics\.method = "mpm" or "particles", or .* 48\.0',
+        numerics(method="particles") | {"snow": {"kind": "powder", "friction_angle": 30.0}},
+        numerics(method="sph") | {"snow": {"kind": "powder"}},
+    ),
+    (
+        numerics(method="particles") | box(snow={"xi": 4.0}),
+        r'sources\.0\.snow\.xi = 4\.0 .* "particles": set numerics\.method = "mpm" or "sph", or leave xi out',
+        numerics(method="sph") | box(snow={"xi": 4.0}),
+        numerics(method="particles") | box(snow={"kind": "wet"}),
+    ),
+    (
         box(variation={"stiffness": 1.0, "seam": 0.2}),
         r'sources\.0\.variation\.seam = 0\.2 .* "fractal": set .*\.pattern = "clods" or "sheets", .* 0\.04',
         box(variation={"stiffness": 1.0, "seam": 0.2, "pattern": "clods"}),
@@ -132,8 +201,19 @@ def test_a_key_without_effect_is_told(
 def test_complete_files_are_silent(name: str) -> None:
     """A complete scene.toml spells every key out; that is no reason to warn, nor is another transfer."""
     complete = tomllib.loads(to_toml(load(name)))
+    assert list(unused(scene_from(complete))) == []
+    complete["numerics"]["method"] = "mpm"
     for transfer in ("pic", "flip", "apic", "polypic", "asflip"):
         assert list(unused(scene_from(complete, [f"numerics.transfer={transfer}"]))) == []
+
+
+def test_xi_that_allows_a_threshold_is_silent() -> None:
+    """Contacts have no xi, but theta_c = 0.1 is allowed with xi = 4, not with 10: it is to stay."""
+    tables = numerics(method="particles") | {"snow": {"xi": 4.0, "theta_c": 0.1}}
+    assert advice(scene_from(tables)) == []
+    tables["snow"]["theta_c"] = 0.05
+    [sentence] = advice(scene_from(tables))
+    assert sentence.startswith("snow.xi = 4.0 has no effect")
 
 
 def test_another_transfer_for_a_complete_file() -> None:

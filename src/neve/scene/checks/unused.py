@@ -10,10 +10,12 @@ from collections.abc import Iterator, Sequence
 
 from pydantic import BaseModel
 
+from neve.registry import METHODS
 from neve.scene.reading.validation_errors import shown
+from neve.scene.schema.material import problem
 from neve.scene.schema.roles import Surface
-from neve.scene.schema.scene import Camera, Numerics, Scene
-from neve.scene.schema.sources import Profile, Source, Variation
+from neve.scene.schema.scene import Camera, Numerics, Scene, Snow
+from neve.scene.schema.sources import Emitter, Profile, Source, Variation
 from neve.scene.values.allowed import words
 from neve.scene.values.choices import LAWS, TRANSFERS, listed, users
 
@@ -23,7 +25,9 @@ FACTORS = ("stiffness", "strength", "density")
 
 def unused(scene: Scene) -> Iterator[str]:
     """Yield a sentence for each key that is set but has no effect, with what would use it."""
-    yield from _of_transfer(scene.numerics)
+    yield from _of_method(scene)
+    if "transfer" not in METHODS.get(scene.numerics.method).unread:
+        yield from _of_transfer(scene.numerics)
     if scene.numerics.device == "cpu":
         why = 'device = "cpu"'
         yield from _without_effect(scene.numerics, "numerics", "devices", why, 'numerics.device = "cuda"')
@@ -61,6 +65,50 @@ def unused(scene: Scene) -> Iterator[str]:
             yield from _without_effect(body, name, "axis", 'joint = "free"', joints)
         if not body.contacts:
             yield from _without_effect(body, name, "friction", "contacts = false", f"{name}.contacts = true")
+
+
+def _of_method(scene: Scene) -> Iterator[str]:
+    """Yield the sentences about what the method of the scene does not read."""
+    method = scene.numerics.method
+    solver, why = METHODS.get(method), f'method = "{method}"'
+    for key in solver.unread:
+        yield from _without_effect(scene.numerics, "numerics", key, why, _readers(key))
+    snow = scene.snow
+    usual = Snow.model_validate({"kind": snow.kind, "law": snow.law, "plasticity": snow.plasticity})
+    for key in solver.unread_of(snow):
+        if _may_be(snow, key, getattr(usual, key)):
+            yield from _without_effect(snow, "snow", key, why, _readers(key, snow), usual)
+    for i, source in enumerate(scene.sources):
+        yield from _of_own_snow(scene, source, f"sources.{i}.snow")
+    for i, emitter in enumerate(scene.emitters):
+        yield from _of_own_snow(scene, emitter, f"emitters.{i}.snow")
+
+
+def _of_own_snow(scene: Scene, bearer: Source | Emitter, name: str) -> Iterator[str]:
+    """Yield the sentences about the constants of a source's own snow that the method does not read."""
+    if bearer.is_water:
+        return
+    method, snow, given = scene.numerics.method, scene.snow_of(bearer), bearer.snow.given()
+    for key in METHODS.get(method).unread_of(snow):
+        usual = getattr(scene.snow, key)
+        if key in given and given[key] != usual and _may_be(snow, key, usual):
+            yield (
+                f'{name}.{key} = {shown(given[key])} has no effect with method = "{method}": '
+                f"set {_readers(key, snow)}, or leave {key} out"
+            )
+
+
+def _may_be(snow: Snow, key: str, value: float) -> bool:
+    """Say whether `key` of `snow` may have `value`: a small xi allows what a larger one forbids."""
+    return problem(snow.model_copy(update={key: value}), {}) is None
+
+
+def _readers(key: str, snow: Snow | None = None) -> str:
+    """Return which methods read `key` of [numerics], or of `snow`, as what to set."""
+    solvers = {name: METHODS.get(name) for name in METHODS.names()}
+    return "numerics.method = " + words(
+        [name for name, s in solvers.items() if key not in (s.unread_of(snow) if snow else s.unread)]
+    )
 
 
 IMPLICIT_KEYS = {
@@ -146,9 +194,13 @@ def _idle(part: Variation | Profile, name: str, what: str) -> Iterator[str]:
         )
 
 
-def _without_effect(part: BaseModel, name: str, key: str, why: str, what_counts: str) -> Iterator[str]:
-    """Yield the sentence about `key` of the table `name`, unless it stands at its default."""
+def _without_effect(
+    part: BaseModel, name: str, key: str, why: str, what_counts: str, whose: BaseModel | None = None
+) -> Iterator[str]:
+    """Yield the sentence about `key` of the table `name`, unless it stands at its default, or `whose`."""
     value, default = getattr(part, key), type(part).model_fields[key].default
+    if whose is not None:
+        default = getattr(whose, key)
     if value != default:
         given, usual = (shown(list(v) if isinstance(v, tuple) else v) for v in (value, default))
         yield (
