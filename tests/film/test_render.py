@@ -13,7 +13,7 @@ from neve.film.pictures import exr_key, png_key
 from neve.film.sharing import jobs_for
 from neve.io.frames import read_frame, write_frame
 from neve.run import run_scene
-from neve.scene.schema.scene import Camera, Collider, Numerics, Run, Scene, Source
+from neve.scene.schema.scene import Camera, Collider, Heat, Numerics, Run, Scene, Source
 
 needs_mitsuba = pytest.mark.skipif(
     importlib.util.find_spec("mitsuba") is None, reason="pip install mitsuba mitsuba-oidn"
@@ -184,6 +184,27 @@ def test_processes_draw_the_same_pictures(folder, capsys):
     capsys.readouterr()
     assert code("render", folder, *SMALL, *moving, "--out", folder / "two", "--jobs", "2") == 0
     assert ": 0 new pictures" in capsys.readouterr().out
+
+
+@needs_mitsuba
+def test_a_film_says_that_heat_runs_faster(folder):
+    """White letters on dark edges stand in the lower left corner if heat goes faster than motion, and only
+    there; without heat nothing is written."""
+    from neve.scene.reading.load import load, to_toml
+
+    small = (*SMALL[2:], "--size", "160x90", "--frame", "0")
+    heated = load(folder).model_copy(update={"heat": Heat(heat_speed=50.0)})
+    assert code("render", folder, *small, "--out", folder / "plain") == 0
+    (folder / "scene.toml").write_text(to_toml(heated), encoding="utf-8")
+    assert code("render", folder, *small, "--out", folder / "said") == 0
+    plain, said = (
+        np.asarray(Image.open(folder / name / "000000.png")).astype(int) for name in ("plain", "said")
+    )
+    rows, columns = np.nonzero((plain != said).any(axis=2))
+    assert len(rows) > 100
+    assert (said[rows, columns] > 240).all(axis=1).sum() > 20
+    assert rows.min() > 0.85 * 90
+    assert columns.max() < 0.8 * 160
 
 
 def test_frames_are_drawn_side_by_side_as_cores_and_memory_allow(monkeypatch):

@@ -61,6 +61,19 @@ def test_play_moves_the_snow_and_pause_stops_it(server):
     converse(server, talk)
 
 
+def test_a_page_is_told_that_heat_runs_faster(tmp_path):
+    """The message of a scene has what films say of it, also once heat is as fast as motion: then nothing."""
+    path = tmp_path / "warm.toml"
+    path.write_text(to_toml(scene_from(SMALL | {"heat": {"heat_speed": 50.0}})), encoding="utf-8")
+
+    async def talk(page, port):
+        assert page.message("scene")["caption"] == "heat x 50 real time"
+        await page.send(do="set", path="heat.heat_speed", value=1.0)
+        await page.until(lambda p: p.message("scene")["caption"] == "")
+
+    converse(prepare(str(path), out=str(tmp_path / "out"), threads=1), talk)
+
+
 def test_one_frame_ends_at_the_frame(server):
     """`frame` simulates to the next multiple of 1 / fps exactly, and pauses."""
 

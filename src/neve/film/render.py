@@ -25,6 +25,7 @@ from neve.io.errors import RunError
 from neve.io.frames import Frame, chosen_frames, frame_numbers, frame_path, frame_rate, read_frame
 from neve.io.npz import mark_of
 from neve.io.run_folder import RunFolder
+from neve.render.caption import captioned
 from neve.render.path_tracing.develop import coded, has_denoiser
 from neve.render.path_tracing.engine import mitsuba
 from neve.render.path_tracing.picture import Choices, PathTracer
@@ -238,7 +239,7 @@ class _Job:
         light = self._light(read_frame(self._run.frames, number), number)
         if self._exr:
             write_exr(linear, light, key)
-        write_png(path, coded(light), key)
+        write_png(path, captioned(coded(light), self._scene.caption), key)
         return True
 
     def film(self, numbers: Sequence[int]) -> Path:
@@ -339,6 +340,8 @@ class _Job:
             "focus": scene.camera.focus,
             "denoise": self._choices.denoise and has_denoiser(),
         }
+        if scene.caption:
+            parts["caption"] = scene.caption
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
 
     def _blur(self, number: int) -> list[Any] | None:

@@ -83,6 +83,7 @@ def drawn(
     return {
         "name": name,
         "about": scene.about,
+        "caption": scene.caption,
         "fps": scene.run.fps,
         "dx": made.dx,
         "spacing": 2 * radius,

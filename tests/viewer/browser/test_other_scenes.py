@@ -21,6 +21,19 @@ FOLDER = """() => {
 }"""
 
 
+def test_the_page_says_that_heat_runs_faster(page, small, tmp_path):
+    """What films say of a scene stands on the page, and goes when it is no longer so."""
+    small.write_text(small.read_text() + "\n[heat]\nheat_speed = 50.0\n")
+    page.add_init_script(BLIND)
+    server = prepare(str(small), out=str(tmp_path / "out" / "live"), threads=1)
+    with shown(server) as address:
+        page.goto(address + COARSE)
+        until(page, "() => neve.scene && neve.state", "the scene is there")
+        assert page.inner_text("#caption") == "heat x 50 real time"
+        page.evaluate("() => neve.send({do: 'set', path: 'heat.heat_speed', value: 1.0})")
+        until(page, "() => document.getElementById('caption').hidden", "nothing is to be said")
+
+
 def test_another_run_by_list_and_address_and_dropped_files(page, small, finished, tmp_path):
     """`#scene=` opens a run, the list a scene; a wrong name is refused; a dropped mesh is set down."""
     shutil.copytree(finished, tmp_path / "a_run")

@@ -7,7 +7,7 @@
 import { Connection } from "./connection.js";
 import { Bar } from "./controls/bar.js";
 import { ColorsSection } from "./controls/colors_section.js";
-import { byId, make, say } from "./controls/dom.js";
+import { byId, caption, make, say } from "./controls/dom.js";
 import { Drop } from "./tools/drop.js";
 import { Gizmo } from "./tools/gizmo.js";
 import { Drive } from "./controls/drive.js";
@@ -203,6 +203,7 @@ export class App {
     this.bar.show(scene.player, scene.live);
     this.panel.showHistory(scene.player);
     document.title = `${scene.name} · Neve`;
+    caption(scene.caption);
     if (this.state) this.take(this.state);
     this.dirty = true;
   }

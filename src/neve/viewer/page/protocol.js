@@ -100,6 +100,7 @@ export const PARTICLE_BYTES = 8;
  * @typedef {object} Drawn
  * @property {string} name
  * @property {string} about
+ * @property {string} caption what is to be said of the scene, lest anyone is misled; empty: nothing
  * @property {number} fps
  * @property {number} dx [m]
  * @property {number} spacing of particles in snow at rest [m]
@@ -181,6 +182,7 @@ export const PARTICLE_BYTES = 8;
  * @typedef {object} SceneMessage
  * @property {string} name
  * @property {string} about
+ * @property {string} caption what is to be said of the scene, lest anyone is misled; empty: nothing
  * @property {number} fps
  * @property {number} dx [m]
  * @property {number} spacing of particles in snow at rest [m]
@@ -322,6 +324,7 @@ export const PARTICLE_BYTES = 8;
  * @typedef {object} ReplayHead
  * @property {string} name
  * @property {string} about
+ * @property {string} caption what is to be said of the scene, lest anyone is misled; empty: nothing
  * @property {number} fps
  * @property {number} dx [m]
  * @property {number} spacing of particles in snow at rest [m]

@@ -5,7 +5,7 @@
 /** @import { State } from "./draw/snow_cloud.js" */
 
 import { Bar } from "./controls/bar.js";
-import { byId, select } from "./controls/dom.js";
+import { byId, caption, select } from "./controls/dom.js";
 import { capture, dragCamera, listenToWheel } from "./tools/pointer.js";
 import { OrbitCamera } from "./draw/camera.js";
 import { V } from "./draw/math.js";
@@ -51,6 +51,7 @@ class Replay {
     this.listenToPointer();
     this.listenToKeys();
     document.title = `${head.name} · Neve replay`;
+    caption(head.caption);
   }
 
   showPlayer() {

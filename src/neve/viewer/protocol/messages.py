@@ -110,6 +110,7 @@ class Drawn(TypedDict):
 
     name: str
     about: str
+    caption: Annotated[str, "what is to be said of the scene, lest anyone is misled; empty: nothing"]
     fps: float
     dx: Annotated[float, "[m]"]
     spacing: Annotated[float, "of particles in snow at rest [m]"]

@@ -15,6 +15,16 @@ export function byId(id) {
 }
 
 /**
+ * Say what is to be said of a scene; nothing if it is empty.
+ * @param {string} text
+ */
+export function caption(text) {
+  const shown = byId("caption");
+  shown.textContent = text;
+  shown.hidden = !text;
+}
+
+/**
  * Make an element. A key of `more` is a class, an event ("onclick"), a property, or else an attribute.
  * @template {keyof HTMLElementTagNameMap} T
  * @param {T} tag
