@@ -175,10 +175,31 @@ def test_shade():
     assert gained[: alone.count].sum() < 0.02 * power
 
 
-def test_melting_time_of_a_ball():
-    """A ball of snow at 0 deg C in warm air melts in m L / (h A dT), as nothing moves and its surface stays.
+def test_melting_time_of_a_ball_that_recedes():
+    """A ball whose water is taken away has r = R - h dT t / (rho L): it is down to a half and to an eighth of
+    its mass sooner than that, by no more than 30 %, as snow that is thinned out has more surface.
+    """
+    R, rho = 0.3, 400.0
+    heat = {"air_exchange": 15.0, "air_temperature": 10.0, "snow_temperature": 0.0}
+    sim = simulate([{"shape": "sphere", "radius": R}], heat, dx=0.06)
+    flow, state, passed, share = passes(sim), sim.state, 0, 1.0
+    whole = float(np.sum(state.m))
+    for left in (0.5, 0.125):
+        while share > left:
+            flow(rho * LATENT * R / (15.0 * 10.0) / 200)
+            passed += 1
+            liquid = np.asarray(state.enthalpy[:, 0]) / (np.asarray(state.m) * LATENT)
+            share = float(np.sum(np.asarray(state.m) * np.clip(1.0 - liquid, 0.0, 1.0))) / whole
+            if (liquid >= 1).any():
+                state.drop(np.flatnonzero(liquid >= 1).astype(np.uint32))
+                sim.solver.begin(0, 0.0)
+        assert 0.7 < passed / 200 / (1.0 - left ** (1 / 3)) < 1.0
 
-    It conducts so well that no part is warmer than another.
+
+def test_melting_time_of_a_ball_that_stays():
+    """A ball of snow at 0 deg C in warm air takes m L / (h A dT) as long as its surface stays: nothing moves.
+
+    It conducts so well that no part is warmer than another, and is stopped at half of its water.
     """
     heat = {"air_exchange": 15.0, "air_temperature": 10.0, "snow_temperature": 0.0, "conductivity": 100.0}
     sim = simulate([{"shape": "sphere", "radius": 0.3}], heat, snow={"xi": 10.0}, dx=0.1)

@@ -118,8 +118,31 @@ def test_stefan(rod):
     assert sim.diagnostics().bonds == pytest.approx(39, abs=2)  # what freezes is bonded
 
 
-def test_melting_time_of_a_ball():
-    """A ball of snow in warm air takes m L from its surface, which shrinks with the volume ratio J.
+@pytest.mark.parametrize("left", [0.5, 0.25, 0.125])
+def test_melting_time_of_a_ball_that_recedes(left):
+    """A ball of 900 particles whose water is taken away has r = R - h dT t / (rho L): its mass is down to the
+    share `left` after rho L R (1 - left^(1/3)) / (h dT), to 15 %, as exposed area is known.
+    """
+    R, rho = 0.3, 400.0
+    heat = {"air_exchange": 15.0, "air_temperature": 10.0, "snow_temperature": 0.0}
+    sim = simulate([{"shape": "sphere", "radius": R}], heat, dx=0.1)
+    solver, whole, passed, share = sim.solver, float(np.sum(sim.state.m)), 0, 1.0
+    assert 850 < sim.state.count < 1000
+    assert whole == pytest.approx(rho * 4 / 3 * math.pi * R**3, rel=0.01)
+    solver.begin(0, 0.0)
+    while share > left:
+        solver.state.pass_heat(rho * LATENT * R / (15.0 * 10.0) / 200)
+        passed += 1
+        liquid = np.asarray(solver.state.liquid)
+        share = float(np.sum(np.asarray(solver.state.m) * (1.0 - liquid))) / whole
+        if (liquid >= 1).any():  # the water
+            kept = np.flatnonzero(liquid < 1).astype(np.uint32)
+            solver._settle(solver.state.with_particles(kept, 0), None)
+    assert passed / 200 == pytest.approx(1.0 - left ** (1 / 3), rel=0.15)
+
+
+def test_melting_time_of_one_particle():
+    """A particle alone in warm air takes m L from its surface, which shrinks with the volume ratio J.
 
     m L df = h 4 pi r^2 J^(2/3) dT dt with J = 1 - f (1 - J_w), J_w = 400 / 1000.
     """
