@@ -1,4 +1,4 @@
-"""Write docs/scene_format.md and the table of docs/snows.md: `python tools/scene_pages.py`."""
+"""Write docs/scene_format.md and the tables of snows in other pages: `python tools/scene_pages.py`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from neve.particles.constants import NEVER, contact_constants, without_counterpart
 from neve.scene.reading.presets import PRESETS
 from neve.scene.reading.snow_tables import as_table
 from neve.scene.reading.validation_errors import shown
@@ -40,6 +41,7 @@ from neve.scene.schema.scene import (
     World,
     WorldKeyframe,
 )
+from neve.scene.schema.snow_kinds import SNOWS
 from neve.scene.values.allowed import allowed, choices, part, source, unit
 
 LISTS = {
@@ -51,6 +53,7 @@ LISTS = {
 }
 PATH = Path("docs") / "scene_format.md"  # from the root of the checkout
 SNOWS_PATH = Path("docs") / "snows.md"
+CONTACTS_PATH = Path("docs") / "particles.md"
 BEGIN, END = (
     "<!-- table of snows: begin; written by `python tools/scene_pages.py` -->",
     "<!-- table of snows: end -->",
@@ -229,14 +232,38 @@ def _default(field: FieldInfo) -> str:
     return f"`{shown(list(value) if isinstance(value, tuple) else value)}`"
 
 
-def with_table(page: str) -> str:
-    """Return the page of the snows with the table between its two marks replaced by the present one."""
+def contacts_table() -> str:
+    """Return what each named snow is to particles in contact, as a table in Markdown."""
+    lines = [
+        "| `kind` | law | E [Pa] | bond strain e | yield pressure Y_0 [Pa] | friction mu "
+        "| without counterpart |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name in SNOWS:
+        snow = Snow.model_validate({"kind": name})
+        c = contact_constants(snow)
+        pressure = "none" if c.yield_pressure >= NEVER else f"{c.yield_pressure:.4g}"
+        left = ", ".join(f"{key} {getattr(snow, key):g}" for key in without_counterpart(snow))
+        lines.append(
+            f"| `{name}` | `{snow.law}` | {c.modulus:.4g} | {c.bond_strain:.3g} | {pressure} "
+            f"| {c.friction:.3g} | {left} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+TABLES = {SNOWS_PATH: as_table, CONTACTS_PATH: contacts_table}
+"""Pages with a table of snows between two marks, and what writes it."""
+
+
+def with_table(page: str, table: str) -> str:
+    """Return a page with what is between its two marks replaced by `table`."""
     before, rest = page.split(BEGIN)
     _, after = rest.split(END)
-    return f"{before}{BEGIN}\n{as_table()}{END}{after}"
+    return f"{before}{BEGIN}\n{table}{END}{after}"
 
 
 if __name__ == "__main__":
     PATH.write_text(document(), encoding="utf-8")
-    SNOWS_PATH.write_text(with_table(SNOWS_PATH.read_text(encoding="utf-8")), encoding="utf-8")
-    print(f"wrote {PATH} and the table of {SNOWS_PATH}")
+    for path, written in TABLES.items():
+        path.write_text(with_table(path.read_text(encoding="utf-8"), written()), encoding="utf-8")
+    print(f"wrote {PATH} and the tables of {', '.join(map(str, TABLES))}")

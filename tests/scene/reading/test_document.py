@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from pydantic import BaseModel, ValidationError
-from scene_pages import PATH, SECTIONS, SNOWS_PATH, document, with_table
+from scene_pages import CONTACTS_PATH, PATH, SECTIONS, SNOWS_PATH, TABLES, document, with_table
 
 from neve.scene.schema.material import Overrides, Snow
 from neve.scene.schema.scene import Scene
@@ -21,12 +21,14 @@ def test_document_is_up_to_date() -> None:
     assert (Path(__file__).parents[3] / PATH).read_text(encoding="utf-8") == document()
 
 
-def test_table_of_snows_is_up_to_date() -> None:
-    """The table of docs/snows.md is the generated one; the rest of the page is free."""
-    page = (Path(__file__).parents[3] / SNOWS_PATH).read_text(encoding="utf-8")
-    assert with_table(page) == page
+@pytest.mark.parametrize("path", TABLES, ids=str)
+def test_table_of_snows_is_up_to_date(path: Path) -> None:
+    """The tables of docs/snows.md and docs/particles.md are the generated ones; the rest is free."""
+    page = (Path(__file__).parents[3] / path).read_text(encoding="utf-8")
+    assert with_table(page, TABLES[path]()) == page
     for name in SNOWS:
-        assert f"| `{name}` | {SNOWS[name].about} |" in page
+        text = {SNOWS_PATH: SNOWS[name].about, CONTACTS_PATH: f"`{SNOWS[name].law}`"}[path]
+        assert f"| `{name}` | {text} |" in page
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from verification.particles.common import energy, pair_of_particles
 
-from neve.particles.constants import DAMPING, contact_constants
+from neve.particles.constants import DAMPING, NEVER, contact_constants
+from neve.scene.schema.scene import Snow
+from neve.scene.schema.snow_kinds import SNOWS
+from neve.scene.values.choices import LAWS
 
 NEVER_YIELDS = {"law": "drucker_prager", "cohesion": 0.0, "E0": 1e5, "friction_angle": 20.0}
 
@@ -86,11 +89,37 @@ def test_energy_of_a_bounce_falls():
     assert 0.3 * start < energy(sim) < start
 
 
+# law -> snow, and its modulus [Pa], friction, bond strain, yield pressure [Pa] by hand from docs/particles.md.
+BY_HAND = {
+    "stomakhin2013": ({"kind": "reference"}, (1.4e5, 0.7813, 0.0075, 3500.0)),  # tan 38; 1.4e5 x 0.025
+    "neo_hookean": (
+        {"law": "neo_hookean", "E0": 2e5, "theta_c": 0.02, "theta_s": 0.006},
+        (2e5, 0.7813, 0.006, 4000.0),  # 2e5 x 0.02
+    ),
+    "hencky": (
+        {"law": "hencky", "E0": 8e4, "theta_c": 0.03, "theta_s": 0.005},
+        (8e4, 0.7813, 0.005, 2400.0),  # 8e4 x 0.03
+    ),
+    "drucker_prager": (
+        {"law": "drucker_prager", "E0": 1e5, "friction_angle": 30.0, "cohesion": 500.0},
+        (1e5, 0.5774, 0.005, NEVER),  # tan 30; 500 / 1e5
+    ),
+    "cam_clay": ({"kind": "wet"}, (6e5, 0.4743, 0.013333, 1e4)),  # sin phi = 3 / 7; 0.8 x 1e4 / 6e5
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_constants_by_hand(law):
+    """One snow of each law; without plasticity nothing breaks or yields."""
+    given, numbers = BY_HAND[law]
+    assert contact_constants(Snow.model_validate(given)) == pytest.approx(numbers, rel=1e-4)
+    if LAWS[law].has_elastic_option:
+        elastic = contact_constants(Snow.model_validate({"law": law, "E0": 3e4, "plasticity": "none"}))
+        assert elastic == pytest.approx((3e4, 0.7813, NEVER, NEVER), rel=1e-4)
+
+
 def test_constants_of_named_snows():
     """Every law has finite constants: E0, the strain and the pressure at which its own snow flows."""
-    from neve.scene.schema.scene import Snow
-    from neve.scene.schema.snow_kinds import SNOWS
-
     for kind in SNOWS:
         snow = Snow.model_validate({"kind": kind})
         c = contact_constants(snow)
