@@ -4,8 +4,9 @@ import math
 
 import pytest
 
+from neve.io.run_folder import RunFolder
 from neve.scene.reading.load import load, to_toml
-from neve.sweep.measures import read_measure, usual
+from neve.sweep.measures import check, kinds, read_measure, usual
 from neve.sweep.task import Task, carry_out
 
 SCENE = """
@@ -39,8 +40,21 @@ def row_of(folder, scene, measures):
 def test_an_implicit_scene(ball, tmp_path):
     """Columns of implicit steps are there, unless told and by name."""
     scene = load(ball, ['numerics.integrator="semi_implicit"'])
-    measures = [*usual(scene), read_measure("worst=solve_residual@max")]
+    measures = [*usual([scene]), read_measure("worst=solve_residual@max")]
     row = row_of(tmp_path / "0001", scene, measures)
     assert (row.status, row.sentence) == ("done", "")
     assert row.outputs["solve_iterations"] > 0
     assert math.isfinite(row.outputs["worst"])
+
+
+def test_columns_that_a_method_lacks(ball, tmp_path):
+    """They are empty in its rows, and so is a solid that a scene lacks; those of its own are there."""
+    scenes = [load(ball, []), load(ball, ['numerics.method="particles"'])]
+    measures = usual(kinds([*scenes, *scenes]))
+    names = {measure.name for measure in measures}
+    assert len(kinds([*scenes, *scenes])) == 2
+    check(measures, scenes)
+    run = RunFolder(tmp_path)
+    assert "blocks" in names
+    assert math.isnan(read_measure("blocks").of(run, scenes[1]))
+    assert math.isnan(read_measure("push=force_z[colliders.9]").of(run, scenes[0]))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from neve.build import solids as solids_of
 from neve.film.pictures import exr_key, png_key, read_png, refuse_strangers, write_exr, write_png
-from neve.film.sharing import cores, jobs_for, needed
+from neve.film.sharing import jobs_for, needed
 from neve.geometry.pose import Pose, rotation_matrix, rotation_vector
 from neve.io.atomic import writing
 from neve.io.errors import RunError
@@ -32,6 +32,7 @@ from neve.render.path_tracing.picture import Choices, PathTracer
 from neve.render.shot import Shot, View
 from neve.system import disk, processes
 from neve.system.cluster import elsewhere
+from neve.system.processors import cores
 
 if TYPE_CHECKING:
     from neve.colliders.solid import Solid

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 from neve.system import memory
 
 BASE, GRAIN, PIXEL = 3e8, 220.0, 600.0
@@ -11,13 +9,6 @@ BASE, GRAIN, PIXEL = 3e8, 220.0, 600.0
 grains at 640x360, 1.88 GB with 7.9 million at 1280x720."""
 WORTH = 1_000_000
 """Paths of light for which another process is worth its start."""
-
-
-def cores() -> int:
-    """Return how many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def needed(grains: int, pixels: int) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import math
 import numbers
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,9 +50,11 @@ class Measure:
     when: str | float = "last"
 
     def of(self, run: RunFolder, scene: Scene) -> float:
-        """Return the value in a run, NaN if no frame has one. Errors: RunError."""
+        """Return the value in a run, NaN if no frame or no run of this kind has one. Errors: RunError."""
         if self.solid == FRAGMENTS:
             return _fragments(run, self.column)
+        if not self._is_of(scene):
+            return math.nan
         rows = _solid(run, self.solid) if self.solid else _log(run, scene)
         time = np.array([float(row["time"]) for row in rows])
         text = [row[self.column] for row in rows]
@@ -68,6 +70,11 @@ class Measure:
                 f"{self.name}: the run has no frame at {self.when:g} s; its last is at {time[-1]:g} s."
             )
         return float(value[np.argmin(np.abs(time - self.when))])
+
+    def _is_of(self, scene: Scene) -> bool:
+        if self.solid:
+            return self.solid in _solids(scene)
+        return self.column in _names(scene)
 
 
 def read_measure(text: str) -> Measure:
@@ -97,17 +104,26 @@ def _moment(word: str, text: str) -> str | float:
     return time
 
 
-def usual(scene: Scene) -> list[Measure]:
+def kinds(scenes: Iterable[Scene]) -> list[Scene]:
+    """Return one of all scenes whose runs have the same columns and solids, the first ones first."""
+    found: dict[object, Scene] = {}
+    for scene in scenes:
+        kind = _names(scene), len(scene.colliders), len(scene.bodies), str(scene.robots)
+        found.setdefault(kind, scene)
+    return [*found.values()]
+
+
+def usual(kinds: Sequence[Scene]) -> list[Measure]:
     """Return what a sweep takes unless told: numbers of the log, without wall times, at the last frame."""
     return [
         Measure(name, name)
-        for name in _names(scene)
+        for name in _all_names(kinds)
         if name not in ("frame", *WORDS) and not name.startswith("seconds_")
     ]
 
 
-def check(measures: Sequence[Measure], scene: Scene, solids: Sequence[str]) -> None:
-    """Refuse what a run of `scene` does not have, before it begins; solids: their names. Errors: RunError."""
+def check(measures: Sequence[Measure], kinds: Sequence[Scene]) -> None:
+    """Refuse what no run of these scenes has, before any begins. Errors: RunError."""
     from neve.fragments import SUMMARY
     from neve.run.outputs.solids import COLUMNS
 
@@ -116,11 +132,12 @@ def check(measures: Sequence[Measure], scene: Scene, solids: Sequence[str]) -> N
             known: Sequence[str] = SUMMARY
         elif measure.solid:
             known = [name for name in COLUMNS if name not in ("frame", *WORDS)]
+            solids = _solids(*kinds)
             if measure.solid not in solids:
                 meant = hint(nearest(measure.solid, solids), f"the scene has {', '.join(solids) or 'none'}")
                 raise RunError(f"output {measure.name}: there is no solid {measure.solid}{meant}.")
         else:
-            known = [name for name in _names(scene) if name not in WORDS]
+            known = [name for name in _all_names(kinds) if name not in WORDS]
         if measure.column not in known:
             meant = hint(nearest(measure.column, known), f"use one of {', '.join(known)}")
             raise RunError(f"output {measure.name}: there is no column {measure.column}{meant}.")
@@ -129,6 +146,16 @@ def check(measures: Sequence[Measure], scene: Scene, solids: Sequence[str]) -> N
 def _names(scene: Scene) -> tuple[str, ...]:
     numerics = scene.numerics
     return columns(numerics.method, scene.is_open, scene.heat is not None, numerics.is_implicit)
+
+
+def _all_names(kinds: Sequence[Scene]) -> list[str]:
+    return list(dict.fromkeys(name for scene in kinds for name in _names(scene)))
+
+
+def _solids(*scenes: Scene) -> list[str]:
+    from neve.build import solids
+
+    return list(dict.fromkeys(solid.name for scene in scenes for solid in solids(scene)))
 
 
 def _log(run: RunFolder, scene: Scene) -> list[Row]:

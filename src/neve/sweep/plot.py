@@ -67,17 +67,21 @@ def _draw(axes: Any, rows: Sequence[dict[str, str]], x: str, y: str, by: str | N
     """Draw an output over an input: a line for each value of `by`."""
     are_numbers = _is_number(rows, x)
     for value in dict.fromkeys(row[by] if by else "" for row in rows):
-        part = [row for row in rows if row[y] and (not by or row[by] == value)]
+        part = [row for row in rows if row[x] and row[y] and (not by or row[by] == value)]
         along = [float(row[x]) if are_numbers else row[x] for row in part]
         pairs = sorted(zip(along, (float(row[y]) for row in part), strict=True), key=lambda pair: pair[0])
-        axes.plot(*zip(*pairs, strict=True), "o-", label=f"{by} = {value}" if by else None) if pairs else None
+        axes.plot(*zip(*pairs, strict=True), "o-", label=_said(by, value)) if pairs else None
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.grid(alpha=0.3)
-    if are_numbers and _is_wide([float(row[x]) for row in rows]):
+    if are_numbers and _is_wide([float(row[x]) for row in rows if row[x]]):
         axes.set_xscale("log")
     if by:
         axes.legend(fontsize="small")
+
+
+def _said(by: str | None, value: str) -> str | None:
+    return by and (f"{by} = {value}" if value else f"without {by}")
 
 
 def _is_wide(values: Sequence[float]) -> bool:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import json
-import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,12 +18,15 @@ from neve.scene.errors import SceneError
 from neve.scene.reading.load import load, to_toml
 from neve.scene.schema.scene import Scene
 from neve.sweep import table
+from neve.sweep.before import begun, known_rows
 from neve.sweep.design import Point, changes_of
-from neve.sweep.measures import Measure, Own, check, usual
+from neve.sweep.inputs import distinct, inputs_of, name_of
+from neve.sweep.measures import Measure, Own, check, kinds, usual
 from neve.sweep.table import DONE, FAILED, Row
 from neve.sweep.task import Task, carry_out
 from neve.system import disk
 from neve.system.cluster import cluster, is_killed, require_dask, results
+from neve.system.processors import cores
 
 CARD = "sweep.json"
 """Which run has which values, and of what scene."""
@@ -62,34 +65,37 @@ def sweep(
     A folder that holds this scene's sweep is gone on with, also with more values: runs that are there stay.
     Runs have the bits that they would have alone. A run that fails has its sentence in the table.
 
-    workers: processes, by default one for each processor. threads: of each run, by default the processors
-    shared out. scheduler: address of a Dask cluster, whose workers see the folder `out` under the same path.
+    workers: processes, by default one for each processor that this one may use. threads: of each run, by
+    default these shared out, or those of the worker that does it. scheduler: address of a Dask cluster, whose
+    workers see the folder `out` under the same path.
     force: begin all runs anew
 
     Errors: SceneError if no run has a scene that can be used; RunError; ClusterError.
     """
     require_dask()
     folder = Path(out).resolve()
+    plan = dataclasses.replace(plan, points=distinct(plan.points))
     scenes = [_scene(plan, point) for point in plan.points]
     good = {k: found for k, found in enumerate(scenes) if isinstance(found, Scene)}
     if not good and isinstance(scenes[0], SceneError):
         raise scenes[0]
-    checked = _measures(plan, next(iter(good.values())))
+    inputs = inputs_of(plan.points, scenes)
+    checked = _measures(plan, kinds(good.values()), [*inputs[0]])
     with RunFolder(folder).lock():
         names = _open(folder, plan)
-        processors = os.cpu_count() or 1
+        processors = cores()
         workers = min(workers or processors, len(scenes))
         share = threads or (None if scheduler else max(1, processors // workers))
         more = (checked, tuple(plan.functions), share, plan.frames, force)
-        tasks = {
-            k: Task(folder / names[k], plan.points[k], to_toml(scene), *more) for k, scene in good.items()
-        }
+        tasks = {k: Task(folder / names[k], inputs[k], to_toml(scene), *more) for k, scene in good.items()}
         if not force:
             _require_same((tasks[k].folder, scene) for k, scene in good.items())
+        before = {} if force else known_rows(folder)
         rows = [
-            Row(name, point, FAILED, str(scene)) if isinstance(scene, SceneError) else Row(name, point)
-            for name, point, scene in zip(names, plan.points, scenes, strict=True)
-        ]
+            begun(tasks[k], before.get(name), scene) if isinstance(scene, Scene)
+            else Row(name, inputs[k], FAILED, str(scene))
+            for k, (name, scene) in enumerate(zip(names, scenes, strict=True))
+        ]  # fmt: skip
         table.write(folder, rows)
         _carry_out(folder, rows, tasks, workers, scheduler, progress)
     return rows
@@ -134,13 +140,11 @@ def _scene(plan: Sweep, point: Point) -> Scene | SceneError:
         return error
 
 
-def _measures(plan: Sweep, scene: Scene) -> tuple[Measure, ...]:
+def _measures(plan: Sweep, kinds: Sequence[Scene], inputs: Sequence[str]) -> tuple[Measure, ...]:
     """Return the columns of the table. Errors: RunError for one that no run has, or that is there twice."""
-    from neve.build import solids
-
-    measures = tuple(plan.measures) or tuple(usual(scene) if not plan.functions else ())
-    check(measures, scene, [solid.name for solid in solids(scene)])
-    taken = [*table.OWN, *plan.points[0], *(measure.name for measure in measures)]
+    measures = tuple(plan.measures) or tuple(usual(kinds) if not plan.functions else ())
+    check(measures, kinds)
+    taken = [*table.OWN, *inputs, *(measure.name for measure in measures)]
     if twice := sorted({name for name in taken if taken.count(name) > 1}):
         raise RunError(f"output {twice[0]}: the table has another column of this name; choose another.")
     return measures
@@ -162,12 +166,19 @@ def _open(folder: Path, plan: Sweep) -> list[str]:
         disk.sweep(folder)
     taken = {*known.values()}
     free = (name for n in itertools.count(1) if (name := f"{n:04d}") not in taken)
-    wanted = [" ".join([*plan.changes, *changes_of(point)]) for point in plan.points]
+    wanted = [_values(plan, point, known) for point in plan.points]
     for values in wanted:
         if values not in known:
             known[values] = next(free)
     write_text(card, json.dumps({"format": FORMAT, "runs": known}, indent=1))
     return [known[values] for values in wanted]
+
+
+def _values(plan: Sweep, point: Point, known: Mapping[str, str]) -> str:
+    """Return the values of a run as one text: as the folder has them, or put in order."""
+    changes = [*plan.changes, *changes_of(point)]
+    plain = " ".join(changes)
+    return plain if plain in known else name_of(changes)
 
 
 def _known(card: Path) -> dict[str, str]:

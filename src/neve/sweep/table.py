@@ -41,13 +41,14 @@ class Row:
 
 def _input(value: Any) -> Any:
     """Return a value as a table holds it: a list or a table as TOML."""
-    return value if isinstance(value, (bool, int, float, str)) else toml_of(value)
+    return value if value is None or isinstance(value, (bool, int, float, str)) else toml_of(value)
 
 
 def write(folder: Path, rows: Sequence[Row]) -> None:
     """Write both files, each whole or not at all. Without pyarrow only CSV. Errors: RunError."""
     cells = [row.cells() for row in rows]
-    names = list(dict.fromkeys(name for row in cells for name in row))
+    inputs = dict.fromkeys(key for row in rows for key in row.point)
+    names = list(dict.fromkeys(["run", *inputs, *OWN[1:], *(name for row in cells for name in row)]))
     write_text(folder / CSV, _csv(names, cells))
     try:
         import pyarrow as pa

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import tomllib
 import traceback
 import warnings
@@ -20,17 +19,19 @@ from neve.scene.errors import SceneError, SceneWarning
 from neve.scene.reading.load import scene_from
 from neve.scene.schema.scene import Scene
 from neve.solver import Blowup
+from neve.sweep import spent
 from neve.sweep.design import Point
 from neve.sweep.measures import Measure, Own
 from neve.sweep.table import DONE, FAILED, Row
+from neve.system.cluster import threads_here
 
 
 @dataclass(frozen=True)
 class Task:
     """Hold one run: its scene, folder, and what to take from it.
 
-    toml: the whole scene. threads: of the run; None for all. frames: number of the last frame, None for
-    the scene's duration
+    point: the inputs of its row. toml: the whole scene. threads: of the run; None for
+    those of the process. frames: number of the last frame, None for the scene's duration
     force: replace the run that lies there
     """
 
@@ -52,32 +53,37 @@ class Task:
         """Return the scene of the run. Errors: SceneError if this version of Neve cannot read it."""
         return scene_from(tomllib.loads(self.toml), where=self.name)
 
-    def failed(self, sentence: str, seconds: float = float("nan")) -> Row:
+    def failed(self, sentence: str) -> Row:
         """Return the row of a run that has failed."""
-        return Row(self.name, self.point, FAILED, " ".join(sentence.split()), seconds)
+        return Row(self.name, self.point, FAILED, " ".join(sentence.split()), self.seconds)
+
+    @property
+    def seconds(self) -> float:
+        """The wall time that the run has taken so far [s]; NaN if it is not known."""
+        found = spent.read(self.folder)
+        return found.seconds if found else float("nan")
 
 
 def carry_out(task: Task) -> Row:
     """Run, or go on with, one run of a sweep; return its row, which also tells what failed."""
-    begin = time.monotonic()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SceneWarning)
             scene = task.read_scene()
             if task.force or not is_done(task, scene):
                 resume = not task.force and RunFolder(task.folder).has_begun()
-                run_scene(scene, task.folder, task.threads, task.frames, resume, task.force, quiet=True)
+                threads = task.threads or threads_here()
+                with spent.counted(task.folder, last_frame(scene, task.frames), anew=not resume):
+                    run_scene(scene, task.folder, threads, task.frames, resume, task.force, quiet=True)
         outputs = measured(task, scene)
     except (SceneError, RunError, Blowup, MemoryError, OSError) as error:
         sentence = "this needs more memory than there is." if isinstance(error, MemoryError) else str(error)
-        return task.failed(sentence, time.monotonic() - begin)
+        return task.failed(sentence)
     except Exception as error:  # a fault of Neve or of a solver of the user's: the other runs go on
         trace = task.folder.with_name(f"{task.name}.error.txt")
         write_text(trace, traceback.format_exc())
-        return task.failed(
-            f"{type(error).__name__}: {error}; {trace.name} says where.", time.monotonic() - begin
-        )
-    return Row(task.name, task.point, DONE, "", time.monotonic() - begin, outputs)
+        return task.failed(f"{type(error).__name__}: {error}; {trace.name} says where.")
+    return Row(task.name, task.point, DONE, "", task.seconds, outputs)
 
 
 def is_done(task: Task, scene: Scene) -> bool:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
 from neve.system import stopping
 
 T = TypeVar("T")
+_ONE = threading.Lock()
 WAIT = 30.0
 """Wall time to wait for a scheduler that has an address [s]."""
 
@@ -67,11 +69,12 @@ def results(
 ) -> Iterator[tuple[int, T | BaseException]]:
     """Yield the number of an item and `call(item, *given)`, or what it raised, as they come.
 
-    What a process was at that has ended is done again by another one, three times at most.
+    A process does one item at a time, however many its scheduler lets it have. What a process was at that has
+    ended is done again by another one, three times at most.
     """
     from distributed import as_completed
 
-    futures = [client.submit(call, item, *given, pure=False) for item in items]
+    futures = [client.submit(_alone, call, item, *given, pure=False) for item in items]
     number = {future.key: k for k, future in enumerate(futures)}
     try:
         for future in as_completed(futures):
@@ -80,6 +83,21 @@ def results(
             future.release()
     finally:
         client.cancel(futures)
+
+
+def _alone(call: Callable[..., T], *given: Any) -> T:
+    with _ONE:
+        return call(*given)
+
+
+def threads_here() -> int | None:
+    """Return how many threads the worker of a cluster has that this process is; None if it is none."""
+    try:
+        from distributed import get_worker
+
+        return int(get_worker().state.nthreads)
+    except (ImportError, ValueError):
+        return None
 
 
 def elsewhere(scheduler: str, call: Callable[..., T], items: Sequence[Any], *given: Any) -> Iterator[T]:

@@ -1,4 +1,4 @@
-"""How many processors others leave."""
+"""How many processors there are for this process, and how many others leave."""
 
 from __future__ import annotations
 
@@ -6,6 +6,13 @@ import os
 
 BUSY = 0.5
 """Processors that others use, in the mean over a minute, from which on one is left to them."""
+
+
+def cores() -> int:
+    """Return how many cores this process may use: of an allocation, or of a binding, those alone."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def free_threads() -> int:
