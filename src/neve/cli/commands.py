@@ -139,9 +139,7 @@ def run(
         if not (resume or quiet):
             announce(checked, frames, threads)
         with others_reported(reported):
-            run_scene(
-                checked, folder, threads=threads, frames=frames, resume=resume, force=force, quiet=quiet
-            )
+            run_scene(checked, folder, threads, frames, resume, force, quiet, over_ranks=launch.size() > 1)
     return 0
 
 

