@@ -20,10 +20,12 @@ from run.ranks.launching import (
     run,
     write_scene,
 )
+from run.ranks.shared import FRAMES, SECONDS, TAKEN
 
 import neve
 from neve.io.checkpoint import read_checkpoint
 from neve.ranks import launch
+from neve.ranks.ownership import UNEVEN
 
 KINDS = {
     "affine": (2, {}),
@@ -61,20 +63,33 @@ def test_resume_on_other_ranks(tmp_path):
     require_same(tmp_path / "one", parts)
 
 
-def test_shares_are_chosen_anew(tmp_path):
-    """Ranks that share the snow out anew at every sort, however even the shares are, keep the bits of one."""
+@pytest.mark.parametrize(
+    ("ranks", "threads", "uneven"),
+    [(3, 1, 0.0), (2, 2, UNEVEN), (8, 1, UNEVEN)],
+    ids=["anew", "threads", "8"],
+)
+def test_ranks_take_part(tmp_path, ranks, threads, uneven):
+    """Each rank owns particles and gives to others, particles move from rank to rank, and the bits are one's.
+
+    uneven: the bound from which on shares are chosen anew; with 0 it is done at every sort
+    """
     scene = write_scene(tmp_path, more=BODIES)
-    program = Path(__file__).with_name("uneven.py")
-    subprocess.run(
-        launched(3, program, scene, tmp_path / "several.npz"), env=environment(), check=True, timeout=400
-    )
+    program = Path(__file__).with_name("shared.py")
+    words = (program, scene, tmp_path / "several.npz", threads, uneven)
+    subprocess.run(launched(ranks, *words), env=environment(), check=True, timeout=400)
     sim = neve.Simulation(neve.load(scene), threads=1)
-    for _ in range(2):
-        sim.advance(0.02)
+    for _ in range(FRAMES):
+        sim.advance(SECONDS)
     with np.load(tmp_path / "several.npz") as several:
         found = dict(several)
-    rebalanced = found.pop("rebalanced")
-    assert rebalanced.min() == rebalanced.max() > 0
+    particles, halo, migrated, rebalanced = (found.pop(name) for name in TAKEN)
+    assert len(particles) == ranks
+    assert particles.min() > 0
+    assert particles.sum() == sim.count
+    assert halo.min() > 0
+    assert migrated.sum() > 0
+    assert rebalanced.min() == rebalanced.max()
+    assert rebalanced.max() > 0 or uneven
     expected = sim.arrays()
     assert found.keys() == expected.keys()
     for name, value in expected.items():
