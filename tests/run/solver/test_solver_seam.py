@@ -1,14 +1,19 @@
 """A solver of fifty lines is run, filmed, viewed, resumed and logged, with nothing changed outside of it."""
 
+import csv
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import Image
 from viewer.conftest import converse
 
 import neve
 from neve.build import coupled
 from neve.colliders.motion import pose
+from neve.compare.film import STILL
+from neve.compare.page import PAGE
+from neve.compare.run import TABLE, chosen_methods, compare
 from neve.io.errors import RunError
 from neve.io.frames import read_frame
 from neve.io.log import read_log
@@ -128,6 +133,34 @@ def test_it_knows_no_heat():
     """One sentence says which methods do."""
     with pytest.raises(SceneError, match='"grains" knows no heat; use "mpm" or "particles", or leave'):
         neve.Simulation(scene({"heat": {}}))
+
+
+def test_it_is_compared(tmp_path, monkeypatch):
+    """`neve compare` takes it beside the others by itself: a run, a panel, a row."""
+    assert chosen_methods(None)[-1] == "grains"
+
+    def load(method):
+        given = scene(film=False)
+        return given.model_copy(update={"numerics": given.numerics.model_copy(update={"method": method})})
+
+    monkeypatch.setattr("neve.compare.film.PANEL", (160, 90))
+
+    compare(load, ["mpm", "grains"], tmp_path, frames=2, threads=1, quiet=True)
+    times = [
+        [read_frame(tmp_path / method / "frames", k).time for k in range(3)] for method in ("mpm", "grains")
+    ]
+    assert times[0] == times[1]
+    known = list(csv.DictReader((tmp_path / TABLE).read_text().splitlines()))
+    assert [row["method"] for row in known] == ["mpm", "grains"]
+    assert known[0]["particles"] == known[1]["particles"]
+    assert int(known[1]["steps"]) == 40
+    assert float(known[1]["height [m]"]) == pytest.approx(float(known[0]["height [m]"]), abs=0.02)
+    assert known[1]["kinetic [J]"] == known[1]["mass [kg]"] == "nan"
+    page = (tmp_path / PAGE).read_text()
+    assert "<th>grains</th>" in page
+    assert "not known" in page
+    with Image.open(tmp_path / STILL) as still:
+        assert still.size == (320, 90)
 
 
 def test_it_fills_a_run_folder(tmp_path):

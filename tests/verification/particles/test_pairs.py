@@ -89,7 +89,7 @@ def test_energy_of_a_bounce_falls():
     assert 0.3 * start < energy(sim) < start
 
 
-# law -> snow, and its modulus [Pa], friction, bond strain, yield pressure [Pa] by hand from docs/particles.md.
+# law -> snow, and its modulus [Pa], friction, bond strain, yield pressure [Pa] by hand (docs/particles.md)
 BY_HAND = {
     "stomakhin2013": ({"kind": "reference"}, (1.4e5, 0.7813, 0.0075, 3500.0)),  # tan 38; 1.4e5 x 0.025
     "neo_hookean": (
