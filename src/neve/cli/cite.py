@@ -23,7 +23,7 @@ WORKS: Mapping[str, str] = {
 # Method -> works that describe it. A method's name is the word that chooses it in a scene, or its table.
 METHODS: Mapping[str, tuple[str, ...]] = {
     "mpm": ("sulsky1994", "sulsky1995"),
-    "particles": ("goswami2019", "cundall1979"),
+    "particles": ("goswami2019", "takahashi2014", "cundall1979"),
     "sph": ("gissler2020", "akinci2012", *LAWS[DEFAULT_LAW].cites),
     **{name: tuple(choice.cites) for name, choice in {**LAWS, **SPLINES, **TRANSFERS}.items()},
     "snow": tuple(dict.fromkeys(key for law in LAWS.values() for key in law.plasticity_cites)),

@@ -32,6 +32,7 @@ DOI_NOT_SEEN = {
     "goswami2019",
     "li2022",
     "szabo2007",
+    "takahashi2014",
 }
 """Works whose DOI was in no source at hand: none is guessed."""
 
