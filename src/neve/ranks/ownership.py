@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 Keys = NDArray[np.uint64]
 UNEVEN = 1.1
 """The most work of a rank over the mean, from which on the cuts are chosen anew."""
-HOME = 44.0
+HOME = 57.0
 """Work of a block beside that of its particles, as so many particles: measured, see docs/scale.md."""
 
 

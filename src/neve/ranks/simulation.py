@@ -59,7 +59,7 @@ class RankSimulation(Simulation):
         scene = self.scene.model_dump(exclude_unset=True)
         ours.tell("join", place(), scene, self.threads, self.time, self.steps, cuts)
         for other in range(1, ours.size):
-            ours.comm.send(dealt(arrays, owners, other, COLUMNS), other)
+            ours.send_arrays(dealt(arrays, owners, other, COLUMNS), other)
         self._share(dealt(arrays, owners, ours.rank, COLUMNS), ours, cuts, whole)
 
     def _share(
@@ -85,7 +85,7 @@ class RankSimulation(Simulation):
         self.scene = Scene.model_validate(scene)
         self.threads, self.time, self.steps = threads, time, steps
         self._use_threads()
-        self._share(ours.comm.recv(None, 0), ours, cuts, None)
+        self._share(ours.receive_arrays(), ours, cuts, None)
         self.exchanged = np.zeros((len(self.solver.solids), 7))
         return self
 

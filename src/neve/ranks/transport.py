@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from neve.domains.transport import Piece, Route
 
 _ARRAY, _PIECE = 2, 3
+MOST = 2**30
+"""Bytes of a message: an MPI counts them in 31 bits. What is longer goes in several, which come in order."""
 
 
 class Copies:
@@ -49,18 +51,27 @@ class Mpi:
         for other, head in enumerate(self._comm.alltoall(heads)):
             if head is not None:
                 received[other, me] = np.empty(head[0], np.dtype(head[1]))
-                requests.append(self._comm.Irecv(_bytes(received[other, me]), other, _ARRAY))
+                parts = _parts(received[other, me])
+                requests += [self._comm.Irecv(part, other, _ARRAY) for part in parts]
         for (_, to), array in sent.items():
             kept.append(np.ascontiguousarray(array))
-            requests.append(self._comm.Isend(_bytes(kept[-1]), to, _ARRAY))
+            requests += [self._comm.Isend(part, to, _ARRAY) for part in _parts(kept[-1])]
         Copies(requests).finish()
         return received
 
     def begin(self, sent: Mapping[Route, Piece], received: Mapping[Route, Piece]) -> Copies:
         """Begin to copy each piece that is sent to where its route is received, of the same size."""
         at = self._mpi.buffer.fromaddress
-        requests = [self._comm.Irecv(at(*piece), route[0], _PIECE) for route, piece in received.items()]
-        requests += [self._comm.Isend(at(*piece), route[1], _PIECE) for route, piece in sent.items()]
+        requests = [
+            self._comm.Irecv(at(*part), route[0], _PIECE)
+            for route, piece in received.items()
+            for part in _pieces(piece)
+        ]
+        requests += [
+            self._comm.Isend(at(*part), route[1], _PIECE)
+            for route, piece in sent.items()
+            for part in _pieces(piece)
+        ]
         self.sent += sum(piece.size for piece in sent.values())
         return Copies(requests)
 
@@ -83,16 +94,27 @@ class Mpi:
     def send(self, array: NDArray[Any], to: int) -> None:
         """Send one array to a rank that receives it."""
         whole = np.ascontiguousarray(array)
-        self._comm.send((whole.shape, whole.dtype.str), to, _ARRAY)
-        self._comm.Send(_bytes(whole), to, _ARRAY)
+        self._comm.send((np.shape(array), whole.dtype.str), to, _ARRAY)
+        for part in _parts(whole):
+            self._comm.Send(part, to, _ARRAY)
 
     def receive(self, source: int) -> NDArray[Any]:
         """Return the array that a rank sends."""
         shape, kind = self._comm.recv(None, source, _ARRAY)
         array = np.empty(shape, np.dtype(kind))
-        self._comm.Recv(_bytes(array), source, _ARRAY)
+        for part in _parts(array):
+            self._comm.Recv(part, source, _ARRAY)
         return array
 
 
-def _bytes(array: NDArray[Any]) -> NDArray[np.uint8]:
-    return array.reshape(-1).view(np.uint8)
+def _parts(array: NDArray[Any]) -> Iterator[NDArray[np.uint8]]:
+    """Yield the bytes of an array, message by message; those of an empty one in one that is empty."""
+    whole = array.reshape(-1).view(np.uint8)
+    for begin in range(0, max(1, len(whole)), MOST):
+        yield whole[begin : begin + MOST]
+
+
+def _pieces(piece: Piece) -> Iterator[Piece]:
+    """Yield a piece, message by message."""
+    for begin in range(0, piece.size, MOST):
+        yield Piece(piece.at + begin, min(MOST, piece.size - begin))

@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, NoReturn
 
@@ -56,6 +56,16 @@ class World:
             time.sleep(_PAUSE)
         word, values = self.comm.recv(None, LEADER, _TOLD)
         return str(word), tuple(values)
+
+    def send_arrays(self, arrays: Mapping[str, NDArray[Any]], to: int) -> None:
+        """Send named arrays, however long they are, to a rank that receives them."""
+        self.comm.send([*arrays], to, _TOLD)
+        for array in arrays.values():
+            self.transport.send(array, to)
+
+    def receive_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the named arrays that the leader sends."""
+        return {name: self.transport.receive(LEADER) for name in self.comm.recv(None, LEADER, _TOLD)}
 
     # What is found by one and concerns all
 

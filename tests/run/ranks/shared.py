@@ -1,6 +1,8 @@
 """Advance a scene over ranks, and keep what comes of it and how each rank took part.
 
-mpirun -n 2 python shared.py SCENE OUT.npz THREADS UNEVEN
+mpirun -n 2 python shared.py SCENE OUT.npz THREADS UNEVEN BYTES
+
+UNEVEN is the bound from which on shares are chosen anew, BYTES the most of a message.
 """
 
 import sys
@@ -9,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import neve
-from neve.ranks import domain, launch
+from neve.ranks import domain, launch, transport
 from neve.ranks.simulation import RankSimulation, follow, leading
 
 FRAMES, SECONDS = 2, 0.02
@@ -28,7 +30,7 @@ def main(scene, out, threads):
 
 
 if __name__ == "__main__":
-    domain.UNEVEN = float(sys.argv[4])
+    domain.UNEVEN, transport.MOST = float(sys.argv[4]), int(sys.argv[5])
     if launch.leads():
         main(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]))
     else:

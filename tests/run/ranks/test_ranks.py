@@ -26,6 +26,7 @@ import neve
 from neve.io.checkpoint import read_checkpoint
 from neve.ranks import launch
 from neve.ranks.ownership import UNEVEN
+from neve.ranks.transport import MOST
 
 KINDS = {
     "affine": (2, {}),
@@ -64,18 +65,19 @@ def test_resume_on_other_ranks(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("ranks", "threads", "uneven"),
-    [(3, 1, 0.0), (2, 2, UNEVEN), (8, 1, UNEVEN)],
-    ids=["anew", "threads", "8"],
+    ("ranks", "threads", "uneven", "most"),
+    [(3, 1, 0.0, MOST), (2, 2, UNEVEN, 1000), (8, 1, UNEVEN, MOST)],
+    ids=["anew", "threads", "eight"],
 )
-def test_ranks_take_part(tmp_path, ranks, threads, uneven):
+def test_ranks_take_part(tmp_path, ranks, threads, uneven, most):
     """Each rank owns particles and gives to others, particles move from rank to rank, and the bits are one's.
 
     uneven: the bound from which on shares are chosen anew; with 0 it is done at every sort
+    most: bytes of a message; what is longer goes in several
     """
     scene = write_scene(tmp_path, more=BODIES)
     program = Path(__file__).with_name("shared.py")
-    words = (program, scene, tmp_path / "several.npz", threads, uneven)
+    words = (program, scene, tmp_path / "several.npz", threads, uneven, most)
     subprocess.run(launched(ranks, *words), env=environment(), check=True, timeout=400)
     sim = neve.Simulation(neve.load(scene), threads=1)
     for _ in range(FRAMES):
