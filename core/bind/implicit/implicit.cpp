@@ -70,18 +70,23 @@ nb::tuple stiffness(const Model<T>& model, const State<T>& state, Grid<T>& grid,
 }
 
 using Weights = std::map<std::string, std::vector<double>>;
+using Regularity = std::optional<double>;
 
-LearnedNet net_of(const Weights& weights, double regularity) {
+// `regularity`: r over the stiffness; else that of the law.
+LearnedNet net_of(const std::string& law, const Weights& weights, const Regularity& regularity) {
   const auto of = [&](const char* name) {
     const auto found = weights.find(name);
     if (found == weights.end()) throw nb::value_error("a network has a, b, W, V, w, d and q");
     return found->second;
   };
-  LearnedNet net{0, 0, of("a"), of("b"), of("W"), of("V"), of("w"), of("d"), of("q"), regularity};
+  LearnedNet net{0, 0, 0, of("a"), of("b"), of("W"), of("V"), of("w"), of("d"), of("q")};
+  with_law(place_of(Laws{}, law, "law"), [&](auto one) {
+    net.told = told_of<decltype(one)>;
+    net.regularity = regularity.value_or(regularity_of<decltype(one)>);
+  });
   const std::size_t K = net.a.size(), H = net.w.size();
   if (K == 0 || K > most_hidden || H == 0 || H > most_hidden || net.b.size() != K || net.d.size() != H ||
-      net.W.size() != H * (K + 2) || net.V.size() != H * (context_of_strains + told_of_snow) ||
-      net.q.size() != 2)
+      net.W.size() != H * (K + 2) || net.V.size() != H * std::size_t(net.context()) || net.q.size() != 2)
     throw nb::value_error("weights of a network do not fit each other");
   net.steps = static_cast<int>(K), net.hidden = static_cast<int>(H);
   return net;
@@ -91,26 +96,27 @@ LearnedNet net_of(const Weights& weights, double regularity) {
 template <class T>
 nb::tuple learned_response(const std::string& name, const Numbers& constants, const Weights& weights,
                            const Matrices<T>& F0, const Reals<T>& J_P, const Matrices<T>& F,
-                           const Matrices<T>& dF, double regularity) {
+                           const Matrices<T>& dF, const Regularity& regularity) {
   using R = Lanes<T>;
   const std::size_t n = F.shape(0);
   if (J_P.shape(0) != n || dF.shape(0) != n || F0.shape(0) != n)
     throw nb::value_error("F0, J_P, F and dF differ in length");
   const Snow snow = snow_of(name, "snow", constants);
-  const LearnedNet net = net_of(weights, regularity);
+  const LearnedNet net = net_of(name, weights, regularity);
   T *rows, *changes;
   auto out = fresh<T>(rows, {n, 3, 3}), out_change = fresh<T>(changes, {n, 3, 3});
   const R one = splat<R>(1);
   with_law(snow.law, [&](auto law) {
     using L = decltype(law);
-    if constexpr (is_learned<L, R>) {
+    if constexpr (is_learned<L>) {
       for (std::size_t p = 0; p < n; p += width<R>) {
         const int count = static_cast<int>(std::min<std::size_t>(width<R>, n - p));
         const auto q = L::template parameters<R>(snow, one, one);
         const Mat3<R> at0 = matrices<T>(F0.data() + 9 * p, count), at = matrices<T>(F.data() + 9 * p, count);
         const R J = select(first_lanes<R>(count), load<R>(J_P.data() + p, count), one);
         const auto end = L::return_map(at0, J, q);
-        const auto from = expand(net, law, q, at0, end.J_P, end.stress.tau, detail::inverse_transposed(at0));
+        const auto from = expand(net, law, q, at0, hardens_within<L> ? J : end.J_P, end.stress.tau,
+                                 detail::inverse_transposed(at0));
         const Svd3<R> split = svd3(at);
         const auto found = respond(net, law, q, at, split, from, true);
         write_matrices<T>(rows + 9 * p, found.P, count);
@@ -157,12 +163,12 @@ void bind_implicit(nb::module_& m) {
           "Give particles that g2p has moved what the midpoint rule has left for them.")
       .def(
           "learn",
-          [](S& self, const std::string& law, const Weights& weights, double regularity) {
-            self.learned.learn(place_of(Laws{}, law, "law"), net_of(weights, regularity));
+          [](S& self, const std::string& law, const Weights& weights, const Regularity& regularity) {
+            self.learned.learn(place_of(Laws{}, law, "law"), net_of(law, weights, regularity));
           },
-          nb::arg("law"), nb::arg("weights"), nb::arg("regularity") = learned_regularity,
+          nb::arg("law"), nb::arg("weights"), nb::arg("regularity") = nb::none(),
           "Take the return map of a law from a network: a, b, W, V, w, d and q, row by row; and r over the "
-          "stiffness.")
+          "stiffness, unless it is to be the law's own.")
       .def_prop_rw(
           "diagonal", [](const S& self) { return self.options.diagonal; },
           [](S& self, bool on) { self.options.diagonal = on; },
@@ -174,7 +180,7 @@ void bind_implicit(nb::module_& m) {
       .def_prop_ro("converged", [](const S& self) { return self.report.converged; });
   m.def(
       "learned_response", &learned_response<T>, nb::arg("name"), nb::arg("constants"), nb::arg("weights"),
-      nb::arg("F0"), nb::arg("J_P"), nb::arg("F"), nb::arg("dF"), nb::arg("regularity") = learned_regularity,
+      nb::arg("F0"), nb::arg("J_P"), nb::arg("F"), nb::arg("dF"), nb::arg("regularity") = nb::none(),
       "P (n, 3, 3) [Pa] at F (n, 3, 3) of the energy that a network expands around F0, and its change by dF; "
       "J_P (n,) at the start of the step.");
   m.def("hessian_product", &hessian_product<T>, nb::arg("name"), nb::arg("plasticity"), nb::arg("constants"),

@@ -4,57 +4,26 @@
 //
 // N is a small network of softplus functions of the principal logarithmic strains, which knows the strains at F0 and the
 // snow's constants as well (`src/neve/learned/network.py` has its equations); C makes the force at F0 that of the return map,
-// exactly. E is the stiffness as hardened at F0, s the strain at which the snow yields. All derivatives are continuous.
+// exactly. E is the stiffness, s a unit of strain (learned_units.hpp). All derivatives are continuous.
 #pragma once
 
-#include "constitutive/laws.hpp"
 #include "constitutive/tangent.hpp"
+#include "cpu/implicit/learned_units.hpp"
 #include "cpu/implicit/products.hpp"
 
 namespace neve {
 
-inline constexpr int told_of_snow = 3, most_hidden = 64, context_of_strains = 6;
-inline constexpr double deviator_round = 0.05;     // deviator below which its size is rounded off, in units
-inline constexpr double learned_regularity = 0.1;  // r over the stiffness
+inline constexpr int most_hidden = 64, context_of_strains = 6;
+inline constexpr double deviator_round = 0.05;  // deviator below which its size is rounded off, in units
 
 // The weights of a network: a, b (steps), W (hidden, steps + 2), V (hidden, context), w, d (hidden), q (2).
 struct LearnedNet {
-  int steps = 0, hidden = 0;
+  int steps = 0, hidden = 0, told = 0;
   std::vector<double> a, b, W, V, w, d, q;
-  double regularity = learned_regularity;
+  double regularity = 0;  // r over the stiffness
   const double* row(int h) const { return &W[std::size_t(h * (steps + 2))]; }
+  int context() const { return context_of_strains + told; }
 };
-
-// The units of a snow: of strain and its origin [1]; the stiffness as hardened [Pa]; and what the network is told of it.
-template <class R>
-struct LearnedUnits {
-  R strain, origin, stiffness, told[told_of_snow];
-};
-
-namespace detail {
-
-template <class R>
-R young(const R& mu, const R& lam) {
-  return mu * (scalar_t<R>(3) * lam + scalar_t<R>(2) * mu) / (lam + mu);
-}
-
-}  // namespace detail
-
-// The units of snow whose plastic volume is J_P, for the laws that are learned: one more law is one more of these.
-template <class R>
-LearnedUnits<R> learned_units(Stomakhin2013, const Stomakhin2013::Parameters<R>& q, const R& J_P) {
-  using T = scalar_t<R>;
-  const R low = log1p(-q.theta_c), high = log1p(q.theta_s);
-  const R s = T(0.5) * (high - low), origin = T(0.5) * (high + low);
-  const R nu = T(0.5) * q.lam0 / (q.lam0 + q.mu0);
-  return {s,
-          origin,
-          detail::young(q.mu0, q.lam0) * Stomakhin2013::hardening(J_P, q),
-          {origin / s, T(20) * s, T(4) * (nu - T(0.2))}};
-}
-template <class Law, class R>
-inline constexpr bool is_learned =
-    requires(const typename Law::template Parameters<R>& q, const R& J) { learned_units(Law{}, q, J); };
 
 // Where an energy is expanded: strains and plastic volume there, C, and r.
 template <class R>
@@ -96,13 +65,13 @@ template <class R>
 void begin_hidden(const LearnedNet& net, const LearnedUnits<R>& units, const Vec3<R>& u0, const R& trace,
                   const R& size, R* H) {
   using T = scalar_t<R>;
-  constexpr int context = context_of_strains + told_of_snow;
-  R y[context];
+  R y[context_of_strains + most_told];
   for (int i = 0; i < 3; ++i) {
     y[i] = u0[i] / (T(1) + abs(u0[i]));
     y[3 + i] = u0[i] / (T(6) + abs(u0[i]));
-    y[context_of_strains + i] = units.told[i];
   }
+  const int context = net.context();
+  for (int i = 0; i < net.told; ++i) y[context_of_strains + i] = units.told[i];
   for (int h = 0; h < net.hidden; ++h) {
     const double *W = net.row(h), *V = &net.V[std::size_t(h * context)];
     R sum = splat<R>(T(net.d[std::size_t(h)])) + trace * T(W[net.steps]) + size * T(W[net.steps + 1]);
@@ -186,11 +155,13 @@ LearnedResponse<R> network_response(const LearnedNet& net, const LearnedUnits<R>
   using T = scalar_t<R>;
   const R inverse = splat<R>(1) / units.strain, scale = units.stiffness * units.strain;
   const auto in_units = [&](const Vec3<R>& e) {
-    return Vec3<R>{(e.x - units.origin) * inverse, (e.y - units.origin) * inverse,
-                   (e.z - units.origin) * inverse};
+    return with_deviator(Vec3<R>{(e.x - units.origin) * inverse, (e.y - units.origin) * inverse,
+                                 (e.z - units.origin) * inverse},
+                         units.deviator);
   };
   const Vec3<R> e = HenckyElasticity::log_strain(at.strain);
-  const auto n = learned_stress(net, units, in_units(e), in_units(e0), with_tangent);
+  auto n = learned_stress(net, units, in_units(e), in_units(e0), with_tangent);
+  n.T = with_deviator(n.T, units.deviator), n.slope = with_deviator(n.slope, units.deviator);
   const R least = splat<R>(T(least_stretch)), one = splat<R>(1);
   const Vec3<R> s{max(at.sigma.x, least), max(at.sigma.y, least), max(at.sigma.z, least)};
   const Vec3<R> r{one / s.x, one / s.y, one / s.z}, tau = n.T * scale;
@@ -223,8 +194,9 @@ Expansion<R> expand(const LearnedNet& net, Law law, const typename Law::template
                     const Mat3<R>& F0, const R& J_P, const Sym3<R>& tau, const Mat3<R>& inverse_transposed) {
   using T = scalar_t<R>;
   const Svd3<R> at = svd3(F0);
-  const auto units = learned_units(law, q, J_P);
-  Expansion<R> out{HenckyElasticity::log_strain(at.strain), J_P, {}, units.stiffness * T(net.regularity)};
+  const Vec3<R> e0 = HenckyElasticity::log_strain(at.strain);
+  const auto units = learned_units(law, q, J_P, e0);
+  Expansion<R> out{e0, J_P, {}, units.stiffness * T(net.regularity)};
   const Mat3<R> own = detail::network_response(net, units, out.e0, at, false).P,
                 G = full(tau) * inverse_transposed;
   for (int j = 0; j < 3; ++j) out.C.column(j) = G.column(j) - own.column(j) - F0.column(j) * out.r;
@@ -235,7 +207,8 @@ Expansion<R> expand(const LearnedNet& net, Law law, const typename Law::template
 template <class Law, class R>
 LearnedResponse<R> respond(const LearnedNet& net, Law law, const typename Law::template Parameters<R>& q,
                            const Mat3<R>& F, const Svd3<R>& at, const Expansion<R>& from, bool with_tangent) {
-  auto out = detail::network_response(net, learned_units(law, q, from.J_P), from.e0, at, with_tangent);
+  const auto units = learned_units(law, q, from.J_P, from.e0);
+  auto out = detail::network_response(net, units, from.e0, at, with_tangent);
   for (int j = 0; j < 3; ++j) out.P.column(j) = out.P.column(j) + from.C.column(j) + F.column(j) * from.r;
   Sym3<R>& b = out.tangent.block;
   b.xx += from.r, b.yy += from.r, b.zz += from.r;

@@ -39,7 +39,8 @@ class LearnedEnergies {
     const Mapped<R> end = detail::flowed_snow(model, state, p, count, F, J_P);
     const Out at = by_net<Out>(
         model, state, p, count, F, [&](const LearnedNet& net, auto law, const auto& q, const auto& own) {
-          return neve::expand(net, law, q, own, end.J_P, end.stress.tau, detail::inverse_transposed(own));
+          const R frozen = hardens_within<decltype(law)> ? J_P : end.J_P;
+          return neve::expand(net, law, q, own, frozen, end.stress.tau, detail::inverse_transposed(own));
         });
     store_matrix(C_, p, at.C, count);
     for (int k = 0; k < 3; ++k) store(e0_.column(k) + p, at.e0[k], count);
@@ -69,7 +70,7 @@ class LearnedEnergies {
     return detail::by_law<Out>(model, state, p, count, at,
                                [&](auto law, const auto& q, const auto& own) -> Out {
                                  using Law = decltype(law);
-                                 if constexpr (is_learned<Law, R>) {
+                                 if constexpr (is_learned<Law>) {
                                    return f(nets_[std::size_t(law_place<Law>())], law, q, own);
                                  } else {
                                    return Out{};

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neve.learned.network import Network, derivatives, stress
-from neve.learned.targets import Samples
+from neve.learned.samples import Samples
 
 Array = NDArray[np.float64]
 

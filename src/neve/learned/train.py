@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,18 +20,22 @@ from neve.learned.shipped import weights_file
 from neve.learned.targets import TARGETS, samples
 from neve.system import disk
 
-SAMPLES, ITERATIONS, SEED, FRESH = 4000, 100, 1, 1001
+ITERATIONS, SEED, FRESH = 100, 1, 1001
 """Of the weights that come with Neve; FRESH is the seed of the samples that errors are measured on."""
 
 
 def train(
-    law: str, count: int = SAMPLES, iterations: int = ITERATIONS, seed: int = SEED
+    law: str, count: int | None = None, iterations: int = ITERATIONS, seed: int = SEED
 ) -> tuple[Network, list[float]]:
     """Return the network of a law of `TARGETS`, and its loss after each iteration [1]."""
     target = TARGETS[law]
-    shown = samples(target, count, seed)
-    start = first(np.random.default_rng(seed), target.steps, target.hidden, shown.y.shape[1], target.reach)
-    return fit(start, shown, iterations)
+    shown = samples(target, count or target.samples, seed)
+    used = (shown.y != 0).any(0)  # what is never told has no weight
+    start = first(np.random.default_rng(seed), target.steps, target.hidden, int(used.sum()), target.reach)
+    net, curve = fit(start, replace(shown, y=shown.y[:, used]), iterations)
+    V = np.zeros((target.hidden, used.size))
+    V[:, used] = net.V
+    return replace(net, V=V), curve
 
 
 def record(law: str, net: Network, curve: list[float]) -> dict[str, object]:
@@ -40,10 +44,10 @@ def record(law: str, net: Network, curve: list[float]) -> dict[str, object]:
     return {
         "law": law,
         "seed": SEED,
-        "samples": SAMPLES,
+        "samples": target.samples,
         "reach": target.reach,
         "ranges": {name: list(ends) for name, ends in target.ranges.items()},
-        "errors": asdict(errors(net, samples(target, SAMPLES, FRESH))),
+        "errors": asdict(errors(net, samples(target, target.samples, FRESH))),
         "curve": [float(f"{loss:.6g}") for loss in curve],
         "weights": {f.name: [float(x) for x in getattr(net, f.name).ravel()] for f in fields(net)},
     }

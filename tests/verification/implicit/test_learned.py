@@ -12,8 +12,9 @@ from verification.scenes import ball, box, columns, scene, simulate
 from neve import _core
 from neve.learned.fit import errors, linearised, residuals
 from neve.learned.network import Network, first, stress
+from neve.learned.samples import Samples
 from neve.learned.shipped import shipped, weights_file, weights_of
-from neve.learned.targets import TARGETS, Samples, mapped, samples
+from neve.learned.targets import TARGETS, mapped, samples
 from neve.learned.train import train
 from neve.validate.grains.repose import repose
 
@@ -87,10 +88,14 @@ def test_float32_differs_by_rounding(law):
 
 @pytest.mark.parametrize("law", TARGETS)
 def test_equal_stretches_have_derivatives(law):
-    """Where the quotients are 0 / 0: to the differences over 1e-4, less than a hundredth of a unit."""
+    """Where the quotients are 0 / 0: to the differences over h = 3e-5, less than a five-hundredth of a unit.
+
+    The deviator is rounded off within 0.05 units, of which h, over the ellipse's aspect of 0.44, is a
+    twentieth in cam-clay: squared, 2e-3.
+    """
     F0, _, d = near(20)
     F = np.repeat(0.99 * np.eye(3)[None], 20, axis=0)
-    h = 1e-4
+    h = 3e-5
     found = (response(law, F0, F + h * d, d)[0] - response(law, F0, F - h * d, d)[0]) / (2 * h)
     dP = response(law, F0, F, d)[1]
     assert np.isfinite(dP).all()
@@ -134,7 +139,7 @@ def best_of_any_energy(law, seed=5, h=1e-4):
         u = rng.uniform(-1, 1, (50, 3)) * np.exp(rng.uniform(np.log(0.3), np.log(target.reach), (50, 1)))
         A, plain = np.empty((50, 3, 3)), np.ones(50, dtype=bool)
         for j, way in enumerate(h * np.eye(3)):
-            (up, fine), (down, fine_too) = mapped(target, c, u + way), mapped(target, c, u - way)
+            (up, fine), (down, fine_too) = mapped(c, u + way), mapped(c, u - way)
             A[:, :, j] = (up - down) / (2 * h)
             plain &= fine & fine_too
         A = A[plain]
@@ -249,12 +254,12 @@ def test_without_the_regulariser_long_steps_are_hardly_solved():
     assert without > 1.5 * with_it
 
 
-@pytest.mark.parametrize("law", TARGETS)
-def test_the_same_steps_as_with_the_return_map(law):
+def test_the_same_steps_as_with_the_return_map():
     """Steps of a millisecond into the ground solve the same equations, to the tolerance of a solve: 1 %.
 
     Explicit steps a tenth as long end within 5 %: backward Euler damps in proportion to dt.
     """
+    law = "stomakhin2013"
     learned, sim = fallen(1e-3, law, "learned")
     assert sim.stats.rejected == 0
     np.testing.assert_allclose(learned, fallen(1e-4, law, None, integrator="explicit")[0], rtol=0.05)
@@ -288,8 +293,10 @@ def test_other_snow_is_refused():
     def with_snow(**snow):
         scene([box()], snow=snow, integrator="implicit", implicit_plasticity="learned")
 
-    with pytest.raises(ValidationError, match=r'law = "cam_clay".*set "stomakhin2013"'):
-        with_snow(law="cam_clay")
+    with pytest.raises(ValidationError, match=r'law = "hencky".*set "stomakhin2013" or "cam_clay"'):
+        with_snow(law="hencky")
+    with pytest.raises(ValidationError, match=r"M = 2, .*set 0\.4 to 1\.5"):
+        with_snow(law="cam_clay", M=2.0)
     with pytest.raises(ValidationError, match=r'plasticity = "none"'):
         with_snow(plasticity="none")
     with pytest.raises(ValidationError, match=r"theta_c = 0\.1, .*set 0\.01 to 0\.04"):
