@@ -117,3 +117,52 @@ def test_snow_without_water_needs_nothing_of_it(page, live):
     pool, rest, count, made = page.evaluate(FLOOD, 0)
     assert (pool, rest, made) == (0, count, True)
     assert changed_pixels(snow, look(page)) < 0.002
+
+
+# Three particles close to the camera; depth [m] and grain's radius [m] of each pixel before and after they are smoothed.
+CHUNKS = """() => {
+  const { stage, camera, state } = neve;
+  const middle = [0, 1, 2].map((k) => state.low[k] + 32768 * state.step[k]);
+  const far = Math.round((0.5 * neve.scene.spacing) / state.step[0]);
+  const q = new Uint16Array(12).fill(32768);
+  q[0] += far;
+  q[5] += far;
+  q[3] = q[7] = q[11] = 0;  // dry
+  neve.setSurface(true);
+  neve.take({ ...state, n: 3, mode: "snow", q });
+  camera.target = middle;
+  camera.distance = 2.5 * neve.scene.spacing;
+  camera.update(stage.canvas.width, stage.canvas.height, 0);
+  stage.draw(camera);
+  const { gl, surface } = stage;
+  const { width, height } = surface;
+  const read = (frame) => {
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    const data = new Float32Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, data);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return Array.from(data);
+  };
+  return [width, height, camera.focal, read(surface.first), read(surface.layers[1].frame)];
+}"""
+
+
+def test_grains_close_up_are_chunks_with_faces_and_edges(page, live):
+    """Depths bend nowhere on a face; on a ball of radius r they do so by s^2/r or more, of pixels s wide.
+
+    The smoothing leaves them, and moves next to nothing, however far away what lies beyond an edge is.
+    """
+    width, height, focal, *layers = page.evaluate(CHUNKS)
+    raw, smooth = (np.reshape(layer, (height, width, 4))[..., :2] for layer in layers)
+    depth, r = raw[..., 0], raw[..., 1]
+    one = depth > 0  # a grain covers the pixel and its neighbours
+    for axis, by in ((0, 1), (0, -1), (1, 1), (1, -1)):
+        one &= np.roll(r, by, axis) == r
+    assert one.sum() > 1000
+    s = depth[one] / focal
+    for seen, share in ((depth, 0.5), (smooth[..., 0], 0.25)):  # a pixel beside an edge is smoothed
+        bends = [np.roll(seen, 1, k) - 2 * seen + np.roll(seen, -1, k) for k in (0, 1)]
+        flat = [np.abs(bend[one]) * r[one] / s**2 < 0.5 for bend in bends]
+        assert np.mean(flat[0] & flat[1]) > share
+    moved = np.abs(smooth[..., 0] - depth)[one] / r[one]
+    assert np.quantile(moved, 0.99) < 0.05

@@ -288,7 +288,7 @@ export class Stage {
     const spacing = scene.spacing * Math.cbrt(this.skip);
     const pixels = (spacing * camera.focal) / camera.distance;
     const count = Math.floor(snow.count / this.skip);
-    const wanted = Math.min(16, Math.max(1, (pixels / 1.35) ** 3));
+    const wanted = Math.min(this.surface ? 5 : 16, Math.max(1, (pixels / 1.35) ** 3));
     const grains = Math.max(1, Math.floor(Math.min(wanted, this.maxGrains / count)));
     const uniforms = {
       ...common,

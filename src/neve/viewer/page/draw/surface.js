@@ -14,8 +14,9 @@ import {
 
 /**
  * How particles become a surface: shaders; spacings over which depths are smoothed, round by round (a later one smooths
- * what the taps of the one before left), and how far depths may be apart for that; from which change of depth between
- * pixels on there is an edge, likewise [spacings]; whether what is behind shines through.
+ * what the taps of the one before left), and how far depths may be apart for that; pixels of a spacing from which on
+ * they are smoothed less; from which change of depth between pixels on there is an edge [spacings]; whether what is
+ * behind shines through.
  * @typedef {object} Look
  * @property {string} vertex
  * @property {string} first
@@ -23,13 +24,28 @@ import {
  * @property {string} shade
  * @property {number[]} reaches
  * @property {number} range
+ * @property {number} most
  * @property {number} edge
  * @property {boolean} clear
  */
 /** @type {Look} */
-export const SNOW_LOOK = { ...S.snow, reaches: [0.8, 0.3, 0.12], range: 0.9, edge: 0.4, clear: false };
+export const SNOW_LOOK = {
+  ...S.snow,
+  reaches: [0.8, 0.3, 0.12],
+  range: 0.9,
+  most: 12,
+  edge: 0.4,
+  clear: false,
+};
 /** @type {Look} waves of a spacing are particles, not water; it lies flat, so that depths change much along it */
-export const WATER_LOOK = { ...S.water, reaches: [2.0, 1.0, 0.5, 0.2], range: 3.0, edge: 1.5, clear: true };
+export const WATER_LOOK = {
+  ...S.water,
+  reaches: [2.0, 1.0, 0.5, 0.2],
+  range: 3.0,
+  most: 1e9,
+  edge: 1.5,
+  clear: true,
+};
 
 /** @typedef {{ place: WebGLTexture, light: WebGLTexture, frame: WebGLFramebuffer }} Layer */
 
@@ -97,6 +113,35 @@ export class Surface {
   }
 
   /**
+   * Smooth depths and light; no blending, an empty vertex array.
+   * @param {{ place: WebGLTexture, light: WebGLTexture }} raw
+   * @param {number} focal length of the camera [pixels]
+   * @param {number} spacing of the grains [m]
+   */
+  smoothed(raw, focal, spacing) {
+    const { gl, layers = [] } = this;
+    const { reaches, range, most } = this.look;
+    let from = raw;
+    for (let pass = 0; pass < 2 * reaches.length; pass++) {
+      const to = layers[pass % 2];
+      gl.bindFramebuffer(gl.FRAMEBUFFER, to.frame);
+      this.smooth.use({
+        uPlace: { texture: from.place, unit: 0 },
+        uSun: { texture: from.light, unit: 1 },
+        uWay: pass % 2 ? [0, 1 / this.height] : [1 / this.width, 0],
+        uReach_: reaches[pass >> 1],
+        uSpacing: spacing,
+        uFocal: focal,
+        uRange: range * spacing,
+        uMost: most,
+      });
+      gl.drawArrays(gl.TRIANGLES, 0, 3);
+      from = to;
+    }
+    return from;
+  }
+
+  /**
    * Draw the particles.
    * @param {Record<string, UniformValue>} uniforms of grains, light and camera
    * @param {() => void} drawGrains
@@ -105,7 +150,7 @@ export class Surface {
    */
   draw(uniforms, drawGrains, camera, spacing) {
     const { gl } = this;
-    const { reaches, range, edge } = this.look;
+    const { edge } = this.look;
     this.resize(camera.width, camera.height);
     if (!this.first || !this.raw || !this.layers || !this.sum || !this.passed) return;
     const more = { ...uniforms, uLens: camera.lens, uSpacing: spacing };
@@ -123,23 +168,8 @@ export class Surface {
     this.thick.use(more);
     drawGrains();
     gl.disable(gl.BLEND);
-    let from = { place: this.raw.place, light: this.raw.light };
     gl.bindVertexArray(this.empty);
-    for (let pass = 0; pass < 2 * reaches.length; pass++) {
-      const to = this.layers[pass % 2];
-      gl.bindFramebuffer(gl.FRAMEBUFFER, to.frame);
-      const way = pass % 2 ? [0, 1 / this.height] : [1 / this.width, 0];
-      const textures = { uPlace: { texture: from.place, unit: 0 }, uSun: { texture: from.light, unit: 1 } };
-      this.smooth.use({
-        ...textures,
-        uWay: way,
-        uReach_: reaches[pass >> 1] * spacing,
-        uFocal: camera.focal,
-        uRange: range * spacing,
-      });
-      gl.drawArrays(gl.TRIANGLES, 0, 3);
-      from = to;
-    }
+    const from = this.smoothed(this.raw, camera.focal, spacing);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     this.copyPicture();
     gl.enable(gl.DEPTH_TEST);

@@ -43,6 +43,14 @@ vec3 scattered(uint seed) {
   float out_ = pow(unit(scramble(seed + 3u)), 0.3333);
   return out_ * vec3(sqrt(1.0 - z * z) * vec2(cos(turn), sin(turn)), z);
 }
+// A turn by chance: of a quaternion (Shoemake 1992, Uniform random rotations).
+mat3 turned(uint seed) {
+  float u = unit(scramble(seed + 4u)), a = 6.2831853 * unit(scramble(seed + 5u)), b = 6.2831853 * unit(scramble(seed + 6u));
+  vec4 q = vec4(sqrt(1.0 - u) * vec2(sin(a), cos(a)), sqrt(u) * vec2(sin(b), cos(b)));
+  vec3 x = 2.0 * q.x * q.xyz, y = 2.0 * q.y * q.xyz, w = 2.0 * q.w * q.xyz;
+  float zz = 2.0 * q.z * q.z;
+  return mat3(1.0 - y.y - zz, x.y + w.z, x.z - w.y, x.y - w.z, 1.0 - x.x - zz, y.z + w.x, x.z + w.y, y.z - w.x, 1.0 - x.x - y.y);
+}
 `;
 
 export const GLSL_MAPS = `
@@ -130,6 +138,27 @@ float ballHeight(vec2 at) {
   float square = dot(at, at);
   if (square > 1.0) discard;
   return sqrt(1.0 - square);
+}
+`;
+
+// A broken grain: a ball cut by the twelve planes of a dodecahedron, each at a distance of its own.
+export const GLSL_CHUNK = `
+// How high it rises over its middle along \`ahead\`, beside it by \`aside\`, where the ball rises \`up\` [radii].
+float chunkHeight(float up, mat3 turn, vec3 aside, vec3 ahead, vec4 cut[3]) {
+  const vec3 faces[6] = vec3[6](vec3(0.0, 0.850651, 0.525731), vec3(0.0, -0.850651, 0.525731), vec3(0.525731, 0.0, 0.850651),
+    vec3(0.525731, 0.0, -0.850651), vec3(0.850651, 0.525731, 0.0), vec3(-0.850651, 0.525731, 0.0));
+  vec3 o = aside * turn, v = ahead * turn;
+  float low = -up;
+  for (int k = 0; k < 6; ++k) {
+    float s = dot(faces[k], o), c = dot(faces[k], v);
+    vec2 ends = k % 2 == 0 ? cut[k / 2].xy : cut[k / 2].zw;
+    float safe = abs(c) < 1e-4 ? 1e-4 : c;
+    vec2 t = vec2(ends.x - s, -ends.y - s) / safe;
+    up = min(up, max(t.x, t.y));
+    low = max(low, min(t.x, t.y));
+  }
+  if (up < low) discard;
+  return up;
 }
 `;
 

@@ -2,7 +2,7 @@
 // from the opacity maps, fine grain and hollows from what the smoothing took away. After van der Laan, Green and Sainz
 // 2009, Screen space fluid rendering with curvature flow, with a bilateral filter in place of the flow.
 
-import { GLSL_BALL, GLSL_COMMON, GLSL_GRAIN, GLSL_LENS, GLSL_PLACE } from "./glsl.js";
+import { GLSL_BALL, GLSL_CHUNK, GLSL_COMMON, GLSL_GRAIN, GLSL_LENS, GLSL_PLACE } from "./glsl.js";
 import { POOL } from "./pool_shaders.js";
 
 const SNOW = {
@@ -18,6 +18,8 @@ ${GLSL_COMMON}
 ${GLSL_GRAIN}
 out vec4 vLight;
 out float vDepth, vRadius, vValue;
+flat out mat3 vTurn;
+flat out vec4 vCut[3];
 void main() {
   vec3 p = uLow + uStep * aPlace;
   uint seed = seedOf(uSkip);
@@ -28,7 +30,14 @@ void main() {
   vRadius = uSize * 0.80 * uSpacing / pow(uGrains, 0.3333) * (0.75 + 0.45 * u * u) * mix(1.0, 0.5, loose);
   vDepth = max(dot(p - uEye, uForward), 1e-4);
   gl_Position = uMatrix * vec4(p, 1.0);
-  gl_PointSize = clamp(2.0 * vRadius * uFocal / vDepth, 1.6, 160.0);
+  gl_PointSize = clamp(2.0 * vRadius * uFocal / vDepth, 1.6, 400.0);
+  // Where each of its faces is; a grain of few pixels is a ball.
+  vTurn = turned(seed);
+  float whole = 1.0 - smoothstep(8.0, 24.0, gl_PointSize);
+  for (int k = 0; k < 3; ++k) {
+    uint bits = scramble(seed + 11u + uint(k));
+    vCut[k] = mix(0.50 + 0.34 * vec4(bits & 255u, (bits >> 8) & 255u, (bits >> 16) & 255u, bits >> 24) / 255.0, vec4(1.0), whole);
+  }
   bool lost = aPlace.x + aPlace.y + aPlace.z > 196604.0;
   if (lost || dot(uClip.xyz, p) + uClip.w > 0.0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   vLight = vec4(light.xyz, uColored < 0.5 ? aValue / 65535.0 : 0.0);
@@ -38,15 +47,19 @@ void main() {
 ${GLSL_COMMON}
 ${GLSL_LENS}
 ${GLSL_BALL}
+${GLSL_CHUNK}
 uniform vec3 uRight, uUp, uForward;
 in vec4 vLight;
 in float vDepth, vRadius, vValue;
+flat in mat3 vTurn;
+flat in vec4 vCut[3];
 layout(location = 0) out vec4 place;  // depth [m], its share of the grain's radius
 layout(location = 1) out vec4 light;
 layout(location = 2) out vec4 grain;  // direction from the grain's middle, and its value
 void main() {
   vec2 at = 2.0 * gl_PointCoord - 1.0;
-  float up = ballHeight(at), depth = vDepth - vRadius * up;
+  float up = chunkHeight(ballHeight(at), vTurn, uRight * at.x - uUp * at.y, -uForward, vCut);
+  float depth = vDepth - vRadius * up;
   gl_FragDepth = lensDepth(depth);
   place = vec4(depth, vRadius, 0.0, 1.0);
   light = vLight;
@@ -103,10 +116,11 @@ void main() {
     float many = 2.6 * pow(2.3, float(o)), fade = clamp(pixels / (1.5 * many) - 0.4, 0.0, 1.0);
     if (fade <= 0.0) break;
     vec4 n = lumps(many * grain.xyz + 31.0, seed + uint(o));
-    bump += fade * 0.13 * n.yzw;
+    bump += fade * 0.17 * n.yzw;
     fleck += fade * n.x;
   }
-  vec3 normal = normalize(broad + 0.20 * grain.xyz - bump);
+  // Where grains are large their faces stand for themselves; small ones are round.
+  vec3 normal = normalize(broad + 0.20 * (1.0 - smoothstep(4.0, 12.0, pixels)) * grain.xyz - bump);
   // Hollows: how much of the snow around stands in front.
   float hollow = 0.0;
   for (int i = 0; i < 8; ++i) {
@@ -160,7 +174,7 @@ void main() {
   smoothFragment: `
 uniform sampler2D uPlace, uSun;
 uniform vec2 uWay;       // one pixel along the axis, in shares of the picture
-uniform float uReach_, uFocal, uRange;
+uniform float uReach_, uSpacing, uFocal, uRange, uMost;
 in vec2 vAt;
 layout(location = 0) out vec4 place;
 layout(location = 1) out vec4 light;
@@ -168,14 +182,18 @@ void main() {
   place = textureLod(uPlace, vAt, 0.0);
   light = textureLod(uSun, vAt, 0.0);
   if (place.x <= 0.0) return;
-  float pixels = clamp(uReach_ * uFocal / place.x, 0.6, 24.0), sum = 1.0, deep = place.x;
+  // Large grains stand for themselves: what makes one surface of small ones would blur their edges.
+  float wide = uSpacing * uFocal / place.x, own = wide / uMost;
+  float pixels = clamp(uReach_ * wide / (1.0 + own * own * own), 0.6, 24.0), sum = 1.0, deep = place.x;
   vec4 lit = light;
+  // What is smoothed is no steeper than about 60 degrees: a step between pixels that are close to each other is an edge.
+  float range = min(uRange, 1.7 * pixels * place.x / uFocal);
   for (int i = -6; i <= 6; ++i) {
     if (i == 0) continue;
     float t = float(i) / 3.0;
     vec2 at = vAt + uWay * (t * pixels);
     float depth = textureLod(uPlace, at, 0.0).x;
-    float away = (depth - place.x) / uRange;
+    float away = (depth - place.x) / range;
     float w = depth > 0.0 ? exp(-0.5 * t * t - away * away) : 0.0;
     deep += w * depth;
     lit += w * textureLod(uSun, at, 0.0);
