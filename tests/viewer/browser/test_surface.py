@@ -119,7 +119,7 @@ def test_snow_without_water_needs_nothing_of_it(page, live):
     assert changed_pixels(snow, look(page)) < 0.002
 
 
-# Three particles close to the camera; depth [m] and grain's radius [m] of each pixel before and after they are smoothed.
+# Three particles close to the camera; depth [m] and radius of its grain [m] of each pixel, raw and smoothed.
 CHUNKS = """() => {
   const { stage, camera, state } = neve;
   const middle = [0, 1, 2].map((k) => state.low[k] + 32768 * state.step[k]);
