@@ -81,3 +81,40 @@ def test_a_push_moves_snow_the_way_of_the_pointer(page, unseen):
     page.click("#play")
     assert fastest > 0.3  # gravity alone moves nothing sideways
     assert page.evaluate("() => neve.tools.held") is None
+
+
+def test_the_length_between_two_clicks_is_said_at_once(page, unseen):
+    """The label says what lies between both clicks without another move of the pointer; rounding is 0."""
+    page.evaluate("() => { neve.panel.root.hidden = true; neve.tools.choose('measure') }")
+    page.mouse.click(250, 300)
+    page.mouse.click(420, 320)
+    length = page.evaluate("() => neve.measure.text()")
+    assert float(length.split()[0]) > 0.1
+    assert page.inner_text("#probe").splitlines()[0] == length
+    page.mouse.move(300, 310)
+    page.mouse.click(300, 310)  # another length begins
+    page.mouse.move(330, 310)
+    page.mouse.move(390, 310)  # too soon for another look: it follows by itself
+    until(
+        page,
+        "() => document.getElementById('probe').innerText.split('\\n')[0] === neve.measure.text()",
+        "it is said where the pointer rests",
+    )
+    page.keyboard.press("Escape")
+    page.evaluate("() => { neve.measure.click([0, 0, 0]); neve.measure.click([1, 1e-16, 0]) }")
+    assert page.evaluate("() => neve.measure.text()") == "1 m (1, 0, 0)"
+
+
+def test_a_length_measured_by_taps_stays_to_be_read(page, unseen):
+    """A finger has no hover and leaves when it is lifted; another tool takes the label away."""
+    page.evaluate("() => neve.tools.choose('measure')")
+    for x in (250, 420):
+        page.evaluate(
+            """(x) => { for (const kind of ['pointerdown', 'pointerup', 'pointerleave'])
+              neve.canvas.dispatchEvent(new PointerEvent(kind,
+                { pointerId: 7, pointerType: 'touch', clientX: x, clientY: 300, button: 0 })) }""",
+            x,
+        )
+    assert page.inner_text("#probe").splitlines()[0] == page.evaluate("() => neve.measure.text()")
+    page.evaluate("() => neve.tools.choose('look')")
+    assert page.evaluate("() => document.getElementById('probe').hidden")

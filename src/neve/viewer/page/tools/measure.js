@@ -7,6 +7,7 @@
 import { V } from "../draw/math.js";
 import { lineTriangles } from "../draw/overlays.js";
 import { short } from "../controls/dom.js";
+import { numbers } from "./probe.js";
 
 /** @type {Vec3} */
 const LINE = [1.0, 0.86, 0.35];
@@ -45,7 +46,7 @@ export class Measure {
   text() {
     if (this.ends.length < 2) return "";
     const way = V.sub(this.ends[1], this.ends[0]);
-    return `${short(V.length(way))} m (${way.map(short).join(", ")})`;
+    return `${short(V.length(way))} m (${numbers(way)})`;
   }
 
   /** @returns {Triangles[]} */

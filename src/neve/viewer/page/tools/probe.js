@@ -50,7 +50,16 @@ export function valueAt({ limits: [low, high], log }, t) {
   return log ? low * (high / low) ** t : low + t * (high - low);
 }
 
+/**
+ * Return the numbers of a vector, those that are nothing but rounding as 0.
+ * @param {Vec3} vector
+ */
+export function numbers(vector) {
+  const least = 1e-6 * Math.max(...vector.map(Math.abs));
+  return vector.map((v) => short(Math.abs(v) < least ? 0 : v)).join(", ");
+}
+
 /** @param {Vec3} point */
 export function placeText(point) {
-  return `${point.map(short).join(", ")} m`;
+  return `${numbers(point)} m`;
 }

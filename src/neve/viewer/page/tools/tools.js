@@ -56,6 +56,8 @@ export class Tools {
     /** @type {[number, number] | null} where the pointer is over the picture, in shares of it */
     this.over = null;
     this.probed = 0; // clock of the last look for what is under the pointer [ms]
+    /** @type {[number, number, number, number] | null} where a look waits that came too soon */
+    this.later = null;
     /** @type {Map<string, HTMLButtonElement>} */
     this.buttons = new Map();
     for (const [name, tool] of Object.entries(TOOLS)) {
@@ -69,7 +71,7 @@ export class Tools {
     canvas.addEventListener("pointermove", (event) => this.moved(event));
     canvas.addEventListener("pointerup", (event) => this.up(event));
     canvas.addEventListener("pointercancel", (event) => this.up(event));
-    canvas.addEventListener("pointerleave", () => this.leave());
+    canvas.addEventListener("pointerleave", (event) => this.leave(event));
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     listenToWheel(canvas, app.camera, () => app.redraw());
   }
@@ -81,6 +83,7 @@ export class Tools {
     for (const [key, made] of this.buttons) made.classList.toggle("on", key === name);
     if (name !== "move") this.app.select("");
     if (name !== "measure") this.app.measure.cancel();
+    showProbe([], 0, 0);
     this.app.redraw();
     this.canvas.style.cursor = name === "look" ? "grab" : "crosshair";
   }
@@ -122,6 +125,8 @@ export class Tools {
     else if (this.tool === "measure") {
       held.kind = "none";
       this.app.measure.click(this.hit(x, y).point);
+      this.probed = 0;
+      this.probe(x, y, event.clientX, event.clientY);
     } else if (this.tool === "throw") held.kind = this.throw(x, y);
     else if (this.tool === "move") held.kind = this.beginMove(x, y);
     else this.beginTouch(held, x, y);
@@ -138,8 +143,9 @@ export class Tools {
     }
     if (!held) {
       this.app.placing.move(x, y);
-      this.probe(x, y, event.clientX, event.clientY);
       if (this.tool === "measure") this.app.measure.move(this.hit(x, y).point);
+      this.probe(x, y, event.clientX, event.clientY);
+      if (this.tool === "measure") this.app.redraw();
       else if (this.tool === "move") this.app.gizmo.hover = this.app.gizmo.pick(x, y);
       else if (!this.brushes() && !this.app.placing.ghost) return;
     } else {
@@ -172,9 +178,11 @@ export class Tools {
     if (held?.stroke) this.app.send({ ...held.stroke.last, velocity: [0, 0, 0], done: true });
   }
 
-  leave() {
-    this.over = null;
-    showProbe([], 0, 0);
+  /** @param {PointerEvent} event */
+  leave(event) {
+    this.over = this.later = null;
+    // A finger that is lifted leaves, too: the length that it has measured stays to be read.
+    if (event.pointerType !== "touch" || this.tool !== "measure") showProbe([], 0, 0);
     this.app.redraw();
   }
 
@@ -246,7 +254,9 @@ export class Tools {
   probe(x, y, left, top) {
     const now = performance.now();
     const { state, scene, placing, measure } = this.app;
-    if (!state || !scene || now - this.probed < PROBING) return;
+    if (!state || !scene) return;
+    this.later = now - this.probed < PROBING ? [x, y, left, top] : null;
+    if (this.later) return;
     const { point, solid, particle } = this.hit(x, y);
     this.probed = performance.now() + 4 * (performance.now() - now); // a million particles take a while
     const lines = [];
@@ -377,6 +387,7 @@ export class Tools {
 
   /** While a button is held and the pointer rests, say so. */
   tick() {
+    if (this.later) this.probe(...this.later);
     const stroke = this.held?.stroke;
     if (!stroke || performance.now() - stroke.time <= REST) return;
     stroke.time = performance.now();
