@@ -27,7 +27,7 @@ struct Memory {
 // What all contacts of a run share.
 template <class T>
 struct ContactLaw {
-  T damping{};     // of contacts: their damper over their stiffness [s]
+  T damping{};     // of bonds and dry contacts: their damper over their stiffness [s]
   T tangential{};  // stiffness along a contact over that across it [1]
   T dt{};          // for which the velocities have moved the particles since the last call [s]
 };
@@ -58,10 +58,24 @@ inline R bond_force(const Pair<R>& pair, const R& rest, const ContactLaw<scalar_
   return pair.k * (pair.overlap - rest - pair.v_n * law.damping);
 }
 
-// Force across a contact [N]: where the spheres overlap it never pulls, in a gap that cohesion bridges it does.
+// Damping ratio of a contact with water: so a drop keeps less than a tenth of its speed [1].
+inline constexpr double ratio_of_water = 1.5;
+
+// Damper of a contact over its stiffness [s], if the share `wet` of what touches is liquid, for particles of masses m_i, m_j [kg].
 template <class R>
-inline R contact_force(const Pair<R>& pair, const ContactLaw<scalar_t<R>>& law) {
-  const R elastic = pair.k * pair.overlap, damped = elastic - pair.k * pair.v_n * law.damping;
+inline R damper_time(const R& wet, const R& m_i, const R& m_j, const R& k,
+                     const ContactLaw<scalar_t<R>>& law) {
+  using T = scalar_t<R>;
+  const R both = k * (m_i + m_j), tiny = splat<R>(std::numeric_limits<T>::min());
+  const R critical = sqrt(R(m_i * m_j / max(both, tiny))) * T(2);
+  return max(R(wet * critical * T(ratio_of_water)), splat<R>(law.damping));
+}
+
+// Force across a contact whose damper over its stiffness is `time` [N]: where the spheres overlap it never pulls, in a gap
+// that cohesion bridges it does.
+template <class R>
+inline R contact_force(const Pair<R>& pair, const R& time) {
+  const R elastic = pair.k * pair.overlap, damped = elastic - pair.k * pair.v_n * time;
   return select(pair.overlap > scalar_t<R>(0), max(damped, splat<R>(0)), elastic);
 }
 

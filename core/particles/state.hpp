@@ -136,7 +136,7 @@ ConstantBounds derive(ParticleState<T>& s, const std::vector<ContactMaterial>& t
 }
 
 // What the forces of pairs need of particles, by rows. place: x, y, z [m], radius [m]. motion: velocity [m/s], and stiffness [N/m], below zero for a particle that sleeps. grip:
-// friction [1], bond strain [1]. One row more than there are particles, and what fills its group, are near nothing.
+// friction [1], bond strain [1], liquid share [1], mass [kg]. One row more than there are particles, and what fills its group, are near nothing.
 template <class T>
 struct PairQuads {
   Column<Quartet<T>> place, motion, grip;
@@ -154,7 +154,7 @@ struct PairQuads {
     const T k = s.k.column(0)[p];
     place[p] = {s.x.column(0)[p], s.x.column(1)[p], s.x.column(2)[p], s.radius.column(0)[p]};
     motion[p] = {s.v.column(0)[p], s.v.column(1)[p], s.v.column(2)[p], asleep ? -k : k};
-    grip[p] = {s.mu.column(0)[p], s.bond.column(0)[p], T(0), T(0)};
+    grip[p] = {s.mu.column(0)[p], s.bond.column(0)[p], s.liquid.column(0)[p], s.m.column(0)[p]};
   }
   bool asleep(std::size_t p) const { return motion[p].d < T(0); }
 };

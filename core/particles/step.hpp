@@ -19,7 +19,9 @@ template <class T>
 struct PairSums {
   // First columns of: the force (3), the parts of forces across along +x +y +z (3) and along -x -y -z (3), forces across
   // [N]; stiffness [N/m]: `springs`, the sum of w n n^T (xx yy zz xy xz yz), and `shear`, that of what acts in every direction.
-  static constexpr int force = 0, along = 3, against = 6, across = 9, springs = 10, shear = 16, count = 17;
+  // And of what contacts with water are damped beyond law.damping: the sum of the dampers [N s/m], the longest damper time [s].
+  static constexpr int force = 0, along = 3, against = 6, across = 9, springs = 10, shear = 16, wet = 17,
+                       longest = 18, count = 19;
   Columns<T> values{count};
 };
 
@@ -60,15 +62,18 @@ inline R largest_eigenvalue(const R* a) {
 }
 
 // `stable_rate` of particles of mass m with these PairSums. A contact's spring is k across and t k along it: t k in every direction,
-// and (1 - t) k across. Its dampers are at most `damping` k in every direction, those of a bond `damping` k across.
+// and (1 - t) k across. Its dampers are at most `damping` k in every direction, those of a bond `damping` k across. What dampers
+// of water have beyond that acts across: all of it one way, or as much as all springs do in the longest of their times.
 template <class R>
 inline R rate_of(const R* sums, const R& m, const ContactLaw<scalar_t<R>>& law) {
   using T = scalar_t<R>;
   using Sums = PairSums<T>;
   const R across = largest_eigenvalue(sums + Sums::springs), shear = sums[Sums::shear];
   const R inv = T(1) / m;
-  return stable_rate(R((across + shear) * inv),
-                     R((across + shear * (T(1) / law.tangential)) * inv * law.damping));
+  const R stiffness = across + shear;
+  const R dampers = (across + shear * (T(1) / law.tangential)) * law.damping +
+                    min(sums[Sums::wet], R(stiffness * sums[Sums::longest]));
+  return stable_rate(R(stiffness * inv), R(dampers * inv));
 }
 
 namespace detail {
@@ -121,9 +126,10 @@ class GroupForces {
     Vec3<R> force = pair.n * across;
     const auto touching = negated(bonded) & ((pair.overlap > T(0)) | (now < T(0)));
     auto active = bonded;
+    R along = zero;
     if (any(touching)) {
       Memory<R> memory{now, {rest, load<R>(lists_.b.data() + e), load<R>(lists_.c.data() + e)}};
-      active = bonded | (touching & touch(rows, pair, radii, touching, memory, across, force));
+      active = bonded | (touching & touch(rows, pair, radii, touching, memory, across, force, along, sums));
       now = memory.hold;
       if constexpr (keeps) {
         store(lists_.a.data() + e, memory.a.x);
@@ -144,7 +150,7 @@ class GroupForces {
       sums[Sums::against + i] += max(R(-normal), zero);
     }
     sums[Sums::across] += across;
-    add_stiffness(pair, select(active, k, zero), select(bonded, zero, splat<R>(law_.tangential)), sums);
+    add_stiffness(pair, select(active, k, zero), along, sums);
   }
 
   // Springs of the stiffness k [N/m], of which the share `along` acts in every direction.
@@ -157,9 +163,10 @@ class GroupForces {
     sums[Sums::shear] += shear;
   }
 
-  // The contacts among the lanes `touching`: their forces join `across` and `force`. Returns which of them hold on.
+  // The contacts among the lanes `touching`: their forces join `across` and `force`, the share of their stiffness that acts in
+  // every direction is `stiff`, and dampers of water join `sums`. Returns which of them hold on.
   auto touch(const std::int32_t* rows, const Pair<R>& pair, const R& radii, const auto& touching,
-             Memory<R>& memory, R& across, Vec3<R>& force) {
+             Memory<R>& memory, R& across, Vec3<R>& force, R& stiff, R* sums) {
     const R zero = splat<R>(0);
     const Quartets<R> grip = gather_quartets<R>(quads_.grip.data(), rows);
     const R mu = mean_of(grip_.a, grip.a), bond = mean_of(grip_.b, grip.b) * radii;
@@ -168,7 +175,16 @@ class GroupForces {
     gap = select(pair.overlap > bond, max(gap, bond), gap);
     const auto holds = pair.overlap > -gap;
     Vec3<R> spring = select(was, memory.a, Vec3<R>{zero, zero, zero});
-    const R pressed = select(touching & holds, contact_force(pair, law_), zero);
+    R time = splat<R>(law_.damping);
+    const R wet = select(touching & holds, max(grip_.c, grip.c), zero);
+    if (any(wet > zero)) {
+      time = damper_time(wet, grip_.d, grip.d, pair.k, law_);
+      const R more = select(wet > zero, R(time - law_.damping), zero);
+      sums[Sums::wet] += pair.k * more;
+      sums[Sums::longest] = max(sums[Sums::longest], more);
+    }
+    const R pressed = select(touching & holds, contact_force(pair, time), zero);
+    stiff = select(touching & (mu > zero), splat<R>(law_.tangential), zero);
     const Vec3<R> along = rub(spring, pair, pressed, mu, law_);
     across += pressed;
     force = force + select(touching & holds, pair.n * pressed + along, Vec3<R>{zero, zero, zero});

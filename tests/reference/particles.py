@@ -28,6 +28,7 @@ class Cluster:
     damping: float
     tangential: float
     last_dt: float
+    liquid: np.ndarray | None = None
 
 
 def pairs(c):
@@ -42,6 +43,14 @@ def pairs(c):
     return n, overlap, 0.5 * (c.k[:, None] + c.k[None]), v_n, dv - n * v_n[..., None]
 
 
+def damper_times(c, k):
+    """Return the damper of each contact over its stiffness (n, n) [s]: that of water is 1.5 times critical."""
+    liquid = np.zeros(len(c.m)) if c.liquid is None else c.liquid
+    reduced = c.m[:, None] * c.m[None] / (c.m[:, None] + c.m[None])
+    wet = np.maximum(liquid[:, None], liquid[None])
+    return np.maximum(c.damping, wet * 1.5 * 2.0 * np.sqrt(reduced / k))
+
+
 def forces(c):
     """Return the force on each particle (n, 3) [N], and update what is remembered."""
     n, overlap, k, v_n, v_t = pairs(c)
@@ -49,16 +58,19 @@ def forces(c):
     bond = np.where(c.bonded, k * (overlap - c.rest - c.damping * v_n), 0.0)
 
     touching = ~c.bonded & ((overlap > 0) | c.touching)
-    sticks = 0.5 * (c.bond[:, None] + c.bond[None]) * (c.radius[:, None] + c.radius[None])
+    coheres = (c.bond[:, None] > 0) & (c.bond[None] > 0)
+    sticks = np.where(coheres, 0.5 * (c.bond[:, None] + c.bond[None]), 0.0)
+    sticks = sticks * (c.radius[:, None] + c.radius[None])
     gap = np.where(c.touching, c.hold, 0.0)
     gap = np.where(overlap > sticks, np.maximum(gap, sticks), gap)
     holds = touching & (overlap > -np.maximum(gap, np.finfo(float).tiny))
-    damped = np.maximum(k * (overlap - c.damping * v_n), 0.0)
+    damped = np.maximum(k * (overlap - damper_times(c, k) * v_n), 0.0)
     pressed = np.where(holds, np.where(overlap > 0, damped, k * overlap), 0.0)
 
     spring = np.where(c.touching[..., None], c.spring, 0.0) + v_t * c.last_dt
     spring -= n * np.sum(spring * n, axis=2, keepdims=True)
-    most = 0.5 * (c.mu[:, None] + c.mu[None]) * np.maximum(pressed, 0.0)
+    rubs = (c.mu[:, None] > 0) & (c.mu[None] > 0)
+    most = np.where(rubs, 0.5 * (c.mu[:, None] + c.mu[None]), 0.0) * np.maximum(pressed, 0.0)
     pull = k * c.tangential * np.linalg.norm(spring, axis=2)
     slips = pull > most
     spring *= np.where(slips, most / np.where(slips, pull, 1.0), 1.0)[..., None]

@@ -79,6 +79,27 @@ def test_bounce():
     assert x_of(sim, 1)[1] + x_of(sim, 0)[1] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("wet", [(0,), (1,), (0, 1)])
+def test_a_drop_hardly_bounces(wet):
+    """A contact of water with snow or water has the damping ratio z = 1.5, whatever its stiffness.
+
+    A spring and a damper that act until their force is zero give e = ((z - s) / (z + s))^(z / s) with
+    s = sqrt(z^2 - 1): 0.076.
+    """
+    sim, r = pair_of_particles(0.001, speed=-0.2, snow=NEVER_YIELDS)
+    for number in wet:
+        sim.state.liquid[number] = 1.0
+    k = sim.scene.snow.E0 * r
+    sim.advance(0.1)
+    stiffness = sorted(float(sim.state.k[np.asarray(sim.state.id) == number][0]) / k for number in (0, 1))
+    assert stiffness == pytest.approx(sorted(0.1 if number in wet else 1.0 for number in (0, 1)))
+    assert x_of(sim, 1)[0] - x_of(sim, 0)[0] > 2 * r
+    apart = x_of(sim, 1)[1] - x_of(sim, 0)[1]
+    s = math.sqrt(1.5**2 - 1)
+    assert apart == pytest.approx(0.2 * ((1.5 - s) / (1.5 + s)) ** (1.5 / s), rel=0.05)
+    assert apart < 0.1 * 0.2
+
+
 def test_energy_of_a_bounce_falls():
     """The energy of two particles that meet off centre only falls, but for the swing of explicit steps."""
     sim, r = pair_of_particles(0.05, speed=-1.0, snow=NEVER_YIELDS)

@@ -36,20 +36,26 @@ def oracle_of(sim):
     table = [neve.particles.constants.contact_constants(sim.scene.snow)]
     return reference.Cluster(
         np.asarray(state.x)[order], np.asarray(state.v)[order], m, np.asarray(state.radius)[order], k,
-        np.full(n, table[0].friction), np.asarray(state.bond)[order],
+        table[0].friction * (1 - np.asarray(state.liquid)[order]), np.asarray(state.bond)[order],
         hold > 0, rest, np.abs(hold), hold < 0, spring,
-        2 * 0.1 * np.sqrt(np.min(m / (2 * k))), 0.5, float(state.last_dt),
+        2 * 0.1 * np.sqrt(np.min(m / (2 * k))), 0.5, float(state.last_dt), np.asarray(state.liquid)[order],
     )  # fmt: skip
 
 
-def test_oracle():
-    """Two lumps that collide, break and rub: 60 steps are those of the reference, to rounding."""
+@pytest.mark.parametrize("wet", [False, True])
+def test_oracle(wet):
+    """Two lumps that collide, break and rub: 40 steps are those of the reference, to rounding.
+
+    wet: a third of the particles is water, a third is slush.
+    """
     lumps = [
         {"shape": "sphere", "center": (-0.09, 0, 0), "radius": 0.08, "velocity": (4, 0, 0.5)},
         {"shape": "sphere", "center": (0.09, 0.01, 0.03), "radius": 0.08, "velocity": (-4, 0, 0)},
     ]
     sim = particles(lumps, snow=SOFT, gravity=(0, 0, -9.81), dt=2e-4)
     sim.advance(4e-3)
+    if wet:
+        sim.state.liquid[...] = (np.asarray(sim.state.id) % 3) / 2
     sim.solver.begin(0, 0.0)
     cluster = oracle_of(sim)
     assert cluster.touching.any()
@@ -65,53 +71,6 @@ def test_oracle():
     d = sim.diagnostics()
     assert d.bonds == cluster.bonded.sum() / 2
     assert d.contacts == cluster.touching.sum() / 2
-
-
-def test_no_step_is_longer_than_is_stable():
-    """The step that the solver would take for lumps in contact makes no vibration grow.
-
-    K and C of all bonds and contacts that stick, with their dampers, are put together here: of steps
-    v += -dt M^-1 (K u + C v), u += dt v no eigenvalue is above 1, while with 1.6 times the bound some are:
-    which is longer than half the limit by the sum of all stiffness, 1 / sqrt(sum k / m).
-    """
-    lumps = [
-        {"shape": "sphere", "center": (-0.09, 0, 0), "radius": 0.08, "velocity": (3, 0, 0.5)},
-        {"shape": "sphere", "center": (0.09, 0.01, 0.03), "radius": 0.08, "velocity": (-3, 0, 0)},
-    ]
-    sim = particles(lumps, snow=SOFT, dt=2e-4)
-    sim.advance(0.012)
-    sim.solver.begin(sim.steps, sim.time)
-    state, n = sim.state, sim.count
-    begin, row, memory = (np.asarray(a) for a in state.contacts())
-    x, m, k, r = (np.asarray(getattr(state, name)) for name in ("x", "m", "k", "radius"))
-    damping = 2 * 0.1 * np.sqrt(np.min(m / (2 * k)))
-    K, C = np.zeros((n, 3, n, 3)), np.zeros((n, 3, n, 3))
-    kinds = set()
-    for i in range(n):
-        for e in range(begin[i], begin[i + 1]):
-            j, hold = row[e], memory[e, 0]
-            d = x[i] - x[j]
-            n_n = np.outer(d, d) / (d @ d)
-            pressed = hold < 0 and np.linalg.norm(d) < r[i] + r[j]
-            spring = 0.5 * (k[i] + k[j]) * (n_n if hold > 0 else n_n + 0.5 * (np.eye(3) - n_n))
-            damper = 0.5 * (k[i] + k[j]) * damping * (n_n if hold > 0 else pressed * np.eye(3))
-            for A, a in ((K, spring), (C, damper)):
-                A[i, :, i] += a
-                A[i, :, j] -= a
-            kinds.add(hold > 0)
-    assert kinds == {True, False}
-    K, C = (A.reshape(3 * n, 3 * n) / np.repeat(m, 3)[:, None] for A in (K, C))
-
-    def growth(dt):
-        """Return the largest eigenvalue of a step, by its size."""
-        one = np.eye(3 * n)
-        turned = np.hstack((-dt * K, one - dt * C))
-        return np.abs(np.linalg.eigvals(np.vstack((np.hstack((one, 0 * one)) + dt * turned, turned)))).max()
-
-    longest = 1 / sim.solver._report.rate
-    assert growth(longest) <= 1 + 1e-6  # the six motions of rigid bodies are double eigenvalues of 1
-    assert growth(1.6 * longest) > 1.1
-    assert longest > 1.2 / np.sqrt(sim.solver._report.stiffest)
 
 
 def test_what_landed_is_expected_to_stay():
