@@ -19,7 +19,8 @@ class PhaseChange {
         grown_(s.count),
         freezes_(s.count),
         changed_(s.count),
-        bond_before_(s.bond.column(0), s.bond.column(0) + s.count) {}
+        bond_before_(s.bond.column(0), s.bond.column(0) + s.count),
+        k_before_(s.k.column(0), s.k.column(0) + s.count) {}
 
   // `derive`: called for a particle whose liquid share has changed. dt: of the heat's own time [s]. Returns which have.
   template <class F>
@@ -54,32 +55,66 @@ class PhaseChange {
     return true;
   }
 
-  // Bonds keep their stretch while particles change their size, and their strength falls as that of the snow does, with
-  // what sintering gave; it is that of the snow again where water freezes. Water has no bonds; what freezes is bonded
-  // to what it touches.
   void pair(std::size_t p, std::uint32_t e, double dt) {
     const auto q = std::size_t(lists_.row[e]);
-    T &hold = lists_.hold[e], &rest = lists_.a[e];
     const T radii = s_.radius.column(0)[p] + s_.radius.column(0)[q];
     const T overlap = T(double(radii) - distance(s_, p, q));
     const T limit = T(0.5) * (s_.bond.column(0)[p] + s_.bond.column(0)[q]) * radii;
     const bool is_water = s_.liquid.column(0)[p] >= T(1) || s_.liquid.column(0)[q] >= T(1);
-    const bool changes = changed_[p] || changed_[q];
-    const T left = changes ? share_left(p, q) : T(1);
-    if (hold > T(0)) {
-      rest += grown_[p] + grown_[q];
-      if (changes) hold = is_water ? T(0) : std::max(T(hold * left), rest);
-      if (!is_water && (freezes_[p] || freezes_[q])) hold = std::max(hold, limit);
-      if (hold == T(0)) rest = T(0);
-    } else if (changes) {
-      if (!is_water && (freezes_[p] || freezes_[q]) && (hold < T(0) || overlap > T(0)) && limit > T(0)) {
-        hold = std::max(limit, overlap), rest = std::min(overlap, T(0));
-        lists_.b[e] = lists_.c[e] = T(0);
-      } else if (hold < T(0)) {
-        hold = -std::max(T(-hold * left), loose<T>);
-      }
+    if (changed_[p] || changed_[q]) {
+      const Change change{T(overlap - (grown_[p] + grown_[q])), overlap, limit, force_kept(p, q),
+                          share_left(p, q), is_water, freezes_[p] || freezes_[q]};
+      if (lists_.hold[e] > T(0) && lists_.a[e] - change.before <= lists_.hold[e])
+        change_bond(e, change);
+      else
+        change_contact(e, change);
     }
-    if (model_.sinters && !is_water && (hold != T(0) || overlap > T(0))) sinter(p, q, e, overlap, limit, dt);
+    if (model_.sinters && !is_water && (lists_.hold[e] != T(0) || overlap > T(0)))
+      sinter(p, q, e, overlap, limit, dt);
+  }
+
+  // What becomes of a pair: its overlap before and now, and the stretch at which a bond of it breaks [m]; the share of its stretch
+  // with which it pushes and pulls no more than before; the share of its strength that stays.
+  struct Change {
+    T before, now, limit, keep, left;
+    bool is_water, freezes;
+  };
+
+  // Bonds keep their stretch while particles change their size, less what they grow stiffer: so their force stays and their energy does
+  // not grow. Their strength falls as that of the snow does, with what sintering gave; it is that of the snow again where water
+  // freezes. Water has no bonds, but for those that press until they part.
+  void change_bond(std::uint32_t e, const Change& c) {
+    T &hold = lists_.hold[e], &rest = lists_.a[e];
+    rest = c.now - (c.before - rest) * c.keep;
+    hold = c.is_water ? T(0) : T(hold * c.left);
+    if (c.freezes && !c.is_water) hold = std::max(hold, c.limit);
+    hold = std::max(hold, rest);
+    if (!(hold > T(0))) hold = rest = T(0);
+  }
+
+  // What freezes is bonded to what it touches, pressed by the force with which it was. Where there is no bond, what would press more than
+  // before, as it grows or grows stiffer, is at rest by as much, until it parts.
+  void change_contact(std::uint32_t e, const Change& c) {
+    T &hold = lists_.hold[e], &rest = lists_.a[e];
+    if (hold > T(0)) hold = T(0);  // a bond that the next step would find broken
+    const T pressed = std::max(c.before, T(0)) * c.keep;
+    const T bears = std::max(c.limit, hold < T(0) ? T(-hold * c.left) : T(0));
+    if (c.freezes && !c.is_water && bears > loose<T> && (hold < T(0) || c.now > T(0))) {
+      const bool held = hold < T(0) && c.before > hold;
+      rest = c.now - (held ? T(c.before * c.keep) : pressed);
+      hold = std::max(bears, rest), lists_.b[e] = lists_.c[e] = T(0);
+    } else if (c.now > pressed) {
+      hold = rest = c.now - pressed, lists_.b[e] = lists_.c[e] = T(0);
+    } else if (hold < T(0)) {
+      hold = c.is_water ? -loose<T> : -std::max(T(-hold * c.left), loose<T>);
+      for (auto* spring : {&lists_.a, &lists_.b, &lists_.c}) (*spring)[e] *= c.keep;
+    }
+  }
+
+  // The share of its stretch with which a pair whose stiffness has grown has the force that it had.
+  T force_kept(std::size_t p, std::size_t q) const {
+    const T before = k_before_[p] + k_before_[q], now = s_.k.column(0)[p] + s_.k.column(0)[q];
+    return now > before ? T(before / now) : T(1);
   }
 
   // The share of its strength that a pair keeps as one of its particles melts.
@@ -94,6 +129,8 @@ class PhaseChange {
       const double v = double(s_.v.column(k)[p]) - double(s_.v.column(k)[q]);
       v2 += v * v;
     }
+    const T held = lists_.hold[e];
+    if (held > T(0) ? lists_.a[e] - overlap > held : held < T(0) && overlap <= held) return;  // it breaks
     const double radii = double(s_.radius.column(0)[p]) + double(s_.radius.column(0)[q]);
     const double slow = sintering::at_rest * radii;
     if (v2 > slow * slow || !(limit > T(0)) || limit > T(radii)) return;
@@ -120,7 +157,7 @@ class PhaseChange {
   Neighbours<T>& lists_;
   std::vector<T> grown_;
   std::vector<char> freezes_, changed_;
-  std::vector<T> bond_before_;
+  std::vector<T> bond_before_, k_before_;
 };
 
 }  // namespace detail
