@@ -42,12 +42,16 @@ inline double k_snow(double rho) { return std::max(2.5e-6 * rho * rho - 1.23e-4 
 inline double ratio_of_ice(double born) { return std::min(born / ice_density, 1.0); }
 inline double ratio_of_water(double born) { return std::min(born / water_density, ratio_of_ice(born)); }
 
+// Volume ratio of the solid part where the share f of the mass is liquid and that of all is J.
+inline double solid_ratio(double J, double f, double born) {
+  return f < 1 ? (J - f * ratio_of_water(born)) / (1 - f) : ratio_of_ice(born);
+}
+
 // Volume ratio J after the liquid share went from f to `now`. What melts loses its pores; what freezes is ice.
 inline double ratio_after(double J, double f, double now, double born) {
   const double J_water = ratio_of_water(born), J_ice = ratio_of_ice(born);
   if (now <= f) return J + (f - now) * (J_ice - J_water);
-  const double solid = f < 1 ? (J - f * J_water) / (1 - f) : J_ice;
-  return (1 - now) * solid + now * J_water;
+  return (1 - now) * solid_ratio(J, f, born) + now * J_water;
 }
 
 }  // namespace heat

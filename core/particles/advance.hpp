@@ -9,15 +9,22 @@ namespace neve {
 
 // What a step has to tell of particles: who leaves the place where its neighbours were listed, and who wakes and falls asleep.
 struct StepEvents {
+  struct Firmer {
+    std::int32_t row;
+    double before;  // its strength_of
+    bool operator<(const Firmer& o) const { return row < o.row; }
+  };
   std::vector<std::int32_t> moved;  // rows
   std::vector<std::uint32_t> wakes,
-      calm;  // groups: sleepers that are pushed; what has rested for long enough
-  bool any() const { return !moved.empty() || !wakes.empty() || !calm.empty(); }
-  void clear() { moved.clear(), wakes.clear(), calm.clear(); }
+      calm;                    // groups: sleepers that are pushed; what has rested for long enough
+  std::vector<Firmer> firmer;  // what compaction has made stronger
+  bool any() const { return !moved.empty() || !wakes.empty() || !calm.empty() || !firmer.empty(); }
+  void clear() { moved.clear(), wakes.clear(), calm.clear(), firmer.clear(); }
   void add(const StepEvents& o) {
     moved.insert(moved.end(), o.moved.begin(), o.moved.end());
     wakes.insert(wakes.end(), o.wakes.begin(), o.wakes.end());
     calm.insert(calm.end(), o.calm.begin(), o.calm.end());
+    firmer.insert(firmer.end(), o.firmer.begin(), o.firmer.end());
   }
 };
 
@@ -49,9 +56,10 @@ class Advance {
  public:
   using R = Lanes<T>;
   using Sums = PairSums<T>;
-  Advance(const ParticleModel<T>& model, const Model<T>& world, const Listing<T>& listing,
-          PairQuads<T>& quads, bool any_asleep, const PairSums<T>& sums, double dt)
+  Advance(const ParticleModel<T>& model, const std::vector<ContactMaterial>& table, const Model<T>& world,
+          const Listing<T>& listing, PairQuads<T>& quads, bool any_asleep, const PairSums<T>& sums, double dt)
       : model_(model),
+        table_(table),
         world_(world),
         listing_(listing),
         quads_(quads),
@@ -146,7 +154,7 @@ class Advance {
   void finish(ParticleState<T>& s, Pack& pack, ChunkResult<T>& out) const {
     const std::size_t p = pack.p;
     const int count = pack.count;
-    compact(s, p, count, first_lanes<R>(count), pack.sums.data(), pack.r);
+    compact(s, p, count, first_lanes<R>(count), pack.sums.data(), pack.r, out.events.firmer);
     const Vec3<R> x = pack.x + pack.v * dt_ + pack.out;
     store_vector(s.x, p, x, count);
     store_vector(s.v, p, pack.v, count);
@@ -206,7 +214,8 @@ class Advance {
   // Compact particles that opposing forces press by more than the snow bears: in each axis as much as acts both ways
   // (Goswami, Markowicz and Hassan 2019). A particle shrinks by half of what would take the excess away, since its
   // neighbours shrink too, and never by more than what its contacts are pressed in: so none does work by shrinking.
-  void compact(ParticleState<T>& s, std::size_t p, int count, const auto& here, const R* sum, R& r) const {
+  void compact(ParticleState<T>& s, std::size_t p, int count, const auto& here, const R* sum, R& r,
+               std::vector<StepEvents::Firmer>& firmer) const {
     const R zero = splat<R>(0), one = splat<R>(1);
     R opposed = zero;
     for (int k = 0; k < 3; ++k) {
@@ -228,9 +237,21 @@ class Advance {
     const R smallest = r * cube_root(R(min(born * T(1 / model_.ice) / J, one)));
     const R smaller = select(yields, max(r - shrink, smallest), r);
     const R ratio = smaller / r;
+    std::array<double, width<R>> before{};
+    for (int l = 0; l < count; ++l)
+      before[std::size_t(l)] = yields[l] ? strength_of(s, table_, p + std::size_t(l)) : 0.0;
     store(s.radius.column(0) + p, smaller, count);
     store(s.J_P.column(0) + p, R(J * ratio * ratio * ratio), count);
     r = smaller;
+    for (int l = 0; l < count; ++l) {
+      if (yields[l]) strengthen(s, p + std::size_t(l), before[std::size_t(l)], firmer);
+    }
+  }
+  // Let a particle that has been compacted bear more than `before`.
+  void strengthen(ParticleState<T>& s, std::size_t p, double before,
+                  std::vector<StepEvents::Firmer>& firmer) const {
+    derive(s, table_, p);
+    if (strength_of(s, table_, p) != before) firmer.push_back({std::int32_t(p), before});
   }
   static R cube_root(R a) {
     R out = a;
@@ -239,6 +260,7 @@ class Advance {
   }
 
   const ParticleModel<T>& model_;
+  const std::vector<ContactMaterial>& table_;
   const Model<T>& world_;
   const Listing<T>& listing_;
   PairQuads<T>& quads_;
@@ -254,13 +276,14 @@ class Advance {
 // `exchanged` gets, by solid, what snow and solids gave each other, and `events` what there is to do. `parts`: memory that is used
 // again.
 template <class T>
-ParticleReport advance(const ParticleModel<T>& model, const Model<T>& world, ParticleState<T>& s,
-                       Listing<T>& listing, PairQuads<T>& quads, const Groups<T>& groups,
-                       const PairSums<T>& sums, double dt, std::vector<Exchange>& exchanged,
-                       StepEvents& events, std::vector<detail::ChunkResult<T>>& parts) {
+ParticleReport advance(const ParticleModel<T>& model, const std::vector<ContactMaterial>& table,
+                       const Model<T>& world, ParticleState<T>& s, Listing<T>& listing, PairQuads<T>& quads,
+                       const Groups<T>& groups, const PairSums<T>& sums, double dt,
+                       std::vector<Exchange>& exchanged, StepEvents& events,
+                       std::vector<detail::ChunkResult<T>>& parts) {
   constexpr std::size_t chunk = 8;
   listing.elapsed += dt;
-  const detail::Advance<T> move(model, world, listing, quads, groups.sleepers > 0, sums, dt);
+  const detail::Advance<T> move(model, table, world, listing, quads, groups.sleepers > 0, sums, dt);
   const std::vector<std::uint32_t>& awake = groups.awake;
   parts.resize((awake.size() + chunk - 1) / chunk);
   each_index(parts.size(), [&](std::size_t c) {

@@ -4,6 +4,7 @@
 #include "heat/enthalpy.hpp"
 #include "particles/advance.hpp"
 #include "particles/clearance.hpp"
+#include "particles/firmer.hpp"
 
 namespace neve {
 
@@ -204,6 +205,7 @@ void renew(ParticleSnow<T>& snow, const Model<T>& world, std::int64_t steps) {
   StepEvents& events = snow.events;
   const bool sees = steps % detail::steps_unseen == 0;
   const double play = detail::solid_play * snow.bounds.radius;
+  strengthen(s, snow.table, snow.listing.lists, events.firmer);
   if (!std::is_sorted(events.moved.begin(), events.moved.end()))
     std::sort(events.moved.begin(), events.moved.end());
   detail::relist(snow, events.moved);
@@ -236,8 +238,8 @@ void renew(ParticleSnow<T>& snow, const Model<T>& world, std::int64_t steps) {
 template <class T>
 ParticleReport take_step(ParticleSnow<T>& snow, const Model<T>& world, double dt) {
   pair_forces(snow.listing.lists, snow.model.law, snow.quads, snow.groups, snow.sums, snow.events.wakes);
-  const ParticleReport report = advance(snow.model, world, snow.state, snow.listing, snow.quads, snow.groups,
-                                        snow.sums, dt, snow.exchanged, snow.events, snow.parts);
+  const ParticleReport report = advance(snow.model, snow.table, world, snow.state, snow.listing, snow.quads,
+                                        snow.groups, snow.sums, dt, snow.exchanged, snow.events, snow.parts);
   snow.model.law.dt = T(dt);
   return report;
 }

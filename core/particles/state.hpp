@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "heat/enthalpy.hpp"
 #include "mpm/state.hpp"
 #include "neighbours/start_grid.hpp"
 #include "threads.hpp"
@@ -37,7 +38,7 @@ struct ParticleState {
   // What follows from these and the material table, see derive().
   Field<T, 1> k;        // modulus times radius at birth [N/m]
   Field<T, 1> mu;       // friction [1]
-  Field<T, 1> bond;     // bond_strain times strength [1]
+  Field<T, 1> bond;     // stretch over the radii's sum at which bonds break [1]
   Field<T, 1> yield;    // [Pa]
   Field<T, 1> born;     // radius at birth [m]
   Field<T, 1> born_of;  // volume from which that was found [m3]
@@ -101,8 +102,38 @@ struct ConstantBounds {
   }
 };
 
+// Cohesive strength [Pa] of snow of density rho [kg/m3]: 625 at 100, 3750 at 900, as in a port of Goswami et al. 2019.
+inline double cohesive_strength(double rho) { return 625 + 3125 * (rho - 100) / 800; }
+
+// Forces at which bonds break grow in steps of 1 %: then those that are there have to grow along seldom.
+inline constexpr double growth_step = 0.01;
+
+// The force that breaks a bond of snow of density `born` [kg/m3] at birth, at the volume ratio J, over that at birth: cohesive strength
+// over the area of a particle.
+inline double bond_growth(double born, double J) {
+  if (!(J < 1)) return 1;
+  const double stronger = cohesive_strength(born / J) / cohesive_strength(born);
+  const double steps = std::floor(std::log(stronger * std::cbrt(J * J)) / std::log1p(growth_step) + 0.25);
+  return std::pow(1 + growth_step, steps);
+}
+
+// Volume ratio of what is solid of particle p.
+template <class T>
+double solid_ratio(const ParticleState<T>& s, std::size_t p) {
+  const double V0 = s.V0.column(0)[p], J = s.J_P.column(0)[p], wet = s.liquid.column(0)[p];
+  return V0 > 0 && J < 1 ? heat::solid_ratio(J, wet, double(s.m.column(0)[p]) / V0) : 1.0;
+}
+
+// Stretch over the radii's sum at birth at which bonds of particle p break, as compaction and melting have made it [1].
+template <class T>
+double strength_of(const ParticleState<T>& s, const std::vector<ContactMaterial>& table, std::size_t p) {
+  const double born = double(s.m.column(0)[p]) / std::max(double(s.V0.column(0)[p]), 1e-300);
+  return table[s.material[p]].bond_strain * double(s.strength.column(0)[p]) *
+         (1 - double(s.liquid.column(0)[p])) * bond_growth(born, solid_ratio(s, p));
+}
+
 // Fill the columns of particle p that follow from others. The stiffness of contacts stays while a particle is compacted: its
-// modulus rises as its radius falls. With the liquid share it falls, and strength and friction go.
+// modulus rises as its radius falls, its bonds gain strength. With the liquid share stiffness falls, and strength and friction go.
 template <class T>
 void derive(ParticleState<T>& s, const std::vector<ContactMaterial>& table, std::size_t p) {
   const ContactMaterial& material = table[s.material[p]];
@@ -110,7 +141,7 @@ void derive(ParticleState<T>& s, const std::vector<ContactMaterial>& table, std:
   const double stiffness = double(s.stiffness.column(0)[p]) * (1 - wet * (1 - soft));
   s.k.column(0)[p] = T(material.modulus * stiffness * double(s.born.column(0)[p]));
   s.mu.column(0)[p] = T(material.friction * (1 - wet));
-  s.bond.column(0)[p] = T(material.bond_strain * strength);
+  s.bond.column(0)[p] = T(strength_of(s, table, p) / std::cbrt(solid_ratio(s, p)));
   s.yield.column(0)[p] = T(material.yield * strength);
 }
 // All particles; spheres of the radii at birth fill the share `packing` of the volumes.

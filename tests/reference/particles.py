@@ -29,6 +29,10 @@ class Cluster:
     tangential: float
     last_dt: float
     liquid: np.ndarray | None = None
+    V0: np.ndarray | None = None
+    J: np.ndarray | None = None
+    yield_pressure: float = np.inf  # at birth
+    bond_strain: float = 0.0  # at birth
 
 
 def pairs(c):
@@ -44,7 +48,7 @@ def pairs(c):
 
 
 def damper_times(c, k):
-    """Return the damper of each contact over its stiffness (n, n) [s]: that of water is 1.5 times critical."""
+    """Return the damper of each contact over its stiffness (n, n) [s]: 1.5 times critical for water."""
     liquid = np.zeros(len(c.m)) if c.liquid is None else c.liquid
     reduced = c.m[:, None] * c.m[None] / (c.m[:, None] + c.m[None])
     wet = np.maximum(liquid[:, None], liquid[None])
@@ -52,7 +56,11 @@ def damper_times(c, k):
 
 
 def forces(c):
-    """Return the force on each particle (n, 3) [N], and update what is remembered."""
+    """Return the force on each particle (n, 3) [N], and update what is remembered.
+
+    Besides what compaction needs: the parts of forces across along and against the axes (n, 3), their
+    sum (n,) [N], and that of the stiffness (n,) [N/m].
+    """
     n, overlap, k, v_n, v_t = pairs(c)
     c.bonded &= ~(c.rest - overlap > c.hold)
     bond = np.where(c.bonded, k * (overlap - c.rest - c.damping * v_n), 0.0)
@@ -80,15 +88,59 @@ def forces(c):
 
     c.touching, c.hold = holds, np.where(c.bonded, c.hold, np.where(holds, gap, 0.0))
     c.spring = np.where(holds[..., None], spring, 0.0)
-    across = (bond + pressed)[..., None] * n
-    return np.sum(
-        np.where(np.isfinite(overlap)[..., None], across + np.where(holds[..., None], along, 0.0), 0.0),
-        axis=1,
-    )
+    others = np.isfinite(overlap)
+    normal = np.where(others, bond + pressed, 0.0)
+    across = np.where(others[..., None], normal[..., None] * n, 0.0)
+    force = np.sum(across + np.where((holds & others)[..., None], along, 0.0), axis=1)
+    stiffness = np.sum(np.where((holds | c.bonded) & others, k, 0.0), axis=1)
+    along_axes, against = (np.sum(np.maximum(a, 0.0), axis=1) for a in (across, -across))
+    return force, (along_axes, against, np.sum(normal, axis=1), stiffness)
+
+
+ICE, HARDENING = 917.0, 100.0
+
+
+def growth(born, J):
+    """Return the force that breaks bonds of snow over that at birth, of density `born`, in steps of 1 %."""
+    strength = [625.0 + 3125.0 * (rho - 100.0) / 800.0 for rho in (born / J, born)]
+    steps = np.floor(np.log(strength[0] / strength[1] * J ** (2 / 3)) / np.log(1.01) + 0.25)
+    return 1.01**steps
+
+
+def compact(c, along, against, across, stiffness):
+    """Let particles shrink that opposing forces press by more than Y(rho) pi r^2.
+
+    Returns how strong bonds of the particles are now over those at birth (n,), and were before (n,).
+    """
+    born = c.m / c.V0
+    force = np.linalg.norm(np.minimum(along, against), axis=1)
+    bearable = c.yield_pressure * (1.0 - c.liquid) * np.exp((born / c.J - born) / HARDENING)
+    bearable = bearable * np.pi * c.radius**2
+    yields = (force > bearable) & (across > 0)
+    excess = np.where(yields, 1.0 - bearable / np.where(force > 0, force, 1.0), 0.0)
+    mean_overlap = across / np.where(stiffness > 0, stiffness, 1.0)
+    smallest = c.radius * np.cbrt(np.minimum(born / c.J / ICE, 1.0))
+    smaller = np.where(yields, np.maximum(c.radius - 0.5 * mean_overlap * excess, smallest), c.radius)
+    before = growth(born, c.J)
+    c.J, c.radius = c.J * (smaller / c.radius) ** 3, smaller
+    return growth(born, c.J), before
+
+
+def strengthen(c, now, before):
+    """Let bonds and contacts bear as much more as their particles; not those that the next step breaks."""
+    pair = lambda a: a[:, None] + a[None]  # noqa: E731
+    c.bond = c.bond_strain * (1.0 - c.liquid) * now / np.cbrt(c.J)
+    overlap = pairs(c)[1]
+    whole = np.where(c.bonded, c.rest - overlap <= c.hold, c.touching & (overlap > -c.hold))
+    c.hold = np.where(whole & (c.hold > np.finfo(float).tiny), c.hold * pair(now) / pair(before), c.hold)
 
 
 def step(c, dt, gravity):
-    """Advance by dt [s] without solids and compaction: v += dt (F / m + g), x += dt v."""
-    c.v = c.v + dt * (forces(c) / c.m[:, None] + gravity)
+    """Advance by dt [s] without solids: v += dt (F / m + g), x += dt v."""
+    force, sums = forces(c)
+    grown = compact(c, *sums) if c.J is not None else None
+    c.v = c.v + dt * (force / c.m[:, None] + gravity)
     c.x = c.x + dt * c.v
     c.last_dt = dt
+    if grown:
+        strengthen(c, *grown)

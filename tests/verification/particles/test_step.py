@@ -39,7 +39,39 @@ def oracle_of(sim):
         table[0].friction * (1 - np.asarray(state.liquid)[order]), np.asarray(state.bond)[order],
         hold > 0, rest, np.abs(hold), hold < 0, spring,
         2 * 0.1 * np.sqrt(np.min(m / (2 * k))), 0.5, float(state.last_dt), np.asarray(state.liquid)[order],
+        np.asarray(state.V0)[order], np.asarray(state.J_P)[order],
+        table[0].yield_pressure, table[0].bond_strain,
     )  # fmt: skip
+
+
+def test_oracle_of_compaction():
+    """Two lumps of soft snow that press each other: 30 steps are those of the reference, to rounding.
+
+    Their bonds grow as strong as the particles that have been compacted.
+    """
+    lumps = [
+        {"shape": "sphere", "center": (s * 0.09, 0.01 * s, 0), "radius": 0.08, "velocity": (-5 * s, 0, 0)}
+        for s in (-1, 1)
+    ]
+    sim = particles(lumps, snow={"E0": 1e5, "theta_c": 0.005, "theta_s": 0.05}, dt=2e-4)
+    sim.advance(6e-3)
+    sim.solver.begin(0, 0.0)
+    cluster = oracle_of(sim)
+    before, J = cluster.hold.copy(), cluster.J.copy()
+    assert np.min(J) < 0.95
+    for _ in range(30):
+        sim.advance(2e-4)
+        reference.step(cluster, 2e-4, np.zeros(3))
+    got, now = columns(sim), oracle_of(sim)
+    assert np.mean(cluster.J < J - 0.01) > 0.2
+    assert np.mean((cluster.hold > 1.005 * before)[cluster.bonded]) > 0.2
+    np.testing.assert_allclose(got["J_P"], cluster.J, rtol=1e-8)
+    np.testing.assert_allclose(got["radius"], cluster.radius, rtol=1e-8)
+    np.testing.assert_allclose(got["x"], cluster.x, rtol=0, atol=1e-10)
+    np.testing.assert_array_equal(now.bonded, cluster.bonded)
+    np.testing.assert_allclose(now.bond, cluster.bond, rtol=1e-8)
+    held = cluster.bonded | cluster.touching
+    np.testing.assert_allclose(now.hold[held], cluster.hold[held], rtol=1e-8, atol=1e-300)
 
 
 @pytest.mark.parametrize("wet", [False, True])
