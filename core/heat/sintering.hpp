@@ -12,7 +12,8 @@ inline constexpr double activation = 5.86e4;  // energy that slows it in the col
 inline constexpr double gas = 8.314;          // [J/(mol K)]
 inline constexpr double at_rest = 0.1;        // strain rate up to which snow is at rest [1/s]
 inline constexpr double breaking = 0.02;      // plastic strain that undoes it, of a continuum [1]
-inline constexpr double of_density = 2.44;    // power of density with which strength grows [1]
+inline constexpr double of_loose = 0.1;     // strength at birth of what has no cohesion, of that of snow [1]
+inline constexpr double of_density = 2.44;  // power of density with which strength grows [1]
 
 // What snow bears after dt [s] at `celsius`, if it bears `hold` now and `young` when it is as old as the law's unit of time;
 // never above `most`.

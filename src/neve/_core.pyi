@@ -1040,8 +1040,11 @@ class Particles(Protocol):
         """
     def set_heat(self, heat: HeatModel) -> None:
         """Set what is said of heat."""
-    def pass_heat(self, dt: float) -> HeatReport:
-        """Let heat flow for dt [s] of motion, and change phases, sizes and bonds; needs `set_materials`."""
+    def pass_heat(self, dt: float, solids: _Model | None = None) -> HeatReport:
+        """Let heat flow for dt [s] of motion, and change phases, sizes and bonds; needs `set_materials`.
+
+        solids: what hides snow that it touches from air and sun.
+        """
     def prepare(self, near: float, dt: float) -> None:
         """Get ready for steps of dt [s] after the state may have been written to.
 

@@ -163,12 +163,13 @@ void bind_heat(nb::class_<Particles<T>>& c) {
        "set_heat", [](P& p, const HeatModel& heat) { p.heat = heat; }, nb::arg("heat"))
       .def(
           "pass_heat",
-          [](P& p, double dt) {
+          [](P& p, double dt, const Model<T>* solids) {
             p.require_ready();
             if (p.table.empty()) throw nb::value_error("call set_materials() first");
-            return pass_heat(static_cast<ParticleSnow<T>&>(p), dt);
+            static const std::vector<Solid<T>> none;
+            return pass_heat(static_cast<ParticleSnow<T>&>(p), solids ? solids->solids : none, dt);
           },
-          nb::arg("dt"), nb::call_guard<nb::gil_scoped_release>());
+          nb::arg("dt"), nb::arg("solids").none() = nb::none(), nb::call_guard<nb::gil_scoped_release>());
 }
 
 template <class T>

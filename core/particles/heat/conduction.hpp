@@ -5,6 +5,7 @@
 
 #include "heat/enthalpy.hpp"
 #include "heat/sunlight.hpp"
+#include "mpm/model.hpp"
 #include "particles/heat/facets.hpp"
 #include "particles/listing.hpp"
 
@@ -28,8 +29,10 @@ inline constexpr double growth_in_air = 0.45, growth_in_sun = 1.3;
 template <class T>
 class HeatFlow {
  public:
-  HeatFlow(const HeatModel& model, ParticleState<T>& s, const Neighbours<T>& lists)
+  HeatFlow(const HeatModel& model, const std::vector<Solid<T>>& solids, ParticleState<T>& s,
+           const Neighbours<T>& lists)
       : model_(model),
+        solids_(solids),
         s_(s),
         lists_(lists),
         conductance_(lists.size()),
@@ -92,10 +95,16 @@ class HeatFlow {
     return sum;
   }
 
-  // Find what p gets from the air per kelvin [W/K], which is returned, and from the sun [W]: of the facets of its surface
-  // that no neighbour hides.
-  double expose(std::size_t p, bool lit) {
+  // The facets of p's surface that no neighbour hides, and from which no solid is a radius away or less: within 60 degrees of the
+  // normal of one that it touches.
+  std::uint32_t open_facets(std::size_t p) const {
     std::uint32_t open = ~std::uint32_t(0);
+    const auto hide = [&](const std::array<double, 3>& n, double least) {
+      for (std::size_t i = 0; i < facet_count; ++i) {
+        const auto& facet = facets()[i];
+        if (n[0] * facet[0] + n[1] * facet[1] + n[2] * facet[2] > least) open &= ~(std::uint32_t(1) << i);
+      }
+    };
     lists_.each(p, [&](std::uint32_t e) {
       if (!open) return;
       const auto q = std::size_t(lists_.row[e]);
@@ -104,12 +113,23 @@ class HeatFlow {
       std::array<double, 3> n{};
       for (std::size_t k = 0; k < 3; ++k)
         n[k] = double(s_.x.column(int(k))[q]) - double(s_.x.column(int(k))[p]);
-      for (std::size_t i = 0; i < facet_count; ++i) {
-        const auto& facet = facets()[i];
-        if (n[0] * facet[0] + n[1] * facet[1] + n[2] * facet[2] > blocked * d)
-          open &= ~(std::uint32_t(1) << i);
-      }
+      hide(n, blocked * d);
     });
+    const Vec3<T> x{s_.x.column(0)[p], s_.x.column(1)[p], s_.x.column(2)[p]};
+    const T far = T(1 / blocked) * s_.radius.column(0)[p];
+    for (const Solid<T>& solid : solids_) {
+      if (!open || !is_near(solid, x, far)) continue;
+      const auto at = surface(solid, x);
+      if (at.phi < far)
+        hide({-double(at.normal.x), -double(at.normal.y), -double(at.normal.z)},
+             double(at.phi) / double(far));
+    }
+    return open;
+  }
+
+  // Find what p gets from the air per kelvin [W/K], which is returned, and from the sun [W].
+  double expose(std::size_t p, bool lit) {
+    const std::uint32_t open = open_facets(p);
     const double r = std::cbrt(volume(p) * 0.75 / 3.14159265358979);
     const double hidden = 1 - std::popcount(open) / double(facet_count);
     const double area = 4 * 3.14159265358979 * r * r, facet_area = area / facet_count;
@@ -142,6 +162,7 @@ class HeatFlow {
   }
 
   const HeatModel& model_;
+  const std::vector<Solid<T>>& solids_;
   ParticleState<T>& s_;
   const Neighbours<T>& lists_;
   std::vector<double> conductance_, k_, temperature_, from_air_, from_sun_, taken_;

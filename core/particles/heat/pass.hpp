@@ -6,14 +6,14 @@
 
 namespace neve {
 
-// Let heat flow for dt [s] of motion. Sleepers that it changes wake, and those beside them.
+// Let heat flow for dt [s] of motion among `solids`. Sleepers that it changes wake, and those beside them.
 template <class T>
-HeatReport pass_heat(ParticleSnow<T>& snow, double dt) {
+HeatReport pass_heat(ParticleSnow<T>& snow, const std::vector<Solid<T>>& solids, double dt) {
   snow.remind();
   std::vector<char> changed;
   ParticleState<T>& s = snow.state;
   const Neighbours<T>& lists = snow.listing.lists;
-  const HeatReport report = pass_heat(snow.heat, s, snow.listing.lists, snow.table, dt, changed);
+  const HeatReport report = pass_heat(snow.heat, solids, s, snow.listing.lists, snow.table, dt, changed);
   if (snow.groups.sleepers > 0) {
     std::vector<char> wakes(snow.groups.asleep.size(), 0);
     for (std::size_t p = 0; p < s.count; ++p) {

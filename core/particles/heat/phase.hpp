@@ -17,9 +17,10 @@ class PhaseChange {
         s_(s),
         lists_(lists),
         grown_(s.count),
+        strain_(s.count),
         freezes_(s.count),
         changed_(s.count),
-        bond_before_(s.bond.column(0), s.bond.column(0) + s.count),
+        strain_before_(s.count),
         k_before_(s.k.column(0), s.k.column(0) + s.count) {}
 
   // `derive`: called for a particle whose liquid share has changed. dt: of the heat's own time [s]. Returns which have.
@@ -27,8 +28,10 @@ class PhaseChange {
   std::vector<char> apply(double dt, F&& derive) {
     each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) {
+        strain_before_[p] = strain(p);
         changed_[p] = change(p);
         if (changed_[p]) derive(p);
+        strain_[p] = changed_[p] ? strain(p) : strain_before_[p];
       }
     });
     each_chunk(s_.count, [&](int, std::size_t begin, std::size_t end) {
@@ -59,11 +62,16 @@ class PhaseChange {
     const auto q = std::size_t(lists_.row[e]);
     const T radii = s_.radius.column(0)[p] + s_.radius.column(0)[q];
     const T overlap = T(double(radii) - distance(s_, p, q));
-    const T limit = T(0.5) * (s_.bond.column(0)[p] + s_.bond.column(0)[q]) * radii;
+    const T limit = T(0.5) * (strain_[p] + strain_[q]) * radii;
     const bool is_water = s_.liquid.column(0)[p] >= T(1) || s_.liquid.column(0)[q] >= T(1);
     if (changed_[p] || changed_[q]) {
-      const Change change{T(overlap - (grown_[p] + grown_[q])), overlap, limit, force_kept(p, q),
-                          share_left(p, q), is_water, freezes_[p] || freezes_[q]};
+      const Change change{T(overlap - (grown_[p] + grown_[q])),
+                          overlap,
+                          limit,
+                          force_kept(p, q),
+                          share_left(p, q),
+                          is_water,
+                          freezes_[p] || freezes_[q]};
       if (lists_.hold[e] > T(0) && lists_.a[e] - change.before <= lists_.hold[e])
         change_bond(e, change);
       else
@@ -71,6 +79,15 @@ class PhaseChange {
     }
     if (model_.sinters && !is_water && (lists_.hold[e] != T(0) || overlap > T(0)))
       sinter(p, q, e, overlap, limit, dt);
+  }
+
+  // The strain at which bonds of p break that freeze or sinter. Of snow without cohesion it is that at which a share of the cohesive
+  // strength of its density pulls.
+  T strain(std::size_t p) const {
+    const double bond = s_.bond.column(0)[p], k = s_.k.column(0)[p], wet = s_.liquid.column(0)[p];
+    if (bond > 0 || !(k > 0)) return T(bond);
+    const double modulus = k / (double(s_.born.column(0)[p]) * (1 - wet * (1 - soft)));
+    return T((1 - wet) * sintering::of_loose * std::max(cohesive_strength(density(p)), 0.0) / modulus);
   }
 
   // What becomes of a pair: its overlap before and now, and the stretch at which a bond of it breaks [m]; the share of its stretch
@@ -119,7 +136,7 @@ class PhaseChange {
 
   // The share of its strength that a pair keeps as one of its particles melts.
   T share_left(std::size_t p, std::size_t q) const {
-    const T before = bond_before_[p] + bond_before_[q], now = s_.bond.column(0)[p] + s_.bond.column(0)[q];
+    const T before = strain_before_[p] + strain_before_[q], now = strain_[p] + strain_[q];
     return before > T(0) ? std::min(T(now / before), T(1)) : T(1);
   }
 
@@ -155,20 +172,21 @@ class PhaseChange {
   const HeatModel& model_;
   ParticleState<T>& s_;
   Neighbours<T>& lists_;
-  std::vector<T> grown_;
+  std::vector<T> grown_, strain_;
   std::vector<char> freezes_, changed_;
-  std::vector<T> bond_before_, k_before_;
+  std::vector<T> strain_before_, k_before_;
 };
 
 }  // namespace detail
 
 // Let heat flow for dt [s] of motion, and change particles and bonds as it makes them; `changed` gets by row whether the
-// liquid share, and with it size and strength, has.
+// liquid share, and with it size and strength, has. `solids` hide what touches them from air and sun.
 template <class T>
-HeatReport pass_heat(const HeatModel& model, ParticleState<T>& s, Neighbours<T>& lists,
-                     const std::vector<ContactMaterial>& table, double dt, std::vector<char>& changed) {
+HeatReport pass_heat(const HeatModel& model, const std::vector<Solid<T>>& solids, ParticleState<T>& s,
+                     Neighbours<T>& lists, const std::vector<ContactMaterial>& table, double dt,
+                     std::vector<char>& changed) {
   const double own = dt * model.speed;
-  const HeatReport report = detail::HeatFlow<T>(model, s, lists).flow(own);
+  const HeatReport report = detail::HeatFlow<T>(model, solids, s, lists).flow(own);
   changed.assign(s.count, 0);
   if (report.endless) return report;
   changed = detail::PhaseChange<T>(model, s, lists).apply(own, [&](std::size_t p) { derive(s, table, p); });

@@ -75,7 +75,8 @@ def passes(sim: Simulation) -> Callable[[], Any]:
     """Return what lets heat flow for one interval."""
     solver = sim.solver
     if not isinstance(solver, MpmSolver):
-        return lambda: solver.state.pass_heat(INTERVAL)
+        solids = solver.placed.native if solver.placed else None
+        return lambda: solver.state.pass_heat(INTERVAL, solids)
 
     def flow() -> Any:
         with on_lattice(solver.model):

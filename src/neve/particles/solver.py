@@ -216,7 +216,8 @@ class ParticleSolver(GridlessSolver):
     def _pass_heat(self, dt: float, steps: int, time: float) -> None:
         """Let heat flow, once it is due: `dt` [s] of motion later than at the last call. Errors: Blowup."""
         with self.timer.stage("heat"):
-            if self.heat.advance(self.state.pass_heat, dt, steps, time) is None:
+            solids = self.placed.native
+            if self.heat.advance(lambda due: self.state.pass_heat(due, solids), dt, steps, time) is None:
                 return
             self._set_constants()  # what freezes is stiffer
             self._report = self.state.stiffness_now()

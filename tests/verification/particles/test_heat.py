@@ -18,8 +18,8 @@ AREA_OF_BOND = 0.79
 GROUND = {"shape": "plane"}
 
 
-def simulate(sources, heat, colliders=(), gravity=0.0, snow=None, threads=1, **numerics):
-    """Snow with heat; without bonds that break if nothing else is said."""
+def simulate(sources, heat, colliders=(), gravity=0.0, snow=None, threads=1, more=None, **numerics):
+    """Snow with heat; without bonds that break if nothing else is said. more: further tables of the scene."""
     given = {"method": "particles", "dx": 0.05, "precision": "float64"} | numerics
     described = {
         "world": {"gravity": [0, 0, gravity]},
@@ -28,7 +28,7 @@ def simulate(sources, heat, colliders=(), gravity=0.0, snow=None, threads=1, **n
         "heat": heat,
         "sources": list(sources),
         "colliders": list(colliders),
-    }
+    } | (more or {})
     return neve.Simulation(scene_from(described), threads=threads)
 
 
@@ -176,12 +176,12 @@ def test_heap_takes_what_its_surface_takes():
         assert sim.state.pass_heat(1.0).taken == pytest.approx(power, rel=0.15)
 
 
-def melting(threads=1, **more):
+def melting(threads=1, snow=None, precision="float32", **more):
     """A block on the ground that melts in a few seconds."""
     heat = {"air_temperature": 10.0, "sun": 800.0, "heat_speed": 20000.0, "sintering": True} | more
     block = {"shape": "box", "size": [0.2, 0.2, 0.25], "center": [0, 0, 0.2]}
     return simulate(
-        [block], heat, [GROUND], -9.81, {"kind": "wet"}, threads=threads, dx=0.08, precision="float32"
+        [block], heat, [GROUND], -9.81, snow or {"kind": "wet"}, threads=threads, dx=0.08, precision=precision
     )
 
 
@@ -212,18 +212,37 @@ def test_closed_box_never_drifts():
     assert np.ptp(state.enthalpy) < 0.9 * spread  # it did flow
 
 
-def test_refrozen_water_is_ice():
-    """Water that freezes has the density of ice, its bonds, and no more pores."""
-    sim = simulate([{"shape": "box", "size": [0.1] * 3}], {"air_exchange": 0.0, "snow_temperature": 0.0})
+@pytest.mark.parametrize("kind", [None, "powder"])
+def test_refrozen_water_is_ice(kind):
+    """Water that freezes has the density of ice, no more pores, and is bonded to all that it touches.
+
+    So is that of snow without cohesion. Bonds bear what the strength of ice says: in force over the area as
+    3816 Pa is to the 625 Pa + 3.906 Pa (rho0 - 100) of the snow, in steps of 1 %.
+    """
+    snow = {"kind": kind} if kind else {"theta_s": 0.02}
+    air = {"air_exchange": 0.0, "snow_temperature": 0.0}
+    sim = simulate([{"shape": "box", "size": [0.1] * 3}], air, snow=snow)
     sim.solver.begin(0, 0.0)
     state = sim.state
     state.enthalpy[...] = np.asarray(state.m) * LATENT
     state.pass_heat(1e-9)
     assert np.all(np.asarray(state.bond) == 0)
+    assert sim.diagnostics().bonds == 0
+    state.x[...] *= 0.95 * np.cbrt(float(state.m[0] / state.V0[0]) / 1000.0)  # drops shrink from each other
     state.enthalpy[...] = -1.0
     state.pass_heat(1e-9)
     np.testing.assert_allclose(state.m / (state.V0 * state.J_P), 917.0, rtol=1e-6)
     assert np.all(np.asarray(state.liquid) == 0)
+    begin, row, values = (np.asarray(a) for a in state.contacts())
+    x, r = np.asarray(state.x), np.asarray(state.radius)
+    mine = np.repeat(np.arange(sim.count), np.diff(begin))
+    overlap = r[mine] + r[row] - np.linalg.norm(x[mine] - x[row], axis=1)
+    assert np.all(values[overlap > 1e-9, 0] > 0)
+    assert (overlap > 1e-9).sum() > 0
+    if kind is None:
+        rho0 = 400.0
+        stronger = (625 + 3125 * 817 / 800) / (625 + 3125 * (rho0 - 100) / 800)
+        np.testing.assert_allclose(state.bond, 0.02 * stronger * (rho0 / 917.0) ** (1 / 3), rtol=0.012)
 
 
 def test_what_freezes_bit_by_bit_is_bonded_as_the_snow():
@@ -274,6 +293,46 @@ def test_sintering():
     pace = math.exp(-5.86e4 / 8.314 * (1 / 243.15 - 1 / 268.15))
     assert holds[-5.0] == pytest.approx(1001.0**0.21, rel=1e-3)
     assert holds[-30.0] == pytest.approx((1 + 1000.0 * pace) ** 0.21, rel=1e-3)
+
+
+def parted(kind, rest):
+    """Return by how much halves of a block part in 0.25 s after a push of 2 cm/s, over that of free ones.
+
+    Gravity has settled the block in a tight box, where it has lain for `rest` [s]; then both are taken away.
+    """
+    heat = {"air_exchange": 0.0, "snow_temperature": -2.0, "sintering": True}
+    walls = [
+        {"shape": "plane", "point": [side * 0.1 * (axis == 0), side * 0.1 * (axis == 1), 0],
+         "normal": [-side * (axis == 0), -side * (axis == 1), 0], "mode": "slip"}
+        for axis in (0, 1) for side in (-1, 1)
+    ]  # fmt: skip
+    block = {"shape": "box", "size": [0.2, 0.2, 0.2], "center": [0, 0, 0.1]}
+    sim = simulate([block], heat, [GROUND, *walls], -9.81, {"kind": kind}, dx=0.066)
+    sim.advance(0.15)
+    sim.solver.begin(sim.steps, sim.time)
+    sim.state.v[...] = 0.0
+    if rest:
+        sim.state.pass_heat(rest)
+    world = sim.scene.world.model_copy(update={"gravity": (0.0, 0.0, 0.0)})
+    sim.change(sim.scene.model_copy(update={"world": world, "colliders": ()}))
+    upper = np.asarray(sim.state.x[:, 2]) > np.median(sim.state.x[:, 2])
+    ids = np.asarray(sim.state.id)[upper]
+    sim.state.v[:, 2] = np.where(upper, 0.02, -0.02)
+
+    def apart():
+        above, z = np.isin(sim.state.id, ids), np.asarray(sim.state.x[:, 2])
+        return z[above].mean() - z[~above].mean()
+
+    before = apart()
+    sim.advance(0.25)
+    return (apart() - before) / (0.04 * 0.25)
+
+
+@pytest.mark.parametrize("kind", ["powder", "cold_dense"])
+def test_sintered_snow_holds_together(kind):
+    """Snow without cohesion falls apart at a push; after a week of rest it holds."""
+    assert parted(kind, 0.0) > 0.8
+    assert parted(kind, 7 * 86400.0) < 0.5
 
 
 def test_same_bits():

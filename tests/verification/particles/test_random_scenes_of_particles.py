@@ -55,13 +55,24 @@ def test_energy_and_momentum_from_nowhere_are_seen():
 
 
 def test_heat_from_nowhere_is_seen():
-    """A joule more than air and sun gave; energy is not judged any more once snow melts."""
+    """A joule more than air and sun gave; energy is judged while snow melts as well."""
     sim, judge = watched()
     assert judge.is_judged
     sim.state.enthalpy[0] += 1.0
     assert "heat" in judge.fault()
     sim.state.liquid[0] = 0.5
-    assert not judge.is_judged
+    assert judge.is_judged
+
+
+def test_energy_from_nowhere_in_slush_is_seen():
+    """Snow that has begun to melt is judged by its energy like any other."""
+    sim, judge = watched()
+    sim.state.liquid[:] = 0.5
+    go(sim, judge, 2e-2)
+    assert judge.energy_fault() == ""
+    sim.state.v[:] *= 1.5
+    go(sim, judge, 1e-3)
+    assert "energy" in judge.energy_fault()
 
 
 def test_other_bits_after_a_resume_are_seen():

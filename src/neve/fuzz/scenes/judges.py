@@ -127,7 +127,7 @@ class MpmJudge(Judge):
 class ParticleJudge(Judge):
     """Momentum is what gravity and solids gave, heat what air and sun did; bits are those of a resumed run.
 
-    Energy is judged until snow melts, which changes sizes and stiffness; momentum where none may fall asleep.
+    Energy is judged while snow melts and freezes too; momentum where none may fall asleep.
     """
 
     meter_of: ClassVar[type[Meter]] = ParticleMeter
@@ -155,11 +155,6 @@ class ParticleJudge(Judge):
     def _now(self) -> ParticleDiagnostics:
         solver: ParticleSolver = self.sim.solver  # type: ignore[assignment]
         return solver.diagnostics(self.sim.exchanged + self._meter.exchanged)
-
-    @property
-    def is_judged(self) -> bool:
-        """Whether all snow is frozen still."""
-        return not np.any(self.sim.state.liquid)
 
     def fault(self) -> str:
         """Return what is wrong with momentum and heat, "" if nothing is."""
