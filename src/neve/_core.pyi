@@ -764,6 +764,7 @@ class ImplicitSolver(Protocol):
     """
 
     diagonal: bool
+    """Whether the diagonal of the stiffness preconditions snow that lies on what no snow moves."""
     @property
     def iterations(self) -> int:
         """Of all linear systems of the last step."""
