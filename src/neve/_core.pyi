@@ -780,10 +780,12 @@ class ImplicitSolver(Protocol):
     @property
     def converged(self) -> bool:
         """Whether the last step was solved."""
-    def learn(self, law: str, weights: Mapping[str, Sequence[float]], regularity: float | None = None) -> None:
-        """Take the return map of a law from a network: a, b, W, V, w, d and q, row by row, as `neve.learned`
-        has them; regularity: r over the stiffness, unless it is to be the law's own. Errors: ValueError for an
-        unknown law, or weights that do not fit each other.
+    def learn(
+        self, law: str, weights: Mapping[str, Sequence[float]], regularity: float | None = None
+    ) -> None:
+        """Take the return map of a law from a network: a, b, W, V, w, d and q, row by row, as in
+        `neve.learned`; regularity: r over the stiffness, unless it is to be the law's own. Errors: ValueError
+        for an unknown law, or weights that do not fit each other.
         """
     def solve(self, model: Model, state: State, grid: Grid, dt: float) -> GridReport:
         """Turn momenta without force, as `p2g` with dt = 0 leaves them, into velocities after dt [s].
@@ -1356,8 +1358,8 @@ class Precision(Protocol):
     ) -> tuple[Array64, Array64]:
         """Return P (n, 3, 3) [Pa] at F of the energy that a network expands around F0, and its change by dF.
 
-        J_P (n,): at the start of the step; regularity: r over the stiffness, or the law's own. Errors: ValueError
-        for lengths that differ, and for a law that no network can take the place of.
+        J_P (n,): at the start of the step; regularity: r over the stiffness, or the law's own. Errors:
+        ValueError for lengths that differ, and for a law that no network can take the place of.
         """
     def sort(self, model: _Model, state: _State, grid: _Grid, /) -> None:
         """Sort the rows of the state by block and cell, and lay out the grid.

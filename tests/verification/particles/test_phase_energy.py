@@ -103,8 +103,8 @@ def pool(height=0.3, snow=None, **more):
 def test_pool_lies_level():
     """Melt water in a box comes to rest level; frozen there, it stays, and gains no energy.
 
-    Its spheres, which fill 0.55 of the volume of the water, lie as densely as they can without order, 0.64: the
-    pool has 1164 kg/m3, to the 5 % by which it is soft and does not fill the corners.
+    Its spheres, which fill 0.55 of the volume of the water, lie as densely as they can without order, 0.64:
+    the pool has 1164 kg/m3, to the 5 % by which it is soft and does not fill the corners.
     """
     sim = pool()
     sim.advance(1.0)
