@@ -105,23 +105,23 @@ struct ConstantBounds {
 // Cohesive strength [Pa] of snow of density rho [kg/m3]: 625 at 100, 3750 at 900, as in a port of Goswami et al. 2019.
 inline double cohesive_strength(double rho) { return 625 + 3125 * (rho - 100) / 800; }
 
-// Forces at which bonds break grow in steps of 1 %: then those that are there have to grow along seldom.
+// Forces at which bonds break grow in steps of this share of that at birth: then those that are there have to grow along seldom.
 inline constexpr double growth_step = 0.01;
 
-// The force that breaks a bond of snow of density `born` [kg/m3] at birth, at the volume ratio J, over that at birth: cohesive strength
-// over the area of a particle.
-inline double bond_growth(double born, double J) {
-  if (!(J < 1)) return 1;
-  const double stronger = cohesive_strength(born / J) / cohesive_strength(born);
-  const double steps = std::floor(std::log(stronger * std::cbrt(J * J)) / std::log1p(growth_step) + 0.25);
-  return std::pow(1 + growth_step, steps);
+// The force that breaks a bond of snow of density `born` [kg/m3] at birth, once its particles have `size` times the radius, over that at
+// birth: cohesive strength over the area of a particle.
+inline double bond_growth(double born, double size) {
+  const double stronger = cohesive_strength(born / (size * size * size)) / cohesive_strength(born);
+  return growth_step * std::floor(stronger * size * size / growth_step + 0.25);
 }
 
-// Volume ratio of what is solid of particle p.
+// Radius over that at birth of what is solid of particle p.
 template <class T>
-double solid_ratio(const ParticleState<T>& s, std::size_t p) {
+double solid_size(const ParticleState<T>& s, std::size_t p) {
   const double V0 = s.V0.column(0)[p], J = s.J_P.column(0)[p], wet = s.liquid.column(0)[p];
-  return V0 > 0 && J < 1 ? heat::solid_ratio(J, wet, double(s.m.column(0)[p]) / V0) : 1.0;
+  if (!(V0 > 0 && J < 1)) return 1;
+  if (wet > 0) return std::cbrt(heat::solid_ratio(J, wet, double(s.m.column(0)[p]) / V0));
+  return double(s.radius.column(0)[p]) / double(s.born.column(0)[p]);
 }
 
 // Stretch over the radii's sum at birth at which bonds of particle p break, as compaction and melting have made it [1].
@@ -129,7 +129,7 @@ template <class T>
 double strength_of(const ParticleState<T>& s, const std::vector<ContactMaterial>& table, std::size_t p) {
   const double born = double(s.m.column(0)[p]) / std::max(double(s.V0.column(0)[p]), 1e-300);
   return table[s.material[p]].bond_strain * double(s.strength.column(0)[p]) *
-         (1 - double(s.liquid.column(0)[p])) * bond_growth(born, solid_ratio(s, p));
+         (1 - double(s.liquid.column(0)[p])) * bond_growth(born, solid_size(s, p));
 }
 
 // Fill the columns of particle p that follow from others. The stiffness of contacts stays while a particle is compacted: its
@@ -141,7 +141,7 @@ void derive(ParticleState<T>& s, const std::vector<ContactMaterial>& table, std:
   const double stiffness = double(s.stiffness.column(0)[p]) * (1 - wet * (1 - soft));
   s.k.column(0)[p] = T(material.modulus * stiffness * double(s.born.column(0)[p]));
   s.mu.column(0)[p] = T(material.friction * (1 - wet));
-  s.bond.column(0)[p] = T(strength_of(s, table, p) / std::cbrt(solid_ratio(s, p)));
+  s.bond.column(0)[p] = T(strength_of(s, table, p) / solid_size(s, p));
   s.yield.column(0)[p] = T(material.yield * strength);
 }
 // All particles; spheres of the radii at birth fill the share `packing` of the volumes.

@@ -103,8 +103,7 @@ ICE, HARDENING = 917.0, 100.0
 def growth(born, J):
     """Return the force that breaks bonds of snow over that at birth, of density `born`, in steps of 1 %."""
     strength = [625.0 + 3125.0 * (rho - 100.0) / 800.0 for rho in (born / J, born)]
-    steps = np.floor(np.log(strength[0] / strength[1] * J ** (2 / 3)) / np.log(1.01) + 0.25)
-    return 1.01**steps
+    return 0.01 * np.floor(100.0 * strength[0] / strength[1] * J ** (2 / 3) + 0.25)
 
 
 def compact(c, along, against, across, stiffness):
