@@ -758,10 +758,7 @@ class Grid(Protocol):
         """
 
 class ImplicitSolver(Protocol):
-    """Find velocities of nodes and bodies at the end of a step from implicit equations.
-
-    diagonal: whether the diagonal of the stiffness preconditions snow that lies on what no snow moves
-    """
+    """Find velocities of nodes and bodies at the end of a step from implicit equations."""
 
     diagonal: bool
     """Whether the diagonal of the stiffness preconditions snow that lies on what no snow moves."""

@@ -40,10 +40,8 @@ def require_room(size: NDArray[np.float64], volume: float, numerics: Numerics, n
         "" if not particles <= MOST < points else f", chosen among {points:.2g} points of the box around it,"
     )
     stated = f"{name} would take {particles:.2g} particles{chosen} with numerics.dx = {numerics.dx:g}"
-    if points > MOST:
-        raise SceneError(f"{stated}, more than {MOST:.2g}; use a larger dx or a smaller source")
-    if found := lacking(points * POINT_BYTES + particles * PARTICLE_BYTES):
-        raise SceneError(f"{stated}, which {found}; use a larger dx or a smaller source")
+    needed = points * POINT_BYTES + particles * PARTICLE_BYTES
+    _require(stated, points, MOST, needed, "use a larger dx or a smaller source")
 
 
 def require_room_in_section(cells: NDArray[np.float64], numerics: Numerics, name: str) -> None:
@@ -55,10 +53,7 @@ def require_room_in_section(cells: NDArray[np.float64], numerics: Numerics, name
     """
     points = float(np.prod(cells))
     stated = f"{name} has a section of {points:.2g} particles with numerics.dx = {numerics.dx:g}"
-    if points > MOST:
-        raise SceneError(f"{stated}, more than {MOST:.2g}; use a larger dx or a smaller emitter")
-    if found := lacking(points * CELL_BYTES):
-        raise SceneError(f"{stated}, which {found}; use a larger dx or a smaller emitter")
+    _require(stated, points, MOST, points * CELL_BYTES, "use a larger dx or a smaller emitter")
 
 
 def expected(source: Source, numerics: Numerics) -> float:
@@ -74,9 +69,15 @@ def require_room_for_all(particles: float, numerics: Numerics, held: bool = Fals
     Errors: SceneError.
     """
     stated = f"all sources together would take {particles:.2g} particles with numerics.dx = {numerics.dx:g}"
-    if particles > MOST_PARTICLES:
-        raise SceneError(f"{stated}, more than {MOST_PARTICLES:.2g}; use a larger dx or less snow")
     modes = numerics.polypic_modes if numerics.transfer == "polypic" else 0
     each = STATE_BYTES[numerics.precision] + max(modes - 4, 0) * MODE_BYTES[numerics.precision]
-    if found := lacking(particles * (each + (0 if held else SAMPLE_BYTES))):
-        raise SceneError(f"{stated}, which {found}; use a larger dx or less snow")
+    needed = particles * (each + (0 if held else SAMPLE_BYTES))
+    _require(stated, particles, MOST_PARTICLES, needed, "use a larger dx or less snow")
+
+
+def _require(stated: str, count: float, most: float, needed: float, advice: str) -> None:
+    """Refuse `stated` if `count` is above `most`, or `needed` bytes are not free. Errors: SceneError."""
+    if count > most:
+        raise SceneError(f"{stated}, more than {most:.2g}; {advice}")
+    if found := lacking(needed):
+        raise SceneError(f"{stated}, which {found}; {advice}")
